@@ -367,7 +367,7 @@ def test_text() -> None:
     assert len({line.index(".") for line in radians[2:]}) == 1, "columns are aligned"
     assert str(made([NONE] * 4, x=7.0)) == "fake: no solution: x = 7 m is out of reach"
     assert str(BATCH.within_limits()).startswith("fake: 10 poses, ")
-    assert repr(ONE.turns()) == "<IKSolutions of fake: 4 in 8 columns, turns>"
+    assert repr(ONE.turns()) == "<IKSolutions of fake: 4 in 8 columns, complete, turns>"
     assert repr(BATCH) == "<IKSolutions of fake: poses (2, 5), 40 solutions>"
     many = made(np.zeros((4, 6)) + 0.1, arm_with([[-2 * PI, 2 * PI]] * 6, ("revolute",) * 6)).turns()
     assert str(many).splitlines()[-1] == "... and 224 more"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "answers/polish.hpp"
+#include "certificate/status.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -73,7 +73,7 @@ template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);
 // NaN.
 template <class Arm> using DistancesOf = void (*)(const Arm&, const double* seen, double (&out)[4]);
 
-// Bits of a solution's flags. UNCERTAIN is set in the first column of a pose, solution or not, if solutions may be missing.
+// Bits of a solution's flags. UNCERTAIN is a part of the pose's status, in its first column: see certificate/status.hpp.
 enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16, UNCERTAIN = 32 };
 inline constexpr std::uint8_t SINGULAR = SHOULDER | ELBOW | WRIST | OTHER;
 

@@ -10,7 +10,6 @@ import coal
 import numpy as np
 import pinocchio as pin
 from lxml import etree
-from scipy import spatial
 
 from urdf_ik.cell.obstacles.tree import cell_codes
 from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Sphere, cloud, reason_of
@@ -114,6 +113,8 @@ def hull(geometry: Any) -> Any:
     """The convex hull of a mesh as coal's ``Convex``; None for other shapes, and where the mesh is flat."""
     if not isinstance(geometry, coal.BVHModelBase):
         return None
+    from scipy import spatial  # slow to import, and only meshes need it
+
     vertices = np.array(geometry.vertices())
     try:
         found = spatial.ConvexHull(vertices, qhull_options="Qt Pp")

@@ -35,14 +35,16 @@ PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& si
         for (int b = 0; b < six.columns; ++b) {
             const int flags = six.flags[six.columns * i + b];
             if (!(flags & VALID)) continue;
-            free |= (flags & ~UNCERTAIN) != VALID;
+            free |= (flags & ~STATUS) != VALID;
             double q[5];
             for (int j = 0; j < 5; ++j) q[j] = six.q[6 * (six.columns * i + b) + arm.at + j];
             polish_and_keep(arm.written, goal, q, Origin::computed, arm.written.tolerances.reach, columns);
         }
         if (free && arm.written.task == Task::pose) search_everywhere(arm.written, goal, columns);
         sort(columns);
-        columns.flags[0] |= six.flags[six.columns * i] & UNCERTAIN;
+        // On a continuum of the six, isolated solutions of the five may be missing: the net is a search.
+        const Status of_six = status_of(six.flags[six.columns * i]);
+        set_status(columns.flags[0], of_six == Status::continuum ? Status::incomplete : of_six);
     }
 }
 

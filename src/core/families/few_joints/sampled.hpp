@@ -82,7 +82,7 @@ struct Sampled {
         }
         sort(columns);
         // A search cannot prove that its result is complete.
-        columns.flags[0] |= UNCERTAIN;
+        set_status(columns.flags[0], Status::incomplete);
     }
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {

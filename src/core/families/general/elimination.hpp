@@ -355,7 +355,7 @@ struct General6 {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
         const bool certain = complete(arm, goal, columns);
         sort(columns);
-        if (!certain) columns.flags[0] |= UNCERTAIN;
+        if (!certain) set_status(columns.flags[0], Status::incomplete);
     }
 };
 

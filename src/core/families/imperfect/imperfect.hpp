@@ -76,7 +76,7 @@ template <class Family> struct Imperfect {
         if (!complete(arm.elimination, goal, columns)) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
-            columns.flags[0] |= UNCERTAIN;
+            set_status(columns.flags[0], Status::incomplete);
         }
     }
 

@@ -120,16 +120,18 @@ template <int N> STEP int widest(const CoupledArm<N>& arm, const double (&w)[N])
     return best;
 }
 
-// All solutions of one pose, scaled; boxes and halves are scratch for BOXES boxes each.
+// All solutions of one pose, scaled; boxes and halves are scratch for BOXES boxes each. Returns whether every box was decided.
 template <int N>
-PART void search(const CoupledArm<N>& arm, const Goal<double>& goal, double* boxes, double* halves, const Columns<N>& columns) {
+PART bool search(const CoupledArm<N>& arm, const Goal<double>& goal, double* boxes, double* halves, const Columns<N>& columns) {
     double w[N];
     for (int j = 0; j < N; ++j) w[j] = arm.half[j], boxes[j] = arm.middle[j];
+    bool decided = true;
     for (long count = 1; count > 0;) {
         const double rho = bound(arm, w);
         const bool last = rho < SMALLEST * SMALLEST || 2 * count > BOXES;
         const int split = widest(arm, w);
         const long stride = last ? 1 + count / STARTS : 1;
+        decided &= stride == 1;
         long more = 0;
         for (long first = 0; first < count; first += BLOCK * stride) {
             Block c[N];
@@ -140,6 +142,7 @@ PART void search(const CoupledArm<N>& arm, const Goal<double>& goal, double* box
             const Verdict<N> verdict = examine(arm.written, goal, c, w, rho);
             for (int i = 0; i < BLOCK && first + i * stride < count; ++i) {
                 const bool alone = verdict.alone >> i & 1, halve = verdict.halve >> i & 1;
+                decided &= !(halve && last);
                 double x[N];
                 for (int j = 0; j < N; ++j) x[j] = alone ? verdict.start[j][i] : c[j][i];
                 if (alone || (halve && last)) {
@@ -151,11 +154,12 @@ PART void search(const CoupledArm<N>& arm, const Goal<double>& goal, double* box
                 }
             }
         }
-        if (last) return;
+        if (last) return decided;
         w[split] *= 0.5, count = more;
         double* const swap = boxes;
         boxes = halves, halves = swap;
     }
+    return decided;
 }
 
 template <int N> long solve_coupled(const CoupledArm<N>& arm, const Batch& batch, double* scratch) {
@@ -166,8 +170,9 @@ template <int N> long solve_coupled(const CoupledArm<N>& arm, const Batch& batch
         project_rotation(T, proper);
         const Columns<N> columns = {batch.q + N * arm.columns * i, batch.flags + arm.columns * i, arm.columns};
         columns.clear();
-        search(arm, goal_of(proper), scratch, scratch + N * BOXES, columns);
+        const bool decided = search(arm, goal_of(proper), scratch, scratch + N * BOXES, columns);
         finish(arm.written, columns);
+        if (!decided) set_status(columns.flags[0], Status::incomplete);
     }
     return -1;
 }

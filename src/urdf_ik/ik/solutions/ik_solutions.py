@@ -270,7 +270,8 @@ class IKSolutions(KeptSolutions):
         """The solutions as a ``pandas.DataFrame``, one row each.
 
         Columns: of a batch ``pose`` (``pose_0``, ``pose_1``, ... where it has several axes); ``branch``; a joint's
-        value [rad or m] under its name; ``within_limits``, whether that filter keeps it; ``singular``, as words.
+        value [rad or m] under its name; ``within_limits``, whether that filter keeps it; ``status`` of the pose;
+        ``singular``, as words.
 
         Raises:
             MissingPackage: pandas is not installed.
@@ -288,8 +289,8 @@ class IKSolutions(KeptSolutions):
         """The whole answer as an ``xarray.Dataset``, by pose, branch and joint.
 
         Variables: ``q`` [rad or m], NaN where there is no solution; ``valid``; ``singular``, bits of ``Singular``;
-        ``within_limits``, whether that filter keeps it; ``T`` [m], the poses. Branches and joints are coordinates, with
-        their names; ``unit`` is that of each joint.
+        ``within_limits``, whether that filter keeps it; ``status`` and ``T`` [m], of the poses. Branches and joints are
+        coordinates, with their names; ``unit`` is that of each joint.
 
         Raises:
             MissingPackage: xarray is not installed.
@@ -345,7 +346,8 @@ class IKSolutions(KeptSolutions):
         filters = "".join(f", {name}" for name in self.filters)
         if self.shape:
             return f"<IKSolutions of {self.solver.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
-        return f"<IKSolutions of {self.solver.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
+        columns = self._info.shape[-1]
+        return f"<IKSolutions of {self.solver.name}: {self.count} in {columns} columns, {self.status}{filters}>"
 
     def _require_columns(self, n: int, what: str) -> None:
         inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])

@@ -40,6 +40,7 @@ def to_frame(solutions: Any) -> Any:
     columns["branch"] = solutions.names[at]
     columns |= dict(zip(solutions.solver.joint_names, solutions.q[at].T, strict=True))
     columns["within_limits"] = _within(solutions)[at]
+    columns["status"] = solutions.status[at[:-1]]
     columns["singular"] = [str(Singular(int(flags)).name or "") if flags else "" for flags in solutions.singular[at]]
     return pandas.DataFrame(columns)
 
@@ -60,6 +61,7 @@ def to_xarray(solutions: Any) -> Any:
             "valid": ((*poses, "branch"), solutions.valid),
             "singular": ((*poses, "branch"), solutions.singular),
             "within_limits": ((*poses, "branch"), _within(solutions)),
+            "status": (tuple(poses), solutions.status),
             "T": ((*poses, "row", "column"), solutions.poses),
         },
         coords={

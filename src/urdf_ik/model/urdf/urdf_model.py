@@ -18,6 +18,7 @@ from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.urdf.limbs import Limb
+from urdf_ik.model.urdf.yourdfpy_import import yourdfpy
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import nearest, quoted
 
@@ -351,12 +352,10 @@ def yourdfpy_model(xml: bytes) -> Any:
         >>> yourdfpy_model(b'<robot name="r"><link name="only"/></robot>').robot.name
         'r'
     """
-    import yourdfpy  # slow to import, and only reading needs it
-
     tree = etree.fromstring(xml)
     capsules = [shape.getparent().getparent() for shape in tree.iter("capsule")]
     for body in capsules:  # yourdfpy knows no capsules, and would refuse the file
         body.getparent().remove(body)
-    return yourdfpy.URDF.load(
+    return yourdfpy().URDF.load(
         io.BytesIO(etree.tostring(tree) if capsules else xml), build_scene_graph=False, load_meshes=False
     )
