@@ -16,9 +16,10 @@ try:
 except ImportError as error:  # python-flint is an extra
     raise MissingPackage("proofs are checked in ball arithmetic: pip install 'urdf-ik[proof]'") from error
 
-from urdf_ik.verify.proof.families import EIGHT, ideal, roots
-from urdf_ik.verify.proof.loop import Loop, box, exact
+from urdf_ik.verify.proof.families import EIGHT, ideal
+from urdf_ik.verify.proof.loop import Loop, exact
 from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, single_root
+from urdf_ik.verify.proof.search import outside, search
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
+_ROUNDS = 20  # of the search for complex roots
+_AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
 
 
@@ -131,7 +134,7 @@ def check_proof(
     inputs.callback(progress, "progress")
     if solutions.solver.chain is not arm.chain and solutions.solver.chain != arm.chain:
         raise ArgumentError("the solutions are of another arm")
-    T = np.asarray(solutions.T).reshape(-1, 4, 4)
+    T = np.asarray(solutions.poses).reshape(-1, 4, 4)
     count = len(T)
     statuses = np.asarray(solutions.status).reshape(-1)
     q = np.asarray(solutions.q).reshape(count, -1, arm.dof)
@@ -168,7 +171,7 @@ def examine(
         rng: source of the starts of the search for complex roots.
     """
     if proof is None or not len(proof.roots) and not len(proof.clusters):
-        return _by_family(loop, solutions, rng)
+        return _by_search(loop, solutions, rng)
     return _by_account(loop, solutions, proof)
 
 
@@ -197,29 +200,36 @@ def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None
     return _answered(solutions, singles, clusters)
 
 
-def _by_family(loop: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
+def _by_search(loop: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
+    """All complex roots, found here: of the arm as written, or of the nearest ideal arm."""
+    if loop.out_of_reach:
+        return _answered(solutions, [], [])
     near = ideal(loop)
+    if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
+        return _by_family(loop, near[0], solutions, rng)
+    singles, clusters = search(loop, solutions, SIXTEEN, rng, _ROUNDS)
+    count = len(singles) + sum(group.count for group in clusters)
+    if count == SIXTEEN:
+        return _answered(solutions, singles, clusters)
     if near is None:
-        return None, "no three neighbouring axes meet or are parallel, and the answer has no account of its roots"
-    boxes: list[Enclosure] = []
-    for candidate in roots(near, solutions, EIGHT, rng):
-        one = enclosed(near, exact(candidate))
-        if not isinstance(one, str) and all(one.apart(other) for other in boxes):
-            boxes.append(one)
-    if len(boxes) > EIGHT:
-        raise AssertionError("more roots than the theorem allows")
-    if len(boxes) < EIGHT:
+        return None, f"{count} of {SIXTEEN} roots are enclosed"
+    return _by_family(loop, near[0], solutions, rng)
+
+
+def _by_family(loop: Loop, near: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
+    boxes, _ = search(near, solutions, EIGHT, rng, _ROUNDS)
+    if len(boxes) != EIGHT:
         return None, f"{len(boxes)} of the {EIGHT} roots of the nearest ideal arm are enclosed"
-    singles = []
+    singles: list[Enclosure] = []
     for each in boxes:
         if not each.may_be_real:
             continue
-        start = [acb(value.real) for value in each.centre]
-        found = single_root(loop, start)
+        # A box around real numbers that holds this one, and exactly one root of the arm as written, which is real.
+        found = enclosed(loop, [acb(value.real) for value in each.centre], 2 * each.radius)
         if isinstance(found, str):
-            return None, f"a real root of the ideal arm has none of the arm as written beside it: {found}"
-        if not each.holds(found) or isinstance(enclosed(loop, each.centre, each.radius), str):
-            return None, "the box of a real root of the ideal arm may hold several of the arm as written"
+            return None, f"beside a real root of the ideal arm, of the arm as written: {found}"
+        if not all(found.apart(other) for other in singles):
+            return None, "real roots of the ideal arm are too close to each other"
         singles.append(found)
     return _answered(solutions, singles, [])
 
@@ -253,7 +263,7 @@ def _overlap(singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure])
             if not one.apart(singles[k]):
                 return f"root {k}", f"root {i}"
         for k, group in enumerate(clusters):
-            if not group.distance(one.centre) > group.radius + 3 * one.radius:
+            if not outside(one, group):
                 return f"root {i}", f"cluster {k}"
     for i, first in enumerate(clusters):
         for k in range(i):

@@ -74,6 +74,16 @@ class Loop:
         goal = _motion(_rotation(T[:3, :3]), [arb(float(x)) / size for x in T[:3, 3]])
         return cls(axes, goal * _inverse(tip))
 
+    @property
+    def out_of_reach(self) -> bool:
+        """Whether axis 6 would be further from axis 1 than the steps between the axes' points are long together."""
+        first, last = self.axes[0][1], self.axes[5][1]
+        moved = [
+            sum((self.G[i, k].real * last[k] for k in range(3)), self.G[i, 3].real) - first[i] for i in range(3)
+        ]
+        steps = [[b - a for a, b in zip(self.axes[k][1], self.axes[k + 1][1], strict=True)] for k in range(5)]
+        return bool(_length(moved) > sum((_length(step) for step in steps), arb(0)))
+
     def values(self, q: Sequence[acb]) -> acb_mat:
         """X at q, six balls."""
         return self._swept(q)[0]
@@ -156,8 +166,12 @@ def largest(values: Sequence[acb]) -> arb:
 
 
 def _unit(v: list[arb]) -> list[arb]:
-    length = sum((x * x for x in v), arb(0)).sqrt()
+    length = _length(v)
     return [x / length for x in v]
+
+
+def _length(v: list[arb]) -> arb:
+    return sum((x * x for x in v), arb(0)).sqrt()
 
 
 def _rotation(R: Array) -> list[list[arb]]:

@@ -45,11 +45,6 @@ class Enclosure:
         sides = self.radius + other.radius
         return any(abs(d.real) > sides or abs(d.imag) > sides for d in _between(self.centre, other.centre))
 
-    def holds(self, other: Enclosure) -> bool:
-        """Whether the box holds another one, whole turns aside."""
-        left = self.radius - other.radius
-        return all(abs(d.real) < left and abs(d.imag) < left for d in _between(self.centre, other.centre))
-
     @property
     def may_be_real(self) -> bool:
         """Whether the box holds a real point."""
