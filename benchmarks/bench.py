@@ -34,7 +34,7 @@ from robots import CALIBRATED_UR10E, GENERAL, ROBOTS, UR10E, Robot
 
 SINGLE_CALLS = 1000  # a repetition
 SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond and more
-BATCH = 10_000  # poses in a batch
+BATCH = 20_000  # poses in a batch
 CALIBRATED_BATCH = 2_000  # the same where an arm is compared as designed and as calibrated
 GENERAL_CALLS, GENERAL_BATCH = 50, 400  # the same for general arms, on which this package is slow, too
 

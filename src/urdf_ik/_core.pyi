@@ -171,6 +171,8 @@ class Solver:
 
     def one_near(self, arg0: object, arg1: object, arg2: object, arg3: object, arg4: object, /) -> object: ...
 
+    def many(self, kind: object, arm: object, branches: object, T: object, q_ref: object | None, values: object | None, threads: int, out: object | None) -> object: ...
+
     def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
         """Of axes, for explanations [m]: up to four, NaN where there is none."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import re
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
@@ -210,6 +211,24 @@ def test_a_broken_srdf_is_refused(text: str, says: str) -> None:
     """An unknown or missing link, broken XML, a DOCTYPE or a URDF is an error with its place and hint."""
     with pytest.raises(UrdfError, match=says):
         model(ROW, srdf=text)
+
+
+def test_the_srdf_of_an_arm_excuses_its_pairs_wherever_the_arm_goes() -> None:
+    """Of a loaded arm, with a tool, with a joint held, and pickled; pairs of unknown links allow nothing."""
+    pair, other = ("link_4", "link_6"), ("link_3", "link_5")
+    disable = '<disable_collisions link1="{}" link2="{}"/>'
+    srdf = f'<robot name="r">{disable.format(*pair)}{disable.format("link_1", "hand")}</robot>'
+    arm = urdf_ik.load("zyyzyz_6r", srdf=srdf)
+    plain = urdf_ik.load("zyyzyz_6r")
+    assert (arm.base, arm.tip) == (plain.base, plain.tip)  # an SRDF without groups chooses no chain
+    for each in (arm, arm.with_tool(np.eye(4)), arm.with_locked({"joint_1": 0.0}), pickle.loads(pickle.dumps(arm))):
+        table = each.cell.collisions.table()
+        assert table.allowed[pair] == "srdf" and other in table.checked
+    assert pair in plain.cell.collisions.checked_pairs
+    q = np.array([0.0] * 6)
+    assert plain.cell.nearest_pair(q).links == pair and arm.cell.nearest_pair(q).links == other
+    with pytest.raises(UrdfError, match="link2='hand'"):
+        urdf_ik.load("zyyzyz_6r", srdf=srdf, strict=True)
 
 
 # ---------------------------------------------------------------- shapes that are not there

@@ -17,7 +17,20 @@ from command import ARM, TWO_JOINTS, TYPED, call, strict_json, succeed, target
 from urdf_ik.model import catalogue
 from urdf_ik.verify import completeness, crosscheck
 
-COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "plot", "placement", "dataset")
+COMMANDS = (
+    "info",
+    "fk",
+    "ik",
+    "explain",
+    "check",
+    "compare",
+    "dh",
+    "workspace",
+    "path",
+    "plot",
+    "placement",
+    "dataset",
+)
 
 
 # Status and messages
@@ -42,11 +55,11 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("ik", ARM, "--xyz", "1,0,0", "--quat-wxyz", "0,0,0,0"), None, 2, ("zero",)),
         (("ik", ARM, "--q", "1,2,3"), None, 2, ("1,2,3", "joint_6")),
         (("ik", ARM, "--nearest", "1"), None, 2, ("--nearest", "joint_6")),
-        (("ik", ARM, "--within", "1"), None, 2, ("--within", "--nearest")),
+        (("ik", ARM, "--max-step", "1"), None, 2, ("--max-step", "--nearest")),
         (("ik", ARM, "--metric", "time"), None, 2, ("--metric", "--nearest")),
-        (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--within", "1,2"), None, 2, ("--within", "joint_6")),
+        (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--max-step", "1,2"), None, 2, ("--max-step", "joint_6")),
         (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--best", "limits"), None, 2, ("--best", "--nearest")),
-        (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--within", "-1"), None, 2, ("within", "zero or positive")),
+        (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--max-step", "-1"), None, 2, ("within", "zero or positive")),
         (("ik", ARM, "--poses", "no/such.csv"), None, 2, ("no/such.csv", "No such file")),
         (("ik", ARM, "--poses", "-"), "", 2, ("standard input is empty", "qx,qy,qz,qw")),
         (("ik", ARM, "--poses", "-"), "1,2,3\n", 2, ("line 1: 3 numbers", "qx,qy,qz")),
@@ -64,13 +77,13 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("ik", ARM, "--poses", "-"), '"1,0,0\n0,0,0,1\n', 2, ("standard input, line",)),
         (("ik", ARM, "--poses", "-"), "[[2, 0, 0, 3, 0, 0, 0]]", 2, ("pose 0", "the length 3")),
         (("ik", "-", "--poses", "-"), "", 2, ("standard input",)),
-        (("fk", ARM), None, 2, ("--q", "--file")),
-        (("fk", ARM, "--q", TYPED, "--file", "x.csv"), None, 2, ("--q", "--file")),
-        (("fk", ARM, "--file", "-"), "1,2\n", 2, ("(1, 2)", "joint_6")),
-        (("fk", ARM, "--file", "-"), '{"q": 5}', 2, ("shape ()", "joint_6")),
-        (("fk", ARM, "--file", "-"), "[[1, 2, 3, 4, 5, true]]", 2, ("joint vector 0: true",)),
-        (("fk", ARM, "--file", "-"), "joint_1,joint_2\n1,x\n", 2, ("line 2, column joint_2", "'x'")),
-        (("fk", ARM, "--file", "-"), "[[1, 2, 3, 4, 5, NaN]]", 2, ("nan", "joint_6")),
+        (("fk", ARM), None, 2, ("Missing option", "--q")),
+        (("fk", ARM, "--q", "x.csv"), None, 2, ("x.csv", "No such file")),
+        (("fk", ARM, "--q", "-"), "1,2\n", 2, ("(1, 2)", "joint_6")),
+        (("fk", ARM, "--q", "-"), '{"q": 5}', 2, ("shape ()", "joint_6")),
+        (("fk", ARM, "--q", "-"), "[[1, 2, 3, 4, 5, true]]", 2, ("joint vector 0: true",)),
+        (("fk", ARM, "--q", "-"), "joint_1,joint_2\n1,x\n", 2, ("line 2, column joint_2", "'x'")),
+        (("fk", ARM, "--q", "-"), "[[1, 2, 3, 4, 5, NaN]]", 2, ("nan", "joint_6")),
         (("fk", ARM, "--q", TYPED, "-o", "no/such/folder.json"), None, 2, ("no/such/folder.json",)),
         (("info", "zyyzyz_7r"), None, 2, ("zyyzyz_7r", "zyyzyz_6r")),
         (("info", "no/such.urdf"), None, 3, ("no/such.urdf",)),
@@ -122,10 +135,10 @@ def test_errors_have_a_status_and_one_readable_message(
 NEEDED = {
     "fk": ("--q", TYPED),
     "compare": (ARM,),
-    "path": ("-w", "no/such.csv"),
+    "path": ("-p", "no/such.csv"),
     "plot": ("-o", "no/such.png"),
     "view": ("-o", "no/such.html"),
-    "placement": ("-t", "no/such.csv", "--bounds", "0,0,0,1,1,1", "--step", "0.5"),
+    "placement": ("-p", "no/such.csv", "--bounds", "0,0,0,1,1,1", "--step", "0.5"),
     "dataset": ("-n", "1", "--store", "no/such.zarr"),
 }
 
@@ -174,13 +187,13 @@ def test_check_complete_ends_with_the_reports_verdict(monkeypatch: pytest.Monkey
     failed = SimpleNamespace(passed=False, to_json=lambda: '{"passed": false}')
     monkeypatch.setattr(completeness, "compare", lambda *_, **__: failed)
     assert call("check", ARM, "--complete", "-f", "json").exit_code == 1
-    assert call("check", ARM, "--complete", "--collision").exit_code == 2
+    assert call("check", ARM, "--complete", "--collisions").exit_code == 2
 
 
 def test_check_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
     """A good arm passes its check with status 0; a report that failed ends with status 1 and is printed, too."""
     assert strict_json(succeed("check", ARM, "-n", "5", "-f", "json"))["passed"] is True
-    assert "pass" in succeed("check", ARM, "-n", "5", "--no-collision").lower()
+    assert "pass" in succeed("check", ARM, "-n", "5", "--no-collisions").lower()
     failed = SimpleNamespace(passed=False, to_json=lambda: '{"passed": false}')
     monkeypatch.setattr(crosscheck, "check", lambda *_, **__: failed)
     result = call("check", ARM, "-f", "json")
@@ -200,6 +213,7 @@ def test_examples_in_the_help_work(command: str, tmp_path: Path, monkeypatch: py
     shutil.copy(catalogue.resolve("puma_560").path, "lab/arm.urdf")
     Path("vectors.csv").write_text("0,-60,60,0,60,0\n10,-60,60,0,60,0\n")
     succeed("fk", ARM, "--q", "0.5,-0.7,-1.4,-1.8,0.8,1.6", "--q", "0.6,-0.7,-1.4,-1.8,0.8,1.6", "-o", "seam.csv")
+    shutil.copy("seam.csv", "stations.csv")
     Path("cell.urdf").write_text(
         '<robot name="cell"><link name="post"><collision><origin xyz="1.5 1.5 0.5"/><geometry><cylinder radius="0.05" '
         'length="1"/></geometry></collision></link></robot>'

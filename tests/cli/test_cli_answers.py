@@ -128,7 +128,7 @@ def test_filters_keep_what_they_say() -> None:
     for pose, chosen in zip(everything, nearest, strict=True):
         distance = [np.linalg.norm((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) for one in pose]
         assert chosen == [pose[int(np.argmin(distance))]]
-    within = kept("--nearest", TYPED, "--metric", "max", "--within", "1.2")
+    within = kept("--nearest", TYPED, "--metric", "max", "--max-step", "1.2")
     assert 0 < sum(map(len, within)) < len(within)
     for pose, chosen in zip(everything, within, strict=True):
         distance = [np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi).max() for one in pose]

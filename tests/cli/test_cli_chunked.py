@@ -32,8 +32,8 @@ def test_the_best_places_are_those_of_the_map(targets: Path, tmp_path: Path) -> 
     asked = {"bounds": [[-0.5, -0.5, 0], [0.5, 0.5, 0]], "step": 0.5, "turns": 2}
     found = placements.placement(urdf_ik.load(ARM), np.load(targets), **asked)
     picture = tmp_path / "map.png"
-    typed = ("placement", ARM, "-t", str(targets), BOX, "--step", "0.5", "--turns", "2")
-    told = strict_json(succeed(*typed, "--places", "3", "--picture", str(picture), "-f", "json"))
+    typed = ("placement", ARM, "-p", str(targets), BOX, "--step", "0.5", "--headings", "2")
+    told = strict_json(succeed(*typed, "--places", "3", "--output", str(picture), "-f", "json"))
     assert is_png(picture.read_bytes())
     assert [place["reached"] for place in told["places"]] == [place.reached for place in found.places(3)]
     assert np.allclose([place["pose"] for place in told["places"]], [place.pose for place in found.places(3)])
@@ -52,7 +52,7 @@ def test_a_path_and_a_world_have_columns_of_their_own(targets: Path, tmp_path: P
         "</geometry></collision></link></robot>"
     )
     store = tmp_path / "bases.zarr"
-    typed = ("placement", ARM, "-t", str(targets), "--bounds=0,0,0,0,0,0", "--step", "1", "--path")
+    typed = ("placement", ARM, "-p", str(targets), "--bounds=0,0,0,0,0,0", "--step", "1", "--path")
     first = succeed(*typed, "--world", str(cell), "--store", str(store))
     assert "followed" in first and "clear [m]" in first and "the path is followed from 1 of" in first
     assert succeed(*typed, "--world", str(cell), "--store", str(store)) == first
@@ -95,12 +95,12 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("typed", "words"),
     [
-        (("placement", ARM, "-t", "{t}", BOX, "--step", "0"), "step=0.0 given"),
-        (("placement", ARM, "-t", "{t}", "--bounds=1,2", "--step", "1"), "holds 2 values, 6 are needed"),
-        (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--show", "beauty"), "no score is called 'beauty'"),
-        (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--picture", "map.bmp"), "pictures are written as"),
-        (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--workers", "2"), "give --store FOLDER, too"),
-        (("placement", ARM, "-t", "no.csv", BOX, "--step", "1"), "no.csv"),
+        (("placement", ARM, "-p", "{t}", BOX, "--step", "0"), "step=0.0 given"),
+        (("placement", ARM, "-p", "{t}", "--bounds=1,2", "--step", "1"), "holds 2 values, 6 are needed"),
+        (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--show", "beauty"), "no score is called 'beauty'"),
+        (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--output", "map.bmp"), "pictures are written as"),
+        (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--workers", "2"), "give --store FOLDER, too"),
+        (("placement", ARM, "-p", "no.csv", BOX, "--step", "1"), "no.csv"),
         (("dataset", ARM, "-n", "5", "--store", "samples"), "something.zarr or something.parquet"),
         (("dataset", ARM, "-n", "5", "--store", "s.zarr", "--workers", "1", "--scheduler", "tcp://x:1"), "--workers"),
         (("check", ARM, "--store", "night"), "a store is for the arms of a folder"),

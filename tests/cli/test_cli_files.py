@@ -97,5 +97,5 @@ def test_joint_vectors_are_read_in_every_documented_form(tmp_path: Path) -> None
     for content in contents:
         file = tmp_path / "vectors"
         file.write_bytes(content)
-        poses = strict_json(succeed("fk", ARM, "--file", str(file), "-f", "json"))["poses"]
+        poses = strict_json(succeed("fk", ARM, "--q", str(file), "-f", "json"))["poses"]
         assert np.abs(np.array([pose["pose"] for pose in poses]) - oracle().poses(q)).max() < 1e-12

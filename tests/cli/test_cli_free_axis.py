@@ -41,7 +41,7 @@ def test_info_and_path_know_the_axis(tmp_path: Path) -> None:
     here = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
     turned = here @ urdf_ik.pose([0.0, 0.0, 0.0], rotvec=[0.0, 0.0, 1.0])
     np.save(tmp_path / "path.npy", urdf_ik.line(here, turned, 10))
-    asked = ("path", "puma_560", "--waypoints", str(tmp_path / "path.npy"), "--no-collisions", "-f", "json")
+    asked = ("path", "puma_560", "--poses", str(tmp_path / "path.npy"), "--no-collisions", "-f", "json")
     fixed, free = (json.loads(call(*asked, *more).stdout)["cost"] for more in ((), ("--free-axis", "z")))
     assert free < 1e-9 < fixed
 

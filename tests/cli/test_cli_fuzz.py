@@ -28,21 +28,24 @@ from urdf_ik.show import viewer
 
 SEED, COUNT = map(int, os.environ.get("URDF_IK_CALLS", "3:480").split(":"))
 PARTS, MOST_SECONDS = 8, 120
-WRITING = ("-o", "--out", "--output", "--timed", "--picture", "--store")
+WRITING = ("-o", "--output", "--timed", "--store")
 STATUS = {0, 1, 2, 3, 4}
 SEVEN = "0.3,0.5,-0.4,0.9,0.2,-0.6,0.1"
 # Calls that succeed, or nearly: names in braces are files.
 TEXT = """
 info ARM --degrees
+explain ARM --q TYPED --degrees
+explain ARM --poses {poses_csv} --json
+explain planar_2r --task planar-position --xyz 0.1,0.05,0
 info {arm} --chains -f json
 info {arm} --srdf {srdf}
 info - --tip tool0
 info ARM --lock joint_1=30deg --tool-xyz 0,0,0.1 --tool-rpy 0,0.1,0
 info {xacro} --xacro-arg length:=0.4
 fk ARM --q TYPED --degrees
-fk ARM --file {vectors_json} -f json
-fk ARM --file - -f csv
-fk ARM --file {vectors_csv} -o {out}.csv
+fk ARM --q {vectors_json} -f json
+fk ARM --q - -f csv
+fk ARM --q {vectors_csv} -o {out}.csv
 fk {arm} --q TYPED -o {out}.npz
 ik ARM --q TYPED --within-limits --turns --degrees
 ik ARM --poses {poses_csv} --no-check -o {out}.json
@@ -51,10 +54,11 @@ ik ARM --poses {poses_npy} --no-check -f csv
 ik ARM --poses {poses_npz} --no-check -o {out}.npz
 ik ARM --poses - --no-check -f json
 ik ARM --xyz 0.5,0.1,0.3 --rpy 0,0.1,0.2 --no-check
+ik ARM --xyz 0.5 0.1 0.3 --rpy 0 0.1 0.2 --no-check
 ik ARM --random 3 --seed 2 --no-check -f json
 ik ARM --xyz 0.5,0.1,0.3 --quat-xyzw 0,0,0,1 --no-check
 ik ARM --xyz 0.4,0.1,0.3 --rotvec 0,0.1,0.2 --no-check
-ik ARM --q TYPED --nearest 0,0,0,0,0,0 --metric time --within 3 --no-check -f json
+ik ARM --q TYPED --nearest 0,0,0,0,0,0 --metric time --max-step 3 --no-check -f json
 ik ARM --q TYPED --free-axis z --free-at 0,0,0.1 --redundancy 0,0.4 --no-check
 ik srs_7r --q SEVEN --redundancy 0.1,0.3 --no-check --best limits
 ik ARM --q TYPED --best manipulability
@@ -68,17 +72,17 @@ dh {table_json} --snap 1e-6 -f csv
 dh {arm} -o {out}.csv --snap 0.001
 workspace planar_2r --degrees
 workspace planar_2r --voxel 0.2 --orientations 4 -o {out}.npz
-workspace planar_2r --voxel 0.2 --orientations 2 --bounds -1,-1,-1,1,1,1 --threads 2 --manipulability --margin -f json
+workspace planar_2r --voxel 0.2 --orientations 2 --bounds -1,-1,-1,1,1,1 --values manipulability,margin --json
 workspace planar_2r --voxel 0.2 --orientations 2 --store {out}.zarr
-path ARM --waypoints {seam} --no-collisions --out {out}.csv
-path ARM -w {seam} --world {world} --margin 0.01 --cost max --limit-cost 0.1 --reconfigure -f json
-path ARM -w - --no-collisions --max-step 1 --tolerance 0.01,0.1 --start TYPED --timed {out}.json
+path ARM --poses {seam} --no-collisions --output {out}.csv
+path ARM -p {seam} --world {world} --margin 0.01 --cost max --limit-cost 0.1 --reconfigure -f json
+path ARM -p - --no-collisions --max-step 1 --tolerance 0.01,0.1 --start TYPED --timed {out}.json
 plot planar_2r limits --q 0.5,-1 -o {out}.png
 plot planar_2r workspace --q 0.5,-1 -o {out}.svg
 plot planar_2r workspace --map {map} --axis z --at 0 --show solutions -o {out}.png
 robots puma -f json
 view planar_2r -o {out}.html
-view {arm} --host localhost --port 0 --waypoints {seam} --no-collisions -o {out}.html
+view {arm} --host localhost --port 0 --poses {seam} --no-collisions -o {out}.html
 --version
 ik --help
 """
@@ -95,11 +99,11 @@ WORDS = (
 )  # fmt: skip
 OPTIONS = (
     "--base", "--tip", "--chain", "--srdf", "--mesh-root", "--degrees", "--lock", "--tool-xyz", "--tool-rpy",
-    "--redundancy-joint", "--free-axis", "--free-at", "--output", "--format", "--seed", "--q", "--file", "--xyz",
+    "--redundancy-joint", "--free-axis", "--free-at", "--output", "--format", "--seed", "--q", "--task", "--xyz",
     "--quat-xyzw", "--quat-wxyz", "--rpy", "--rotvec", "--poses", "--random", "--redundancy", "--turns",
-    "--within-limits", "--collision-free", "--nearest", "--metric", "--within", "--best", "--voxel",
-    "--orientations", "--bounds", "--threads", "--store", "--waypoints", "--world", "--start", "--end", "--margin",
-    "--cost", "--limit-cost", "--max-step", "--tolerance", "--out", "--timed", "--map", "--axis", "--at", "--snap",
+    "--within-limits", "--collision-free", "--nearest", "--metric", "--values", "--best", "--voxel",
+    "--orientations", "--bounds", "--threads", "--store", "--json", "--world", "--start", "--end", "--margin",
+    "--cost", "--limit-cost", "--max-step", "--tolerance", "--timed", "--map", "--axis", "--at", "--snap",
     "--convention", "--host", "--port", "--xacro-arg", "--scheduler", "--help", "--version", "--nonsense",
 )  # fmt: skip
 # What a terminal takes for an order, or a reader for the end of a line.

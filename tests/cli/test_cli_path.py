@@ -52,7 +52,7 @@ def arrays_of(path: Path) -> dict[str, Array]:
 def test_the_table_holds_what_the_plan_holds(file: str) -> None:
     """Cost, largest step, margins and the joints' ends are those of ``arm.follow``."""
     plan = urdf_ik.load(ARM).follow(urdf_ik.read_waypoints(file))
-    text = succeed("path", ARM, "--waypoints", file)
+    text = succeed("path", ARM, "--poses", file)
     assert f"20 waypoints from {file}" in text.splitlines()[0]
     assert f"cost              {plan.cost:.6g} (sum of dq^2)" in text
     assert f"branch            {plan.branches[0]}" in text
@@ -73,7 +73,7 @@ def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
     found = {}
     for suffix in ("csv", "json", "npz"):
         out = tmp_path / f"plan.{suffix}"
-        succeed("path", ARM, "-w", file, "--out", str(out))
+        succeed("path", ARM, "-p", file, "--output", str(out))
         found[suffix] = out
     with found["csv"].open() as opened:
         rows = list(csv.DictReader(opened))
@@ -87,7 +87,7 @@ def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
 def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Path, suffix: str) -> None:
     """It begins and ends at rest at the path's ends, and no joint exceeds the URDF's velocity."""
     out = tmp_path / f"motion.{suffix}"
-    text = succeed("path", ARM, "-w", file, "--timed", str(out))
+    text = succeed("path", ARM, "-p", file, "--timed", str(out))
     arm = urdf_ik.load(ARM)
     if suffix == "csv":
         with out.open() as opened:
@@ -112,7 +112,7 @@ def test_a_plan_is_written_where_it_cannot_be_timed(tmp_path: Path) -> None:
     arm.write_text(re.sub(r' velocity="[^"]*"', ' velocity="0"', catalogue.resolve(ARM).path.read_text()))
     name, out, timed = tmp_path / "seam.npy", tmp_path / "plan.csv", tmp_path / "motion.csv"
     np.save(name, seam(*SHORT))
-    result = call("path", str(arm), "-w", str(name), "--out", str(out), "--timed", str(timed))
+    result = call("path", str(arm), "-p", str(name), "--output", str(out), "--timed", str(timed))
     assert result.exit_code == 2 and "cost " in result.stdout and out.exists() and not timed.exists()
     assert "no velocity limit for joint_1" in result.stderr
 
@@ -123,13 +123,13 @@ def test_where_there_is_no_plan_every_branch_says_why(tmp_path: Path) -> None:
     plan = urdf_ik.load(ARM).follow(np.load(name))
     assert not plan.found
     out, data = tmp_path / "plan.csv", tmp_path / "plan.json"
-    result = call("path", ARM, "-w", name, "--out", str(out), "--timed", str(data))
+    result = call("path", ARM, "-p", name, "--output", str(out), "--timed", str(data))
     assert result.exit_code == 1 and not out.exists() and f"{out} was not written: there is no plan" in result.stderr
     for stop in plan.stops:
         (row,) = [line for line in result.stdout.splitlines() if line.startswith(f"{stop.branch} ")]
         assert row.split(stop.branch)[1].split()[:2] == [str(stop.waypoint), stop.cause] and row.endswith(stop.reason)
     assert "reach 2.1 m" in result.stdout
-    result = call("path", ARM, "-w", name, "-f", "json", "--out", str(data))
+    result = call("path", ARM, "-p", name, "-f", "json", "--output", str(data))
     answer = strict_json(result.stdout)
     assert result.exit_code == 1 and not answer["found"]
     assert [stop["branch"] for stop in answer["stops"]] == [stop.branch for stop in plan.stops]
@@ -138,7 +138,7 @@ def test_where_there_is_no_plan_every_branch_says_why(tmp_path: Path) -> None:
 
 def test_json_holds_the_plan(file: str) -> None:
     """Joint vectors in the unit asked for, margins at each waypoint, and the alternatives with the cheapest first."""
-    answer = strict_json(succeed("path", ARM, "-w", file, "-f", "json", "--degrees", "--alternatives"))
+    answer = strict_json(succeed("path", ARM, "-p", file, "-f", "json", "--degrees", "--alternatives"))
     assert answer["found"] and answer["units"]["angle"] == "deg"
     np.testing.assert_allclose(oracle().poses(np.deg2rad(answer["q"])), seam(*SHORT), rtol=0.0, atol=1e-9)
     assert len(answer["margins"]["clearance"]) == 20 == len(answer["branches"])
@@ -150,7 +150,7 @@ def test_start_and_end_are_kept(file: str) -> None:
     """A start that is typed is where the plan begins, also where it is not the best one; so is an end."""
     start = urdf_ik.load(ARM).follow(seam(*SHORT)).alternatives[-1].q
     for option, place in (("--start", 0), ("--end", -1)):
-        answer = strict_json(succeed("path", ARM, "-w", file, option, comma(start[place]), "-f", "json"))
+        answer = strict_json(succeed("path", ARM, "-p", file, option, comma(start[place]), "-f", "json"))
         assert np.array_equal(answer["q"][place], start[place])
 
 
@@ -160,15 +160,15 @@ def test_a_wall_stands_in_the_way(file: str, tmp_path: Path) -> None:
     on_the_path, elsewhere = seam(*SHORT)[10, :3, 3], np.array([3.0, 3.0, 3.0])
     for place, status in ((on_the_path, 1), (elsewhere, 0)):
         cell.write_text(CELL.format(" ".join(map(str, place))))
-        result = call("path", ARM, "-w", file, "--world", str(cell))
+        result = call("path", ARM, "-p", file, "--world", str(cell))
         assert result.exit_code == status and "world: wall" in result.stdout
         assert ("contact" in result.stdout and "and wall touch" in result.stdout) == (status == 1)
-    assert call("path", ARM, "-w", file, "--world", str(cell), "--no-collisions").exit_code == 2
+    assert call("path", ARM, "-p", file, "--world", str(cell), "--no-collisions").exit_code == 2
 
 
 def test_waypoints_come_from_standard_input(file: str) -> None:
     """With -, as for poses."""
-    text = succeed("path", ARM, "-w", "-", given=Path(file).read_bytes())
+    text = succeed("path", ARM, "-p", "-", given=Path(file).read_bytes())
     assert "20 waypoints from standard input" in text
 
 
@@ -179,9 +179,9 @@ def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
                                                    arm.fk([-2.6, 0.5, -1.1, 0.3, 0.9, 0.1]), 5)])  # fmt: skip
     name = tmp_path / "two.npy"
     np.save(name, corners)
-    assert call("path", ARM, "-w", str(name)).exit_code == 1
+    assert call("path", ARM, "-p", str(name)).exit_code == 1
     plan = arm.follow(corners, reconfigure=True)
-    result = call("path", ARM, "-w", str(name), "--reconfigure", "--timed", str(tmp_path / "motion.csv"))
+    result = call("path", ARM, "-p", str(name), "--reconfigure", "--timed", str(tmp_path / "motion.csv"))
     assert result.exit_code == 0 and plan.changes and f"reconfigurations  {len(plan.changes)}\n" in result.stdout
     for change in plan.changes:
         row = [str(change.waypoint), *change.before.split(), *change.after.split(), "free" if change.free else "hits"]
@@ -192,19 +192,19 @@ def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "words"),
     [
-        ((), ("--waypoints", "seam.csv")),
-        (("-w", "no/seam.csv"), ("cannot read no/seam.csv",)),
-        (("-w", "{file}", "--out", "plan.txt"), ("--out", ".csv, .json, .npz")),
-        (("-w", "{file}", "--out", "no/folder/plan.csv"), ("no folder",)),
-        (("-w", "{file}", "--timed", "motion"), ("--timed", ".csv, .json, .npz")),
-        (("-w", "{file}", "--start", "1,2"), ("--start", "joint_6")),
-        (("-w", "{file}", "--start", "0,0,0,0,0,0"), ("start is no solution of waypoint 0",)),
-        (("-w", "{file}", "--margin", "-1"), ("margin=-1.0", "at least 0")),
-        (("-w", "{file}", "--cost", "l3"), ("l3", "time")),
-        (("-w", "{file}", "--max-step", "0.1,0.2"), ("--max-step", "joint_6")),
-        (("-w", "{file}", "--max-step", "0"), ("max_step", "between 1e-15 and")),
-        (("-w", "{file}", "--tolerance", "0.1"), ("--tolerance", "2 are needed")),
-        (("-w", "{file}", "--world", "no/cell.urdf"), ("no/cell.urdf",)),
+        ((), ("--poses", "seam.csv")),
+        (("-p", "no/seam.csv"), ("cannot read no/seam.csv",)),
+        (("-p", "{file}", "--output", "plan.txt"), ("--output", ".csv, .json, .npz")),
+        (("-p", "{file}", "--output", "no/folder/plan.csv"), ("no folder",)),
+        (("-p", "{file}", "--timed", "motion"), ("--timed", ".csv, .json, .npz")),
+        (("-p", "{file}", "--start", "1,2"), ("--start", "joint_6")),
+        (("-p", "{file}", "--start", "0,0,0,0,0,0"), ("start is no solution of waypoint 0",)),
+        (("-p", "{file}", "--margin", "-1"), ("margin=-1.0", "at least 0")),
+        (("-p", "{file}", "--cost", "l3"), ("l3", "time")),
+        (("-p", "{file}", "--max-step", "0.1,0.2"), ("--max-step", "joint_6")),
+        (("-p", "{file}", "--max-step", "0"), ("max_step", "between 1e-15 and")),
+        (("-p", "{file}", "--tolerance", "0.1"), ("--tolerance", "2 are needed")),
+        (("-p", "{file}", "--world", "no/cell.urdf"), ("no/cell.urdf",)),
     ],
 )
 def test_what_is_wrong_is_answered_in_words(file: str, args: tuple[str, ...], words: tuple[str, ...]) -> None:
@@ -235,7 +235,7 @@ def test_every_setting_of_a_path_is_an_option(command: str) -> None:
     """Each setting of ``follow`` is an option with its help text, and stands in the documentation of the settings."""
     text = " ".join(succeed(command, "--help", COLUMNS="200").split())
     for name, setting in settings_of(PathSettings).items():
-        assert f"--{name.replace('_', '-')} " in text and setting.help.removesuffix(".")[:40] in text
+        assert f"--{name.replace('_', '-')} " in text and setting.help.removesuffix(".")[:28] in text
         assert f"{name}: {setting.help.removesuffix('.')}" in str(PathSettings.__doc__)
 
 
@@ -247,5 +247,5 @@ def test_weights_and_steps_of_each_joint_are_those_of_follow(file: str) -> None:
     typed = ("--weights", ",".join(map(str, weights)), "--limit-cost", "0.1")
     for degrees in ((), ("--degrees",)):
         given = ("--max-step", repr(float(np.rad2deg(step)) if degrees else step))
-        text = succeed("path", ARM, "-w", file, *typed, *given, *degrees)
+        text = succeed("path", ARM, "-p", file, *typed, *given, *degrees)
         assert f"cost              {plan.cost:.6g} (sum of dq^2)" in text

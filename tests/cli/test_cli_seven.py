@@ -129,7 +129,7 @@ def test_held_joints(tmp_path: Path) -> None:
     np.testing.assert_allclose(pose, Oracle(text).pose(full), atol=1e-12)
     found = data("ik", str(path), *held, "--q", q, "--no-check")["poses"][0]["solutions"]
     assert found
-    assert call("check", str(path), *held, "-n", "5", "--no-collision").exit_code == 0
+    assert call("check", str(path), *held, "-n", "5", "--no-collisions").exit_code == 0
     shown = call("info", str(path), *held).stdout
     assert "joint_2 at 0.3 m" in shown
     assert "joint_5 at 0.523599 rad" in shown

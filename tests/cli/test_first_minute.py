@@ -142,6 +142,22 @@ def test_chains_are_listed_and_chosen_by_name(tmp_path: Path) -> None:
     assert strict_json(succeed("info", str(file), "--srdf", str(srdf), "-f", "json"))["tip"] == "right"
 
 
+def test_pairs_that_may_touch_are_listed_and_chosen(tmp_path: Path) -> None:
+    """`info --pairs` lists them; --srdf and --allow take them from the check, of every command that reads an arm."""
+    srdf = tmp_path / "arm.srdf"
+    srdf.write_text('<robot name="r"><disable_collisions link1="link_4" link2="link_6"/></robot>')
+    pair = ["link_4", "link_6"]
+    assert pair in strict_json(succeed("info", ARM, "--pairs", "-f", "json"))["checked"]
+    for options, why in ((("--srdf", str(srdf)), "srdf"), (("--allow", "link_4, link_6"), "allowed")):
+        listed = strict_json(succeed("info", ARM, *options, "--pairs", "-f", "json"))
+        assert [*pair, why] in listed["allowed"] and pair not in listed["checked"]
+    assert "allowed: srdf" in succeed("info", ARM, "--srdf", str(srdf), "--pairs")
+    assert "1 pair of links" in succeed("info", ARM, "--srdf", str(srdf))
+    for wrong in ("link_4", "link_4,", "link_4,nothing"):
+        result = call("info", ARM, "--allow", wrong)
+        assert result.exit_code == 2 and "link" in result.stderr
+
+
 def test_the_choice_is_said(tmp_path: Path) -> None:
     """A tip that was chosen among several links is named on standard error, with the others."""
     file = tmp_path / "one.urdf"

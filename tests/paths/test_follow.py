@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from lxml import etree
 from paths import ALL_KINDS, check, cost_of, described, distance_to_box, joint_path, smooth
 
 import urdf_ik
+from urdf_ik.errors import UrdfError
+from urdf_ik.model import catalogue
 from urdf_ik.support.angles import TURN
 
 SIX = ("zyyzyz_6r", "ur5", "puma_560", "dh_6r", "z1")
@@ -243,3 +247,28 @@ def test_a_single_waypoint_is_a_path() -> None:
     assert plan.found
     assert plan.cost == 0.0
     assert len(plan.alternatives) > 1
+
+
+def test_a_plan_says_that_contacts_were_not_checked() -> None:
+    """Missing meshes: one warning, in repr, text, HTML and JSON, of the alternatives, too."""
+    text = etree.tostring(etree.fromstring(catalogue.resolve("zyyzyz_6r").path.read_bytes())).decode()
+    box = '<box size="0.5 0.5 0.04"/>'
+    assert box in text
+    whole = urdf_ik.load("zyyzyz_6r")
+    T = urdf_ik.line(*whole.fk([[0.3, -0.5, 0.8, 0.4, 0.7, -0.2], [0.4, -0.5, 0.8, 0.4, 0.7, 0.0]]), 5)
+    said = "contacts not checked: 1 mesh missing"
+    missing = urdf_ik.load(text.replace(box, '<mesh filename="not_there.stl"/>'))
+    with pytest.warns(UserWarning, match=said) as caught:
+        plan = missing.follow(T)
+    assert plan.found and len(caught) == 1
+    for each in (plan, *plan.alternatives):
+        assert said in repr(each).splitlines()[0] and said in str(each) and said in each._repr_html_()
+        assert "not checked: 1 mesh missing" in each.to_json()
+    with pytest.raises(UrdfError, match="not_there"):
+        missing.follow(T, collisions="require")
+    bare = urdf_ik.load(re.sub("<collision>.*?</collision>", "", text, flags=re.DOTALL)).follow(T)
+    assert "contacts not checked: no collision shapes" in repr(bare)
+    assert "not checked: not asked for" in repr(whole.follow(T, collisions=False))
+    assert "not checked" not in repr(whole.follow(T, collisions="require"))
+    with pytest.raises(urdf_ik.ArgumentError, match="'require' is needed"):
+        whole.follow(T, collisions="maybe")

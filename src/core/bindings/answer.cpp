@@ -8,6 +8,7 @@
 
 #define URDF_IK_IMPORTS_NUMPY
 #include "bindings/numpy_api.hpp"
+#include "bindings/sharing.hpp"
 
 #include <structmember.h>
 
@@ -15,7 +16,8 @@ namespace urdf_ik {
 
 namespace {
 
-// numbers: 16 of the target, then the joint vectors, then a byte of flags for each joint vector.
+// numbers: for a single pose, 16 of the target, then the joint vectors, then a byte of flags for each joint vector; null for a
+// batch, whose three arrays are set.
 struct Answer {
     PyObject_HEAD PyObject *solver, *branches, *origin, *step, *redundancy;
     PyObject *poses, *q, *info;  // arrays; null: not used yet
@@ -82,6 +84,13 @@ void destroy(PyObject* object) {
     Py_DECREF(type);
 }
 
+// What callers read: the joint vectors, read-only.
+PyObject* get_q(PyObject* self, void*) {
+    PyObject* q = array_of((Answer*)self, ((Answer*)self)->q);
+    if (q && PyArray_Check(q)) PyArray_CLEARFLAGS((PyArrayObject*)q, NPY_ARRAY_WRITEABLE);
+    return q;
+}
+
 PyMemberDef members[] = {
     {"solver", T_OBJECT, offsetof(Answer, solver), 0, "The solver that made them."},
     {"_branches", T_OBJECT, offsetof(Answer, branches), 0, nullptr},
@@ -94,6 +103,8 @@ PyGetSetDef arrays[] = {
     {"_poses", get<&Answer::poses>, set<&Answer::poses>, nullptr, nullptr},
     {"_q", get<&Answer::q>, set<&Answer::q>, nullptr, nullptr},
     {"_info", get<&Answer::info>, set<&Answer::info>, nullptr, nullptr},
+    {"_read_only_q", get_q, nullptr,
+     "(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them.", nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr},
 };
 PyType_Slot slots[] = {
@@ -109,6 +120,43 @@ PyType_Slot slots[] = {
 PyType_Spec spec = {"urdf_ik._core.Answer", sizeof(Answer), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC,
                     slots};
 
+// A new object of the Python class `kind`, which is derived from Answer.
+nb::object make(nb::handle kind, nb::handle owner, nb::handle branches) {
+    PyTypeObject* type = (PyTypeObject*)kind.ptr();
+    if (!PyType_Check(kind.ptr()) || !PyType_IsSubtype(type, answer_type))
+        throw nb::type_error("a class derived from Answer is needed");
+    nb::object made = nb::steal(type->tp_alloc(type, 0));
+    if (!made.is_valid()) throw nb::python_error();
+    Answer* self = (Answer*)made.ptr();
+    self->solver = Py_NewRef(owner.ptr()), self->branches = Py_NewRef(branches.ptr());
+    return made;
+}
+
+// An array of doubles that begins at a cache line: stores across cache lines cost a batch half of its speed.
+PyObject* at_a_cache_line(int dimensions, const npy_intp* shape) {
+    constexpr npy_intp LINE = 64;
+    const npy_intp bytes = 8 * PyArray_MultiplyList(shape, dimensions) + LINE;
+    PyObject* whole = PyArray_SimpleNew(1, &bytes, NPY_UINT8);
+    if (!whole) return nullptr;
+    char* start = PyArray_BYTES((PyArrayObject*)whole);
+    start += -reinterpret_cast<std::uintptr_t>(start) % LINE;
+    PyObject* array = PyArray_New(&PyArray_Type, dimensions, shape, NPY_DOUBLE, nullptr, start, 0, NPY_ARRAY_CARRAY, nullptr);
+    if (!array || PyArray_SetBaseObject((PyArrayObject*)array, whole) < 0) {
+        if (!array) Py_DECREF(whole);
+        Py_XDECREF(array);
+        return nullptr;
+    }
+    return array;
+}
+
+// Whether the object is a C-ordered array of this type and shape.
+bool is_array(PyObject* object, int type, int dimensions, const npy_intp* shape) {
+    if (!object || !PyArray_CheckExact(object)) return false;
+    PyArrayObject* array = (PyArrayObject*)object;
+    return PyArray_TYPE(array) == type && PyArray_ISCARRAY_RO(array) && PyArray_NDIM(array) == dimensions &&
+           PyArray_CompareLists(PyArray_DIMS(array), shape, dimensions);
+}
+
 // The numbers of the object if it is a C-ordered float64 array of this shape, else null.
 template <int D> const double* numbers_of(nb::handle object, const npy_intp (&shape)[D]) {
     PyArrayObject* array = doubles(object);
@@ -122,22 +170,67 @@ template <int D> const double* numbers_of(nb::handle object, const npy_intp (&sh
 nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref) {
     const double* target = numbers_of(T, {4, 4});
     const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
-    PyTypeObject* type = (PyTypeObject*)kind.ptr();
     if (!target || solver.numbers != TARGET || (!reference && !q_ref.is_none())) return nb::none();
-    if (!PyType_Check(kind.ptr()) || !PyType_IsSubtype(type, answer_type))
-        throw nb::type_error("a class derived from Answer is needed");
     const long columns = solver.branches, joints = solver.joints, count = columns * joints;
-    nb::object made = nb::steal(type->tp_alloc(type, 0));
+    nb::object made = make(kind, owner, branches);
     Answer* self = (Answer*)made.ptr();
-    if (self) self->numbers = (double*)std::malloc(8 * (TARGET + count) + columns);
-    if (!self || !self->numbers) throw std::bad_alloc();
+    self->numbers = (double*)std::malloc(8 * (TARGET + count) + columns);
+    if (!self->numbers) throw std::bad_alloc();
     self->columns = columns, self->joints = joints;
     std::memcpy(self->numbers, target, 8 * TARGET);
     double* q = self->numbers + TARGET;
     const Batch batch = {self->numbers, 1, reference, nullptr, q, (std::uint8_t*)(q + count)};
-    if (solver.solve(batch) >= 0) return nb::none();
-    self->solver = Py_NewRef(owner.ptr()), self->branches = Py_NewRef(branches.ptr());
-    return made;
+    return solver.solve(batch) < 0 ? made : nb::none();
+}
+
+nb::object solve_many(const Solver& solver, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref,
+                      nb::handle values, int threads, nb::handle out) {
+    constexpr int MOST = 32;  // dimensions
+    const PyArrayObject* targets = doubles(T);
+    if (!targets) return nb::none();
+    const npy_intp* given = PyArray_DIMS(targets);
+    const bool poses = solver.numbers == TARGET;
+    const int batch_dimensions = PyArray_NDIM(targets) - (poses ? 2 : 1);
+    if (batch_dimensions < 0 || batch_dimensions > MOST) return nb::none();
+    npy_intp shape[MOST + 2], m = 1;
+    for (int i = 0; i < batch_dimensions; ++i) shape[i] = given[i], m *= given[i];
+    const npy_intp* numbers = given + batch_dimensions;
+    if (poses ? numbers[0] != 4 || numbers[1] != 4 : numbers[0] != solver.numbers) return nb::none();
+    shape[batch_dimensions] = solver.branches, shape[batch_dimensions + 1] = solver.joints;
+    const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
+    const double* parameters = nullptr;
+    if (!values.is_none()) {
+        const PyArrayObject* array = doubles(values);
+        if (array && PyArray_SIZE(array) == m * solver.parameters) parameters = (const double*)PyArray_DATA(array);
+    }
+    if ((!reference && !q_ref.is_none()) || (!parameters && !values.is_none())) return nb::none();
+
+    nb::object made;
+    if (out.is_none()) {
+        made = make(kind, owner, branches);
+        Answer* self = (Answer*)made.ptr();
+        self->q = at_a_cache_line(batch_dimensions + 2, shape);
+        self->info = PyArray_SimpleNew(batch_dimensions + 1, shape, NPY_UINT8);
+        if (!self->q || !self->info) throw nb::python_error();
+    } else {
+        made = nb::borrow(out);
+        Answer* self = (Answer*)made.ptr();
+        if (!PyObject_TypeCheck(out.ptr(), answer_type) || !is_array(self->q, NPY_DOUBLE, batch_dimensions + 2, shape) ||
+            !is_array(self->info, NPY_UINT8, batch_dimensions + 1, shape)) {
+            return nb::none();
+        }
+    }
+    Answer* self = (Answer*)made.ptr();
+    Py_XSETREF(self->poses, Py_NewRef(T.ptr()));
+    Py_XSETREF(self->redundancy, values.is_none() ? nullptr : Py_NewRef(values.ptr()));
+    const Batch batch = {(const double*)PyArray_DATA(targets),
+                         m,
+                         reference,
+                         parameters,
+                         (double*)PyArray_DATA((PyArrayObject*)self->q),
+                         (std::uint8_t*)PyArray_DATA((PyArrayObject*)self->info)};
+    const long bad = without_gil([&](const Stop& stop) { return solve_shared(solver, batch, threads, stop); });
+    return bad < 0 ? made : nb::none();
 }
 
 void bind_answer(nb::module_& m) {

@@ -1,5 +1,5 @@
-// The answer for a single pose: an object that owns the numbers and makes each array at its first use. Making three NumPy arrays
-// takes longer than most solvers, and few callers use all of them.
+// Answers as objects of the Python class `kind`, which is derived from Answer. That for a single pose owns the numbers and makes
+// each array at its first use: making three NumPy arrays takes longer than most solvers, and few callers use all of them.
 #pragma once
 
 #include "arms/solver.hpp"
@@ -7,8 +7,13 @@
 
 namespace urdf_ik {
 
-// The answer for a pose given as a NumPy array, as an object of the Python class `kind`, which is derived from Answer. None unless
-// T is a C-ordered float64 array (4, 4) that is a pose.
+// The answer for a pose given as a NumPy array. None unless T is a C-ordered float64 array (4, 4) that is a pose.
 nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref);
+
+// The answer for a batch of targets (..., 4, 4), or (..., numbers) for a task; it keeps T. `values`: of the redundancy parameters.
+// `out`: an answer for a batch of the same shape, which is overwritten and returned. None unless the arrays are C-ordered, of
+// float64 and of fitting shapes, and every target is valid.
+nb::object solve_many(const Solver& solver, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref,
+                      nb::handle values, int threads, nb::handle out);
 
 }  // namespace urdf_ik

@@ -80,10 +80,21 @@ NB_MODULE(_core, m) {
                  return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.arm));
              })
         // nanobind's fastest call takes arguments without names and without None.
-        .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches,
-                       nb::handle T) { return solve_one(*s.solver, kind, arm, branches, T, nb::none()); })
+        .def("one",
+             [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T) {
+                 nb::object made = solve_one(*s.solver, kind, arm, branches, T, nb::none());
+                 if (made.is_none()) made = solve_many(*s.solver, kind, arm, branches, T, nb::none(), nb::none(), 1, nb::none());
+                 return made;
+             })
         .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T,
                             nb::handle q_ref) { return solve_one(*s.solver, kind, arm, branches, T, q_ref); })
+        .def(
+            "many",
+            [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref,
+               nb::handle values, int threads,
+               nb::handle out) { return solve_many(*s.solver, kind, arm, branches, T, q_ref, values, threads, out); },
+            nb::arg("kind"), nb::arg("arm"), nb::arg("branches"), nb::arg("T"), nb::arg("q_ref").none(), nb::arg("values").none(),
+            nb::arg("threads"), nb::arg("out").none())
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1,

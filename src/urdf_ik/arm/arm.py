@@ -19,6 +19,7 @@ from urdf_ik.ik.redundancy.sweep import sweep
 from urdf_ik.ik.solutions import limits
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths.tracker import Tracker
+from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -158,8 +159,9 @@ class Arm:
         q_ref: ArrayLike | None = None,
         *,
         redundancy: ArrayLike | None = None,
-        threads: int = 1,
+        threads: inputs.Threads = 1,
         task: str | None = None,
+        out: IKSolutions | None = None,
     ) -> IKSolutions:
         """Every joint vector that brings the tip to ``T``.
 
@@ -174,12 +176,14 @@ class Arm:
             redundancy: (...) rad or m, values of the redundancy parameter, which broadcast against the poses:
                 ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
                 ``self.redundancy.default``. (..., k) for an arm with k parameters.
-            threads: number of threads that share a batch.
+            threads: number of threads that share a batch; 'auto': one for each processor that this process may use.
             task: the kind of target; default: a pose. An arm with few joints also takes the parts of a pose that it
                 controls, see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position
                 and a direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z:
                 see ``arm.solver.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose'
                 (..., 3) m, m, rad in the arm's plane, see ``arm.solver.control.plane``.
+            out: what an earlier call returned for a batch of the same shape. It is overwritten and returned, and so are
+                arrays taken from it. Fresh memory costs a large batch up to twice the time of solving.
 
         Returns:
             The solutions, (..., B, n), one column a branch. With seven joints these are all solutions at the given
@@ -187,7 +191,7 @@ class Arm:
 
         Raises:
             PoseError: a target is not finite or not a rigid pose.
-            ArgumentError: ``q_ref``, ``redundancy``, ``threads`` or ``task`` does not fit.
+            ArgumentError: ``q_ref``, ``redundancy``, ``threads``, ``task`` or ``out`` does not fit.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -198,7 +202,7 @@ class Arm:
             ((8, 6), 'shoulder front, elbow up, wrist noflip')
         """
         solver = self.solver if task is None else for_task(self.solver, preparation.check_task(task))
-        return solve(solver, T, q_ref, redundancy, threads)
+        return solve(solver, T, q_ref, redundancy, threads, out)
 
     def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
         """The solution nearest to ``q_ref``, over all branches and all values of the redundancy parameters.
@@ -238,7 +242,7 @@ class Arm:
         return explain(self.solver, T, redundancy)
 
     def intervals(
-        self, T: Any, within_limits: bool = True, world: World | None = None, *, threads: int = 1
+        self, T: Any, within_limits: bool = True, world: World | None = None, *, threads: inputs.Threads = 1
     ) -> Intervals:
         """The intervals of the redundancy parameter in which each branch has solutions, and the cause of each end.
 
@@ -246,7 +250,7 @@ class Arm:
         """
         return intervals(self.solver, T, within_limits=within_limits, world=world, threads=threads)
 
-    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
+    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: inputs.Threads = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and the intervals that hold any.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.sweep.sweep`.
@@ -291,7 +295,7 @@ class Arm:
         Raises:
             ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit.
             PoseError: a waypoint is not a rigid pose.
-            UrdfError: a world is given, and the arm has no collision shapes.
+            UrdfError: a world is given, or ``collisions="require"``, and not all collision shapes can be read.
             UnsupportedArm: no solver takes this arm.
 
         Example:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.ik.solutions.tables import stick_picture, table
+from urdf_ik.ik.solutions.tables import stick_picture
+from urdf_ik.support.display import table
 from urdf_ik.support.palette import colours
 
 if TYPE_CHECKING:

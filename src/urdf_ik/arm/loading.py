@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from urdf_ik.arm.arm import Arm, assemble
+from urdf_ik.cell.cell import Cell
 from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
-from urdf_ik.model.srdf import chain_groups, groups_beside
+from urdf_ik.model.srdf import chain_groups, disabled_pairs, groups_beside
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def load(
             :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
         chain: instead of a tip, the name of one arm of several: a group of the SRDF, or of one beside the file, or a
             name that ``urdf-ik info --chains`` lists, such as 'left' or 'left_arm'.
-        srdf: an SRDF; its groups with a ``<chain>`` are the chains to choose from.
+        srdf: an SRDF; its groups with a ``<chain>``, if it has any, are the chains to choose from, and the pairs of
+            its ``<disable_collisions>`` may touch. Pairs with links that the URDF lacks allow nothing.
         locked: values [rad or m] of joints that do not move. An arm with more than nine joints needs locked joints
             to be solved. Joints outside the chain, such as those of a second arm, are at zero unless they are locked
             elsewhere; collision checks see their links there. See :meth:`urdf_ik.Arm.with_locked`.
@@ -51,8 +53,8 @@ def load(
         mesh_roots: folders from which meshes may be read, besides the URDF's own and its ROS package. Packages are
             searched in these first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
         xacro_args: arguments of a xacro, by name. A xacro is a program: expand only what you trust.
-        strict: whether every defect of the URDF is an error; default: those in parts that the chain does not use
-            are in ``arm.model.warnings``.
+        strict: whether every defect of the URDF and every unknown link of the SRDF is an error; default: defects in
+            parts that the chain does not use are in ``arm.model.warnings``.
 
     Raises:
         UrdfError: the URDF is broken where the chain uses it; the error names line, element and hint.
@@ -69,10 +71,12 @@ def load(
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
     model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
-    if entry is not None and chain is None and srdf is None:
+    disabled = () if srdf is None else disabled_pairs(srdf, model.links, strict=strict)
+    groups = {} if srdf is None or tip is not None else dict(chain_groups(srdf, model.links))
+    if entry is not None and chain is None and not groups:
         base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
-    if tip is None and srdf is not None:
-        base, tip = _of_group(model, srdf, base, chain)
+    if tip is None and groups:
+        base, tip = _of_group(model, groups, base, chain)
     elif tip is None:
         beside = groups_beside(model.path, model.name, model.links) if chain is not None and model.path else {}
         group = beside.get(chain) if isinstance(chain, str) else None
@@ -80,7 +84,8 @@ def load(
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
-    return assemble(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
+    joints = from_urdf(model, base, tip).lock({} if locked is None else locked)
+    return assemble(model, joints, given=given, cell=Cell(model, joints, disabled=disabled))
 
 
 def read(
@@ -115,20 +120,19 @@ def read(
 
 
 def _of_group(
-    model: urdf.UrdfModel, srdf: str | os.PathLike[str] | bytes, base: str | None, name: str | None
+    model: urdf.UrdfModel, groups: Mapping[str, tuple[str, str]], base: str | None, name: str | None
 ) -> tuple[str, str]:
     """Base and tip of a group of an SRDF: of the only one that holds a chain, or of the one that is named.
 
     Raises:
         ChainError: there is no such group, or none is named and there are several.
     """
-    groups = dict(chain_groups(srdf, model.links))
     if name is None and len(groups) == 1:
         name = next(iter(groups))
     if name is not None and not isinstance(name, str):
         raise ChainError(f"chain={quoted(name)} given; the name of a group of the SRDF is needed", groups)
     if name is None or name not in groups:
-        what = "several chains, or none; name one" if name is None else f"no chain {quoted(name)}"
+        what = "several chains; name one" if name is None else f"no chain {quoted(name)}"
         raise ChainError(f"{model.source}: the SRDF has {what}", groups)
     return groups[name][0] if base is None else base, groups[name][1]
 

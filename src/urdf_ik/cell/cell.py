@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,6 +37,7 @@ class Cell:
         model: the URDF.
         chain: the joints from base to tip, and the locked joints.
         changed: a collision model with a changed allowed-collision table; None: the URDF's own.
+        disabled: pairs of links that an SRDF allows to touch.
 
     Example:
         >>> import urdf_ik
@@ -46,6 +49,7 @@ class Cell:
     model: UrdfModel
     chain: Chain
     changed: CollisionModel | None = None
+    disabled: tuple[tuple[str, str], ...] = ()
 
     @cached_property
     def collisions(self) -> CollisionModel:
@@ -54,7 +58,8 @@ class Cell:
             return self.changed
         from urdf_ik.cell.collision_model import CollisionModel
 
-        return CollisionModel(self.model, self.chain.base, self.chain.tip, locked=dict(self.chain.locked))
+        model, chain = self.model, self.chain
+        return CollisionModel(model, chain.base, chain.tip, disabled=self.disabled, locked=dict(chain.locked))
 
     @cached_property
     def reference(self) -> Reference:
@@ -66,6 +71,42 @@ class Cell:
     def in_world(self, world: World | None) -> CollisionModel:
         """The links among the obstacles of a world; None: the links alone."""
         return self.collisions.in_world(world)
+
+    def to_check(self, collisions: bool | str, world: World | None = None) -> tuple[CollisionModel | None, str]:
+        """What to check for contacts, or None and why nothing is checked.
+
+        Args:
+            collisions: True: check where the shapes can be read; where meshes are missing, warn. 'require': fail where
+                they cannot be read. False: do not check.
+            world: the obstacles; where some are given, the shapes are required.
+
+        Returns:
+            The links among the obstacles and '', or None and the reason, such as '6 meshes missing'.
+
+        Raises:
+            UrdfError: the shapes are required, and not all of them can be read.
+            ArgumentError: ``collisions`` is none of these, or False where a world is given.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").cell.to_check(False)
+            (None, 'not asked for')
+        """
+        require = isinstance(collisions, str) and collisions == "require"
+        if not require and not isinstance(collisions, bool | np.bool_):
+            raise ArgumentError(f"collisions={quoted(collisions)} given; True, False or 'require' is needed")
+        if not collisions:
+            if world is not None:
+                raise ArgumentError("collisions=False given with a world; leave one of the two out")
+            return None, "not asked for"
+        model = self.in_world(world)
+        if model.has_geometry or world is not None:
+            return model, ""
+        if require:
+            model.table()  # raises the error that says what is missing
+        if "missing" in model.unchecked:
+            warnings.warn(f"{self.model.name}: contacts not checked: {model.unchecked}", UserWarning, stacklevel=4)
+        return None, model.unchecked
 
     def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
         """Smallest distance between links that must not touch, and between links and the obstacles of a world.
@@ -168,10 +209,11 @@ class Cell:
         """The cell of another URDF, with the changes that a user made to the allowed-collision table of this one."""
         own = self.__dict__.get("collisions", self.changed)
         if own is None or not own.is_changed:
-            return Cell(model, chain)
-        return Cell(model, chain, own.rebuilt(model, chain.base, chain.tip, dict(chain.locked)))
+            return Cell(model, chain, None, self.disabled)
+        changed = own.rebuilt(model, chain.base, chain.tip, dict(chain.locked))
+        return Cell(model, chain, changed, self.disabled)
 
     def __reduce__(self) -> tuple[Callable[..., Cell], tuple[Any, ...]]:
         # The collision model is built when it is needed; only the changes of a user must not be lost.
         own = self.__dict__.get("collisions", self.changed)
-        return Cell, (self.model, self.chain, own if own is not None and own.is_changed else None)
+        return Cell, (self.model, self.chain, own if own is not None and own.is_changed else None, self.disabled)

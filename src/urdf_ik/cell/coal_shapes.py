@@ -71,6 +71,21 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     return geometry
 
 
+def why_unreadable(model: UrdfModel) -> str:
+    """Why :func:`build` refuses a URDF, in a few words, such as '6 meshes missing'."""
+    tree = etree.fromstring(model.xml)
+    missing = set()
+    for mesh in tree.iterfind("link/collision/geometry/mesh"):
+        try:
+            resolve_mesh(model, mesh.get("filename"))
+        except UrdfError:
+            missing.add(mesh.get("filename"))
+    if missing:
+        return f"{len(missing)} mesh{'es' if len(missing) > 1 else ''} missing"
+    bare = tree.find("link/collision") is None and not any(each.collides for each in model.warnings)
+    return "no collision shapes" if bare else "a collision shape cannot be read"
+
+
 def one_ball(geometry: Any) -> tuple[Array, float]:
     """A ball that holds a shape: its centre (3,) in the shape's frame and its radius [m]."""
     geometry.computeLocalAABB()

@@ -64,6 +64,7 @@ class CollisionModel(CollisionQueries):
         tip: str | None = None,
         *,
         srdf: str | os.PathLike[str] | bytes | None = None,
+        disabled: Collection[Pair] = (),
         samples: int = SAMPLES,
         seed: int = SEED,
         locked: Mapping[str, float] | None = None,
@@ -75,6 +76,7 @@ class CollisionModel(CollisionQueries):
             base: base link; default: the root.
             tip: tip link; default: the end of the only movable chain.
             srdf: path or text of an SRDF whose ``disable_collisions`` are allowed pairs.
+            disabled: pairs of an SRDF that was read already.
             samples: number of random joint vectors in the search for pairs that always collide; 0: no search.
             seed: seed of these joint vectors.
             locked: fixed values of joints outside the joint vector [rad or m].
@@ -99,7 +101,7 @@ class CollisionModel(CollisionQueries):
         self._link_check: LinkCheck | None = None
         # The last result of ``in_world``, as most callers use one world again and again.
         self._last: CollisionModel | None = None
-        disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
+        disabled = (*disabled, *(() if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)))
         try:
             shapes = coal_shapes.build(model, self._reference.pin_model)
         except UrdfError as error:
@@ -131,6 +133,11 @@ class CollisionModel(CollisionQueries):
     def missing(self) -> str:
         """The reason why ``has_geometry`` is false, else ''."""
         return "" if self._error is None else str(self._error)
+
+    @property
+    def unchecked(self) -> str:
+        """The same in a few words, such as '6 meshes missing'."""
+        return "" if self._error is None else coal_shapes.why_unreadable(self._made_from[0])
 
     @property
     def allowed_pairs(self) -> Mapping[Pair, str]:

@@ -7,15 +7,15 @@ import sys
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 import typer
 from typer import Argument, Option
 
 from urdf_ik.cli import console
-from urdf_ik.cli.completion import robots_and_files
 from urdf_ik.cli.console import Angles
+from urdf_ik.cli.prompt.completion import links, robots_and_files
 from urdf_ik.errors import escaped
 from urdf_ik.support.text import quoted
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cell import World
+    from urdf_ik.cli.options import PoseOptions
     from urdf_ik.model.urdf import UrdfModel
 
 _XYZ = ("x", "y", "z")
@@ -34,62 +35,59 @@ _MOST_WARNINGS = 10
 class ArmOptions:
     """Every option of loading an arm, as typed; the keyword arguments of ``urdf_ik.load`` and a tool."""
 
+    GROUP: ClassVar[str] = "The arm"
     robot: Annotated[
         str,
         Argument(
             metavar="ROBOT",
-            help="File (URDF, xacro, MJCF, or one of them in gzip), a name that `urdf-ik robots` lists, or - for "
-            "stdin.",
+            help="URDF, xacro or MJCF file (or its gzip), a name of `urdf-ik robots`, or - for stdin.",
             autocompletion=robots_and_files,
         ),
     ]
-    base: Annotated[str | None, Option(metavar="LINK", help="Base link; poses are given in its frame.")] = None
-    tip: Annotated[str | None, Option(metavar="LINK", help="Tip link; poses are those of its frame.")] = None
-    chain: Annotated[
-        str | None,
-        Option(metavar="NAME", help="Which arm of several, as `info --chains` names it, or an SRDF's group."),
+    base: Annotated[
+        str | None, Option(metavar="LINK", help="Base link: poses are in its frame.", autocompletion=links)
     ] = None
+    tip: Annotated[
+        str | None, Option(metavar="LINK", help="Tip link: poses are of its frame.", autocompletion=links)
+    ] = None
+    chain: Annotated[str | None, Option(metavar="NAME", help="A chain of `info --chains`, or a group of an SRDF.")] = (
+        None
+    )
     srdf: Annotated[
-        Path | None, Option(metavar="FILE", exists=True, dir_okay=False, help="SRDF, whose groups are the chains.")
+        Path | None,
+        Option(
+            metavar="FILE",
+            exists=True,
+            dir_okay=False,
+            help="SRDF: its groups are chains, its disabled pairs may touch.",
+        ),
+    ] = None
+    allow: Annotated[
+        list[str] | None,
+        Option(metavar="LINK,LINK", help="Two links that may touch (`info --pairs`); repeatable."),
     ] = None
     lock: Annotated[
-        list[str] | None,
-        Option(metavar="NAME=VALUE", help="Hold a joint there: rad or m, or 30deg; repeatable."),
+        list[str] | None, Option(metavar="NAME=VALUE", help="Hold a joint: rad, m, or 30deg; repeatable.")
     ] = None
     mesh_root: Annotated[
         list[Path] | None,
-        Option(
-            metavar="DIR",
-            exists=True,
-            file_okay=False,
-            help="Folder to look for meshes and ROS packages in; repeatable.",
-        ),
+        Option(metavar="DIR", exists=True, file_okay=False, help="Folder of meshes or ROS packages; repeatable."),
     ] = None
     xacro_arg: Annotated[list[str] | None, Option(metavar="NAME:=VALUE", help="Argument of a xacro; repeatable.")] = (
         None
     )
-    strict: Annotated[
-        bool, Option("--strict", help="Refuse every defect of the URDF, in parts that the chain does not use, too.")
-    ] = False
+    strict: Annotated[bool, Option("--strict", help="Refuse defects anywhere in the URDF.")] = False
     tool_xyz: Annotated[
-        str | None, Option(metavar="X,Y,Z", help="Put a tool at the tip: its centre point in the tip link [m].")
+        str | None, Option(metavar="X,Y,Z", help="Put a tool there: its point in the tip link [m].")
     ] = None
-    tool_rpy: Annotated[
-        str | None, Option(metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link.")
-    ] = None
+    tool_rpy: Annotated[str | None, Option(metavar="R,P,Y", help="The tool's orientation in the tip link.")] = None
     redundancy_joint: Annotated[
         list[str] | None,
-        Option(
-            metavar="NAME",
-            help="Redundancy parameter of an arm with more than six joints: this joint's value; repeatable.",
-        ),
+        Option(metavar="NAME", help="Joint whose value is a redundancy parameter; repeatable."),
     ] = None
     free_axis: Annotated[
         str | None,
-        Option(
-            metavar="x|y|z|X,Y,Z",
-            help="Axis of the tip about which the tool is round: the rotation about it is a redundancy parameter.",
-        ),
+        Option(metavar="x|y|z|X,Y,Z", help="Axis about which the tool may turn freely, in the tip."),
     ] = None
     free_at: Annotated[str | None, Option(metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")] = None
 
@@ -124,6 +122,11 @@ class ArmOptions:
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
             arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        for typed in self.allow or ():
+            first, comma, second = (part.strip() for part in typed.partition(","))
+            if not (first and comma and second):
+                raise typer.BadParameter(f"{quoted(typed)} is not LINK,LINK", param_hint="--allow")
+            arm = arm.with_cell(arm.cell.allow(first, second))
         return self._freed(arm)
 
     def _freed(self, arm: Arm) -> Arm:
@@ -223,6 +226,12 @@ class ArmOptions:
         """Refuse that ``source``, which ``option`` names, is standard input too."""
         if self.robot == "-" and source == "-":
             raise typer.BadParameter("the robot is read from standard input already", param_hint=option)
+
+    def apart_from(self, typed: PoseOptions) -> None:
+        """Refuse that poses come from standard input, too."""
+        self.without_stdin(typed.poses, "--poses")
+        for text in typed.q or ():
+            self.without_stdin(text, "--q")
 
 
 def read_world(file: Path | None, arm: ArmOptions) -> World | None:

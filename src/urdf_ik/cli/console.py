@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import os
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 STDIN = "-"
+_NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
+_NUMBER_FILES = (".csv", ".json", ".npy", ".npz", ".txt")
 
 
 @dataclass(frozen=True)
@@ -79,8 +83,8 @@ def numbers(text: str, option: str, names: Sequence[str]) -> NDArray[np.float64]
     return np.array(out)
 
 
-def read_poses(source: str, option: str) -> NDArray[np.float64]:
-    """Poses (N, 4, 4) from a file, or from standard input for ``-``.
+def read_poses(source: str, option: str, *, degrees: bool = False) -> NDArray[np.float64]:
+    """Poses (N, 4, 4) from a file, or from standard input for ``-``; ``degrees``: whether its angles are in degrees.
 
     Raises:
         typer.BadParameter: standard input is closed.
@@ -88,16 +92,31 @@ def read_poses(source: str, option: str) -> NDArray[np.float64]:
     """
     from urdf_ik.paths.waypoint_files import read_poses
 
-    return read_poses(opened(source, option))
+    return read_poses(opened(source, option), degrees=degrees)
 
 
-def read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> NDArray[np.float64]:
-    """Joint vectors (N, n) as typed, from a file, or from standard input for ``-``.
+def joint_vectors(typed: Sequence[str], option: str, joint_names: Sequence[str]) -> NDArray[np.float64]:
+    """Joint vectors (N, n), each typed as numbers, or those of a file or of standard input for ``-``.
 
     Raises:
-        typer.BadParameter: standard input is closed.
+        typer.BadParameter: this is neither, or standard input is closed.
         ArgumentError: the file cannot be read, or holds no joint vectors in an accepted form.
     """
+    parts = [
+        _read_joint_vectors(text, option, joint_names) if _is_file(text) else numbers(text, option, joint_names)[None]
+        for text in typed
+    ]
+    return np.concatenate(parts)
+
+
+def _is_file(text: str) -> bool:
+    """Whether this names a file, or standard input, and is no list of numbers."""
+    typed = all(_NUMBER.fullmatch(part) for part in text.replace(",", " ").split())
+    return text == STDIN or (not typed and (Path(text).suffix.lower() in _NUMBER_FILES or os.path.isfile(text)))
+
+
+def _read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> NDArray[np.float64]:
+    """Joint vectors (N, n) from a file, or from standard input for ``-``."""
     n = len(joint_names)
     accepted = (
         f"accepted: {n} values each ({', '.join(map(printable, joint_names))}), as .npy or .npz (array 'q' or "

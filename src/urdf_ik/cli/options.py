@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import inspect
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import IO, Annotated, Any, get_args, get_type_hints
+from typing import IO, Annotated, Any, ClassVar, get_args, get_type_hints
 
 import typer
 from typer import Option
 from typer.models import ArgumentInfo
 
 from urdf_ik import __version__
+from urdf_ik.cli.prompt.completion import data_files
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
 from urdf_ik.support.settings import Form, Setting, settings_of
 
@@ -35,6 +37,16 @@ class ReportFormat(StrEnum):
     JSON = "json"
 
 
+class PartOfPose(StrEnum):
+    """What a target fixes of the tip's pose, for arms with few joints; see :mod:`urdf_ik.ik.tasks`."""
+
+    POSE = "pose"
+    POSITION = "position"
+    POSITION_AND_AXIS = "position-and-axis"
+    PLANAR_POSITION = "planar-position"
+    PLANAR_POSE = "planar-pose"
+
+
 class Value(StrEnum):
     """Value of the voxels of a workspace map that a layer shows."""
 
@@ -45,31 +57,86 @@ class Value(StrEnum):
     CLEARANCE = "clearance"
 
 
-POSES_IN_A_FILE = (
-    "csv with a header (x,y,z and qw,qx,qy,qz or roll,pitch,yaw), json, npy or npz of 4x4 matrices, or - for stdin."
-)
+# The groups of options in a command's help.
+POSES, OBSTACLES, OUTPUT = "Poses", "Obstacles", "Output"
 
-Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
-Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
-DataFormat = Annotated[
-    Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
+Degrees = Annotated[
+    bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.", rich_help_panel=OUTPUT)
 ]
-TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.")]
-Seed = Annotated[int, Option("--seed", min=0, help="Seed of everything that is drawn.")]
-Poses = Annotated[int, Option("-n", "--poses", min=1, max=MOST_POSES, help="Number of random poses.")]
+Output = Annotated[
+    Path | None,
+    Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.", rich_help_panel=OUTPUT),
+]
+DataFormat = Annotated[
+    Format | None,
+    Option(
+        "--format",
+        "-f",
+        help="Default: by the name of --output, else table.",
+        show_default=False,
+        rich_help_panel=OUTPUT,
+    ),
+]
+TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.", rich_help_panel=OUTPUT)]
+Json = Annotated[bool, Option("--json", help="The same as --format json.", rich_help_panel=OUTPUT)]
+Seed = Annotated[
+    int, Option("--seed", metavar="N", min=0, help="Seed of everything that is drawn.", rich_help_panel=POSES)
+]
+Random = Annotated[
+    int,
+    Option("--random", "-n", metavar="N", min=1, max=MOST_POSES, help="Number of random poses.", rich_help_panel=POSES),
+]
+Task = Annotated[
+    PartOfPose | None,
+    Option("--task", help="Part of the pose that counts. Default: all of it.", rich_help_panel=POSES),
+]
+Redundancy = Annotated[
+    str | None,
+    Option(
+        "--redundancy",
+        metavar="V1,V2,...",
+        help="Values of the redundancy parameter that `info` names. Default: that of --q, else the arm's.",
+        show_default=False,
+        rich_help_panel=POSES,
+    ),
+]
 World = Annotated[
     Path | None,
-    Option(metavar="FILE", help="Obstacles: the collision shapes of a URDF of fixed links, in the base."),
+    Option(
+        "--world",
+        metavar="FILE",
+        help="Obstacles: the shapes of a URDF of fixed links.",
+        rich_help_panel=OBSTACLES,
+    ),
 ]
-Clear = Annotated[float | None, Option(metavar="M", help="Distance [m] that bodies must keep. Default: 0.")]
-Threads = Annotated[int, Option(min=1, max=MOST_THREADS, help="Threads that solve.")]
+Margin = Annotated[
+    float | None,
+    Option(
+        "--margin",
+        metavar="M",
+        help="Distance that bodies must keep from each other [m]. Default: 0.",
+        rich_help_panel=OBSTACLES,
+    ),
+]
+Collisions = Annotated[
+    bool | None,
+    Option(
+        "--collisions/--no-collisions",
+        help="Whether contacts are checked. Default: where all shapes can be read.",
+        show_default=False,
+        rich_help_panel=OBSTACLES,
+    ),
+]
+Threads = Annotated[int, Option("--threads", metavar="N", min=1, max=MOST_THREADS, help="Threads that solve.")]
 
 # A layer of a workspace map.
 Map = Annotated[
     Path | None,
-    Option("--map", metavar="FILE|FOLDER", help="Map from `urdf-ik workspace`, to cut a layer from."),
+    Option("--map", metavar="PATH", help="Map from `urdf-ik workspace`, to cut a layer from."),
 ]
-Shown = Annotated[Value, Option("--show", help="Value of a layer's voxels.")]
+Shown = Annotated[
+    Value, Option("--show", metavar="VALUE", help=f"Value of a layer's voxels: {', '.join(Value)}.", show_default=False)
+]
 
 
 def print_version(wanted: bool) -> None:
@@ -85,14 +152,33 @@ Version = Annotated[
 
 
 @dataclass(frozen=True)
-class Pose:
-    """Options of a position and an orientation, as typed; None where one was not given."""
+class PoseOptions:
+    """Every way to name poses, as typed; None for what was not given. ``cli.solutions.targets`` reads them."""
 
-    xyz: Annotated[str | None, Option(metavar="X,Y,Z", help="Position of the tip [m].")] = None
-    quat_xyzw: Annotated[str | None, Option(metavar="X,Y,Z,W", help="Orientation, scalar last.")] = None
-    quat_wxyz: Annotated[str | None, Option(metavar="W,X,Y,Z", help="Orientation, scalar first.")] = None
-    rpy: Annotated[str | None, Option(metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z.")] = None
-    rotvec: Annotated[str | None, Option(metavar="X,Y,Z", help="Rotation axis times angle.")] = None
+    GROUP: ClassVar[str] = POSES
+    xyz: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Position of the tip [m]; repeatable.")] = None
+    rpy: Annotated[list[str] | None, Option(metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z.")] = None
+    quat_xyzw: Annotated[list[str] | None, Option(metavar="X,Y,Z,W", help="Orientation, scalar last.")] = None
+    quat_wxyz: Annotated[list[str] | None, Option(metavar="W,X,Y,Z", help="Orientation, scalar first.")] = None
+    rotvec: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Rotation axis times angle.")] = None
+    q: Annotated[
+        list[str] | None,
+        Option(
+            metavar="Q1,Q2,...|FILE",
+            help="The tip at joint vectors: typed, of a file, or -; repeatable.",
+            autocompletion=data_files,
+        ),
+    ] = None
+    poses: Annotated[
+        str | None,
+        Option(
+            "--poses",
+            "-p",
+            metavar="FILE",
+            help="csv (x,y,z and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz), json, npy, npz, or -.",
+            autocompletion=data_files,
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -123,13 +209,16 @@ _TYPED: dict[Form, tuple[Any, str]] = {
     Form.EACH_JOINT: (str, "V|V1,V2,..."),
     Form.LENGTH_AND_ANGLE: (str, "M,RAD"),
     Form.FLAG: (bool, ""),
-    Form.WORLD: (Path, "FILE"),
 }
 """The type and the metavariable of an option for a setting of each form."""
+_SHARED = {"world": World, "margin": Margin, "collisions": Collisions}
+"""Settings whose options other commands have, too."""
 
 
 def _option(name: str, found: Setting) -> Any:
     """The option of a setting; None stands for one that is not given."""
+    if name in _SHARED:
+        return _SHARED[name]
     kind: Any
     if found.form is Form.CHOICE:
         kind, metavar = StrEnum(name.title(), {each: each for each in found.choices}), ""
@@ -138,8 +227,6 @@ def _option(name: str, found: Setting) -> Any:
     if found.form is Form.NUMBER and found.unit:
         metavar = found.unit.upper()
     text = f"{found.help.removesuffix('.')}{f' [{found.unit}]' if found.unit else ''}."
-    if found.form is Form.WORLD:
-        text = f"{text} The collision shapes of a URDF of fixed links, in the base."
     return Annotated[kind | None, Option(metavar=metavar or None, help=text)]
 
 
@@ -155,6 +242,8 @@ def expanded(command: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def run(**given: Any) -> None:
+        if given.pop("as_json", False):
+            given["printed_as"] = _json(command, given["printed_as"])
         made = {name: record(**_values(record, given)) for name, record in records.items()}
         command(**{name: given[name] for name in own}, **made)
 
@@ -165,9 +254,25 @@ def expanded(command: Callable[..., None]) -> Callable[..., None]:
         else:
             kind = inspect.Parameter.KEYWORD_ONLY
             parameters.append(parameter.replace(annotation=hints[name], kind=kind))
+    if "printed_as" in own:
+        after = [each.name for each in parameters].index("printed_as") + 1
+        parameters.insert(after, _parameter("as_json", Json, False))
     parameters.sort(key=lambda each: each.name in own or not _is_argument(each.annotation))
     run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     return run
+
+
+def _json(command: Callable[..., None], printed_as: Any) -> Any:
+    """The format json among a command's formats.
+
+    Raises:
+        typer.BadParameter: another format was asked for as well.
+    """
+    default = inspect.signature(command).parameters["printed_as"].default
+    if printed_as not in (default, "json"):
+        raise typer.BadParameter(f"--json and --format {printed_as.value} exclude each other", param_hint="--json")
+    kinds = get_args(get_type_hints(command)["printed_as"]) or (get_type_hints(command)["printed_as"],)
+    return kinds[0]("json")
 
 
 def _values(record: Any, given: dict[str, Any]) -> dict[str, Any]:
@@ -200,7 +305,17 @@ def _parameters(record: Any) -> tuple[inspect.Parameter, ...]:
     out: list[inspect.Parameter] = []
     for name, hint, default, inner in hinted_fields(record):
         out += [_parameter(name, hint, default)] if inner is None else inner
-    return tuple(out)
+    return tuple(_in_group(each, getattr(record, "GROUP", None)) for each in out)
+
+
+def _in_group(one: inspect.Parameter, group: str | None) -> inspect.Parameter:
+    """An option that stands in a group of the help, its own one if it has one."""
+    kind, option = get_args(one.annotation)
+    if group is None or option.rich_help_panel is not None:
+        return one
+    option = copy.copy(option)
+    option.rich_help_panel = group
+    return one.replace(annotation=Annotated[kind, option])
 
 
 def _parameter(name: str, hint: Any, default: Any) -> inspect.Parameter:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
-from typer import Option
 
 from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions, read_world
-from urdf_ik.cli.options import POSES_IN_A_FILE, SettingsOf
+from urdf_ik.cli.options import PoseOptions, SettingsOf
 from urdf_ik.cli.progress import Elapsed
 from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.support.settings import Form, settings_of
@@ -20,18 +19,16 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.cell import World
     from urdf_ik.cli.console import Angles
+    from urdf_ik.cli.solutions.targets import Target
     from urdf_ik.paths import Plan
 
 
 @dataclass(frozen=True)
 class PathOptions:
-    """A path and its settings, as typed; None for what was not given."""
+    """The settings of a path, as typed; None for what was not given."""
 
+    GROUP: ClassVar[str] = "Path"
     settings: Annotated[Mapping[str, Any], SettingsOf(PathSettings)]
-    waypoints: Annotated[
-        str | None,
-        Option("--waypoints", "-w", metavar="FILE", help=f"Poses of the tip: {POSES_IN_A_FILE}"),
-    ] = None
 
     def read(self, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> PathSettings:
         """The settings with their values in rad and m.
@@ -61,6 +58,8 @@ def _value(form: Form, typed: Any, name: str, angles: Angles, chosen: ArmOptions
         return length, float(np.deg2rad(angle)) if angles.degrees else angle
     if form is Form.WORLD:
         return read_world(typed, chosen)
+    if form is Form.CHECK:
+        return "require" if typed else False
     return typed.value if form is Form.CHOICE else typed
 
 
@@ -85,20 +84,21 @@ class Followed:
     seconds: float
 
 
-def followed(arm: Arm, angles: Angles, path: PathOptions, chosen: ArmOptions) -> Followed:
-    """Read the waypoints and the world, and follow them.
+def followed(
+    arm: Arm, angles: Angles, waypoints: PoseOptions | Target, path: PathOptions, chosen: ArmOptions
+) -> Followed:
+    """Read the waypoints, if they are not read yet, and the world, and follow them.
 
     Raises:
         typer.BadParameter: no waypoints, or a value that is not a number.
         UrdfIkError: a file that cannot be read, or a setting that makes no sense.
     """
-    from urdf_ik import paths
+    from urdf_ik.cli.solutions import targets
 
-    if path.waypoints is None:
-        raise console.usage("a file of waypoints is needed, such as seam.csv", "--waypoints")
-    chosen.without_stdin(path.waypoints, "--waypoints")
     settings = path.read(angles, chosen, arm.joint_names)
     with Elapsed("following the path") as progress:
-        poses = paths.read_waypoints(console.opened(path.waypoints, "--waypoints"), degrees=angles.degrees)
-        plan = arm.follow(poses, **vars(settings))
-    return Followed(arm, plan, console.place(path.waypoints), settings.world, settings.cost, progress.seconds)
+        found = waypoints
+        if isinstance(found, PoseOptions):
+            found = targets.required(arm, found, angles, "waypoints")
+        plan = arm.follow(found.poses, **vars(settings))
+    return Followed(arm, plan, found.source, settings.world, settings.cost, progress.seconds)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
+import warnings
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -15,8 +16,9 @@ from typer.core import TyperGroup
 
 from urdf_ik import errors
 from urdf_ik.cli import interrupts, options
-from urdf_ik.cli.commands import COMMANDS
+from urdf_ik.cli.commands import COMMANDS, GROUPS
 from urdf_ik.cli.errors import Status, quoting_little, status_of, unloaded, unwritten
+from urdf_ik.cli.prompt.grouped_command import GroupedCommand
 
 _STYLE: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False}
 
@@ -38,7 +40,7 @@ class _CommandFiles(Mapping[str, Any]):
 def _command(name: str, file: str) -> Any:
     module = import_module(f"urdf_ik.cli.commands.{file}")
     one = typer.Typer(add_completion=False, **_STYLE)
-    one.command(name, help=_help(module.__doc__ or ""))(options.expanded(module.command))
+    one.command(name, cls=GroupedCommand, help=_help(module.__doc__ or ""))(options.expanded(module.command))
     return typer.main.get_command(one)
 
 
@@ -65,9 +67,10 @@ class Commands(TyperGroup):
         return list(COMMANDS)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """List the commands with the first line of each file; no file is imported for them."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, _summary(file)) for name, file in COMMANDS.items()])
+        """List the commands by groups, with the first line of each file; no file is imported for them."""
+        for group, files in GROUPS.items():
+            with formatter.section(group):
+                formatter.write_dl([(name, _summary(file)) for name, file in files.items()])
 
     def make_context(self, *args: Any, **kwargs: Any) -> Any:
         """Read the options before the command."""
@@ -77,7 +80,8 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            with quoting_little():
+            with quoting_little(), warnings.catch_warnings():
+                warnings.showwarning = _warn  # type: ignore[assignment]
                 return super().invoke(ctx)
         except KeyboardInterrupt as error:
             if str(error):  # long work says how much of it is kept
@@ -100,6 +104,11 @@ class Commands(TyperGroup):
             raise typer.Exit(status) from None
 
 
+def _warn(message: Warning | str, *_: Any) -> None:
+    """Say a warning in a line, without the place in the source that it came from."""
+    typer.echo(errors.escaped(f"warning: {message}"), err=True)
+
+
 app = typer.Typer(
     name="urdf-ik",
     cls=Commands,
@@ -113,7 +122,7 @@ app = typer.Typer(
 def root(context: typer.Context, version: options.Version = False) -> None:
     """Print the first steps where no command is given."""
     if context.invoked_subcommand is None:
-        from urdf_ik.cli.first_steps import steps
+        from urdf_ik.cli.prompt.first_steps import steps
 
         typer.echo(steps())
 

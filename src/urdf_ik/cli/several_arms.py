@@ -7,7 +7,7 @@ import string
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, ClassVar, get_args, get_origin
 
 from typer import Argument
 
@@ -24,6 +24,7 @@ _FOR_ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
 class SeveralArms:
     """The arms A, B, ... and their options as typed: ``--tip tool0`` for all, ``--tip B=flange`` for the second."""
 
+    GROUP: ClassVar[str] = ArmOptions.GROUP
     options: Annotated[Mapping[str, Any], ForEach(ArmOptions)]
     robots: Annotated[
         list[str],

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from typer import Option
 
@@ -17,15 +17,16 @@ from urdf_ik.cli import console, interrupts
 class StoreOptions:
     """A store and its workers as typed; None for what was not given."""
 
+    GROUP: ClassVar[str] = "Store and workers"
     store: Annotated[
-        Path | None, Option(metavar="FOLDER", help="Keep the work in this folder; the same command continues it.")
+        Path | None, Option(metavar="FOLDER", help="Keep the work there; the same command continues it.")
     ] = None
     workers: Annotated[
-        int | None, Option(min=1, help="Processes on this machine that fill the store (urdf-ik[scale]).")
+        int | None, Option(metavar="N", min=1, help="Processes that fill the store (urdf-ik[scale]).")
     ] = None
     scheduler: Annotated[
         str | None,
-        Option(metavar="ADDRESS", help="Dask scheduler whose workers fill the store, as tcp://HOST:PORT."),
+        Option(metavar="ADDRESS", help="Dask scheduler of other workers, as tcp://HOST:PORT."),
     ] = None
 
     def check(self) -> None:

@@ -10,6 +10,7 @@ from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import nearest as along_parameter
 from urdf_ik.ik.redundancy import region_search
 from urdf_ik.ik.representatives import near_each
+from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -30,7 +31,7 @@ def nearest(
     within: ArrayLike | None = None,
     within_limits: bool = True,
     region: Region | None = None,
-    threads: int = 1,
+    threads: inputs.Threads = 1,
 ) -> IKSolutions:
     """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
 
@@ -45,7 +46,7 @@ def nearest(
         region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
             those that were chosen in it. The optimum is local, see
             :mod:`urdf_ik.ik.redundancy.region_search`; so it is for an arm with several redundancy parameters.
-        threads: number of threads that share the work.
+        threads: number of threads that share the work, or 'auto'.
 
     Returns:
         One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven

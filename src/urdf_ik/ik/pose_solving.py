@@ -12,6 +12,7 @@ from urdf_ik.kinematics.chain.redundancy import spread
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -21,23 +22,26 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_LINE = 8  # numbers in a cache line
-
-
 def solve(
-    solver: Solver, T: Any, q_ref: ArrayLike | None = None, redundancy: ArrayLike | None = None, threads: int = 1
+    solver: Solver,
+    T: Any,
+    q_ref: ArrayLike | None = None,
+    redundancy: ArrayLike | None = None,
+    threads: inputs.Threads = 1,
+    out: IKSolutions | None = None,
 ) -> IKSolutions:
     """Every joint vector that brings the tip to ``T``; see :meth:`urdf_ik.Arm.ik`."""
     single: Any = solver.single
     if (
         single is not None
         and redundancy is None
+        and out is None
         and type(threads) is int
         and threads == 1
         and T is not None
         and (q_ref is None or type(T) is np.ndarray)
     ):
-        solutions: IKSolutions | None  # which the compiled core makes; None where the target is a batch or no array
+        solutions: IKSolutions | None  # which the compiled core makes; None where the targets are no array of poses
         if q_ref is None:
             solutions = single.one(IKSolutions, solver, solver.branches, T)
         else:
@@ -49,24 +53,21 @@ def solve(
     if solver.targets is not None:
         if redundancy is not None:
             raise UnsupportedArm(f"{solver.name}: targets of the task {solver.task!r} leave nothing free")
-        return _solve_task(solver, solver.targets, T, q_ref, threads)
+        return _solve_task(solver, solver.targets, T, q_ref, threads, out)
     if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
         # A copy, so that the answer does not change when the caller's array does.
         target = T.copy()
     else:
         target = as_pose_array(T)
         target = target.copy() if target is T and target.ndim == 2 else target
-    reference = None if q_ref is None else _reference(solver, q_ref)
     values = None
     if redundancy is not None:
         target, values = spread(solver.redundant_member.parameters, target, redundancy)
-    batch = target.shape[:-2]
-    q, flags, bad = _solve_stack(solver, target.reshape(-1, 4, 4), values, reference, threads)
-    if bad >= 0:
+    solved = _solve_array(solver, target, target.shape[:-2], values, q_ref, threads, out)
+    if solved is None:
         check_poses(target)  # names the first bad pose
         raise PoseError("a rotation that is neither orthonormal nor near it")
-    q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
-    return IKSolutions(solver, target, q, flags, solver.branches, redundancy=values)
+    return solved
 
 
 def for_task(solver: Solver, task: str | None) -> Solver:
@@ -89,34 +90,51 @@ def for_task(solver: Solver, task: str | None) -> Solver:
     return made
 
 
-def _solve_task(solver: Solver, targets: Targets, T: Any, q_ref: ArrayLike | None, threads: int) -> IKSolutions:
+def _solve_task(
+    solver: Solver, targets: Targets, T: Any, q_ref: ArrayLike | None, threads: int, out: IKSolutions | None
+) -> IKSolutions:
     """The solutions of targets of a task."""
     target = targets.read(T)
     batch = target.shape[:-1]
     stack = targets.for_solver(target.reshape(-1, target.shape[-1]))
-    reference = None if q_ref is None else _reference(solver, q_ref)
-    q, flags, bad = _solve_stack(solver, stack, None, reference, threads)
-    if bad >= 0:
+    solved = _solve_array(solver, stack.reshape(*batch, *stack.shape[1:]), batch, None, q_ref, threads, out)
+    if solved is None:
         raise PoseError(f"a target for the task {targets.task!r} is not finite, or its direction has no length")
-    q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
-    return IKSolutions(solver, target, q, flags, solver.branches)
+    solved._poses = target
+    return solved
 
 
-def _solve_stack(
-    solver: Solver, stack: Array, values: Array | None, q_ref: Array | None, threads: int
-) -> tuple[Array, NDArray[np.uint8], int]:
-    """Joint vectors (m, B, n) and flags (m, B) of targets (m, ...), and the index of the first bad target or -1.
-
-    The numbers begin at a cache line: stores across cache lines cost a batch half of its speed.
-    """
+def _solve_array(
+    solver: Solver,
+    targets: Array,
+    batch: tuple[int, ...],
+    values: Array | None,
+    q_ref: ArrayLike | None,
+    threads: int,
+    out: IKSolutions | None,
+) -> IKSolutions | None:
+    """The solutions of an array of the core's targets; None where one of them is invalid."""
     core: Any = solver.core  # a solver without one was refused before
-    shape = (len(stack), len(solver.branches), solver.dof)
-    size = shape[0] * shape[1] * shape[2]
-    numbers = np.empty(size + _LINE)
-    start = -(numbers.__array_interface__["data"][0] // numbers.itemsize) % _LINE
-    q, flags = numbers[start : start + size].reshape(shape), np.empty(shape[:2], np.uint8)
-    bad = core.solve(stack, q_ref, q, flags, None if values is None else values.reshape(-1), threads)
-    return q, flags, int(bad)
+    if out is not None:
+        _check_memory(solver, out, batch)
+    reference = None if q_ref is None else _reference(solver, q_ref)
+    targets = np.asarray(targets, order="C")
+    values = None if values is None else np.asarray(values, order="C")  # also of no dimension
+    solved: IKSolutions | None = core.many(
+        IKSolutions, solver, solver.branches, targets, reference, values, threads, out
+    )
+    return solved
+
+
+def _check_memory(solver: Solver, out: Any, batch: tuple[int, ...]) -> None:
+    if not isinstance(out, IKSolutions) or out.solver is not solver or out.step is not None or out.shape != batch:
+        shown = f"solutions of shape {out.shape}" if isinstance(out, IKSolutions) else quoted(out)
+        raise ArgumentError(
+            f"out={shown} given; what an earlier ik of this arm returned for targets of shape {batch}, unfiltered, is "
+            "needed"
+        )
+    if not batch:
+        raise ArgumentError("out given for a single target; it takes the solutions of a batch")
 
 
 def _reference(solver: Solver, q_ref: ArrayLike) -> Array:

@@ -73,6 +73,22 @@ class Control:
         assert self.plane is not None
         return np.ascontiguousarray(self.plane.coordinates(T)[..., : _WIDTH[self.task]])
 
+    def errors(self, T: Array, targets: Array) -> tuple[Array, Array]:
+        """How far poses ``T`` (..., 4, 4) of the tip are from targets (..., k) of this task, which is not 'pose'.
+
+        Returns:
+            Distances (...) [m] and angles (...) [rad], which are 0 where the task has no angle.
+        """
+        found = self.target_of(T)
+        numbers = 3 if self.plane is None else 2
+        off = found[..., numbers:] - targets[..., numbers:]
+        angle = np.zeros(off.shape[:-1])
+        if self.aimed is not None:
+            angle = 2.0 * np.arcsin(np.clip(0.5 * np.linalg.norm(off, axis=-1), 0.0, 1.0))
+        elif off.shape[-1]:
+            angle = np.abs(np.arctan2(np.sin(off[..., 0]), np.cos(off[..., 0])))
+        return np.linalg.norm(found[..., :numbers] - targets[..., :numbers], axis=-1), angle
+
 
 def control_of(chain: Chain) -> Control:
     """The part of the tip's pose that a chain controls; see ``Arm.task``.

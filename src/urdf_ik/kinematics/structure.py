@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.support import inputs
+from urdf_ik.support.display import html_of, short
+from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -75,7 +77,7 @@ class AxisTriple:
         return f"{numbers} {'meet in a point' if self.relation == 'meet' else 'are parallel'}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Structure:
     """What is known of an arm before it is solved; ``str()`` gives it in sentences.
 
@@ -209,12 +211,29 @@ class Structure:
         kinds = "".join(_KINDS[kind] for kind in self.joint_types)
         name = f"{len(self.joint_types)} joints ({kinds})"
         sentences = [f"{name}: {self.family}" if self.family else f"{name}, of no family that is solved here"]
-        sentences.append("; ".join([*map(str, self.triples), *map(str, self.pairs)]))
+        sentences.append("; ".join(self._relations()))
         if self.family:
             # The relations above say why, unless no relation helps.
             sentences += [self.reason if self.is_general else "", self.method, self.solutions_in_words()]
             sentences.append(f"imperfection: {self.imperfection_in_words()}")
         return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
+
+    def __repr__(self) -> str:
+        if not self.family:
+            return short(
+                f"Structure of no family that is solved here: {len(self.joint_types)} joints", self._relations()
+            )
+        return short(f"Structure {self.family}: {self.solutions_in_words()}", [self.reason, self.method])
+
+    def _repr_html_(self) -> str:
+        facts = [self.reason, self.method, f"imperfection: {self.imperfection_in_words()}"] if self.family else []
+        found = self.solutions_in_words() if self.family else "no solver takes it"
+        sections = [Section("", remarks=tuple(facts)), Section("axes", remarks=self._relations())]
+        title = self.family or f"{len(self.joint_types)} joints, of no family that is solved here"
+        return html_of(title, found, bool(self.family), sections)
+
+    def _relations(self) -> tuple[str, ...]:
+        return (*map(str, self.triples), *map(str, self.pairs))
 
 
 def analyse(chain: Chain) -> Structure:

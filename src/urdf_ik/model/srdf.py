@@ -20,21 +20,33 @@ _FOLDERS = (".", "../srdf", "../config", "../moveit")
 _MOST = 20
 
 
-def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[tuple[str, str], ...]:
+def disabled_pairs(
+    source: str | os.PathLike[str] | bytes, links: Collection[str], *, strict: bool = True
+) -> tuple[tuple[str, str], ...]:
     """Read the ``<disable_collisions>`` elements of an SRDF and ignore the others.
 
     Args:
         source: a path, or XML text.
         links: names of the URDF's links.
+        strict: whether a link that the URDF does not have is an error; else its pairs are left out, as an SRDF often
+            serves a robot with and without its hand.
 
     Returns:
         Pairs of link names, in the file's order.
 
     Raises:
         UrdfError: the SRDF cannot be read, or names a link that the URDF does not have.
+
+    Example:
+        >>> text = '<robot name="r"><disable_collisions link1="base" link2="hand"/></robot>'
+        >>> disabled_pairs(text, ["base", "hand"]), disabled_pairs(text, ["base"], strict=False)
+        ((('base', 'hand'),), ())
     """
     root, name = _opened(source)
-    return tuple(_two_links(each, "link1", "link2", links, name) for each in children(root, "disable_collisions"))
+    found = children(root, "disable_collisions")
+    if not strict:
+        found = (each for each in found if each.get("link1") in links and each.get("link2") in links)
+    return tuple(_two_links(each, "link1", "link2", links, name) for each in found)
 
 
 def chain_groups(

@@ -26,30 +26,32 @@ class PathSettings:
     )
     world: World | None = setting(None, "Obstacles.", Form.WORLD)
     margin: float = setting(
-        0.0, "Least distance of the arm's bodies from each other and from obstacles.", Form.NUMBER, "m"
+        0.0, "Distance that bodies must keep from each other and from obstacles.", Form.NUMBER, "m"
     )
-    collisions: bool = setting(
-        True, "Whether contacts are checked, at the waypoints and all the way between them.", Form.FLAG
+    collisions: bool | str = setting(
+        True,
+        "Whether contacts are checked, at the waypoints and all the way between them; by default where the collision "
+        "shapes can be read.",
+        Form.CHECK,
     )
     cost: str = setting(
         "l2",
-        "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time at the URDF's "
-        "velocity limits (time).",
+        "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time it takes (time).",
         Form.CHOICE,
         choices=COSTS,
     )
     weights: Any = setting(None, "Factor on |dq| of each joint, on dq^2 for l2; by default 1.", Form.EACH_JOINT)
     limit_cost: float = setting(
         0.0,
-        "Weight of a cost at each waypoint: the square of the nearness to a joint limit, 0 in the middle of the range "
-        "and 1 at the limit, of the joint that comes nearest.",
+        "Weight of a cost at each waypoint: the square of the nearness to a limit, 0 in the middle of the range and 1 "
+        "at the limit, of the nearest joint.",
         Form.NUMBER,
     )
     max_step: Any = setting(None, "Largest step of a joint between two waypoints.", Form.EACH_JOINT, "rad or m")
     tolerance: Any = setting(
         None,
-        "Largest distance of the tip from the straight segments between waypoints; by default 0.001 m and 0.02 rad, or "
-        "four times these where no plan keeps to them.",
+        "Largest distance of the tip from the straight segments; by default 0.001 m and 0.02 rad, or four times these "
+        "where no plan keeps to them.",
         Form.LENGTH_AND_ANGLE,
         "m, rad",
     )

@@ -13,7 +13,9 @@ import numpy as np
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits
 from urdf_ik.kinematics import velocity
+from urdf_ik.paths import plan_display
 from urdf_ik.support import files
+from urdf_ik.support.display import short
 from urdf_ik.support.text import json_text
 
 if TYPE_CHECKING:
@@ -113,6 +115,7 @@ class Plan:
         tolerance: (m, rad) from the straight segments within which every motion was proven to stay.
         obstacles: the bodies that the plan stays clear of; None where collisions are not checked.
         others: computes the ``alternatives`` at their first use.
+        unchecked: why contacts were not checked, such as '6 meshes missing' or 'not asked for'; '' where they were.
 
     Example:
         >>> import urdf_ik
@@ -135,6 +138,7 @@ class Plan:
     tolerance: tuple[float, float] = (0.0, 0.0)
     obstacles: Obstacles | None = field(default=None, repr=False)
     others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
+    unchecked: str = ""
 
     @property
     def found(self) -> bool:
@@ -150,7 +154,8 @@ class Plan:
     @cached_property
     def alternatives(self) -> tuple[Plan, ...]:
         """The best plan from every branch of the first waypoint that leads to the end, the cheapest first."""
-        return () if self.others is None else self.others()
+        found = () if self.others is None else self.others()
+        return tuple(replace(plan, unchecked=self.unchecked) for plan in found)
 
     def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
         """This plan with a function that computes its alternatives at their first use.
@@ -262,6 +267,7 @@ class Plan:
                 "branches": list(self.branches),
                 "changes": [change._asdict() for change in self.changes],
                 "stops": [stop._asdict() for stop in self.stops],
+                "contacts": f"not checked: {self.unchecked}" if self.unchecked else "checked",
             },
         )
         if path is not None:
@@ -291,17 +297,21 @@ class Plan:
         files.write(path, lambda file: np.savez(file, allow_pickle=False, **held))
 
     def __str__(self) -> str:
+        unchecked = f", contacts not checked: {self.unchecked}" if self.unchecked else ""
         if not self.found:
-            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints\n{self.explain()}"
+            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints{unchecked}\n{self.explain()}"
         changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
         step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
         return (
             f"{len(self.q)} waypoints of {self.solver.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
-            f"cost {self.cost:.6g}, largest step {step:.4f}"
+            f"cost {self.cost:.6g}, largest step {step:.4f}{unchecked}"
         )
 
     def __repr__(self) -> str:
-        return f"<Plan of {self.solver.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints>"
+        return short(plan_display.title(self), plan_display.lines(self))
+
+    def _repr_html_(self) -> str:
+        return plan_display.html(self)
 
     def _require(self) -> None:
         if not self.found:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths import checked_settings as settings_of
@@ -26,7 +25,6 @@ from urdf_ik.support.angles import TURN, shortest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.cell import World
     from urdf_ik.cell.cell import Cell
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.checked_settings import CheckedSettings
@@ -59,7 +57,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     Raises:
         ArgumentError: waypoints or a setting do not fit; the message names the valid values.
         PoseError: a waypoint is not a pose.
-        UrdfError: a world is given, and the arm has no collision shapes.
+        UrdfError: a world is given, or ``collisions="require"``, and not all collision shapes can be read.
         UnsupportedArm: no solver takes this arm.
 
     Example:
@@ -74,14 +72,16 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     """
     path, given = waypoints.read(T), PathSettings(**settings)
     solver.require_member()
-    obstacles = _obstacles(cell, given.world, given.margin, given.collisions)
+    margin = inputs.number(given.margin, "margin", low=0.0, unit="m")
+    bodies, unchecked = cell.to_check(given.collisions, given.world)
+    obstacles = None if bodies is None else Obstacles(bodies, margin)
     checked = settings_of.checked(solver, path, given, obstacles)
     plan = _within_limits(checked, _plan(checked, path))
-    if plan.found or not checked.looser or all(stop.cause != "jump" for stop in plan.stops):
-        return plan
-    # If there is no plan either, report its stops: the tolerance was not the cause.
-    looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
-    return _within_limits(looser, _plan(looser, path))
+    if not plan.found and checked.looser and any(stop.cause == "jump" for stop in plan.stops):
+        # If there is no plan either, report its stops: the tolerance was not the cause.
+        looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
+        plan = _within_limits(looser, _plan(looser, path))
+    return replace(plan, unchecked=unchecked)
 
 
 def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:
@@ -181,15 +181,3 @@ def _nodes(settings: CheckedSettings, T: Array) -> Nodes:
         column = int(found.column[here[np.argmin(apart)]]) if len(here) else 0
         found = found.chosen(found.at != where) + node_sets.at_vector(solver, joints, given, where, 0.0, column)
     return found
-
-
-def _obstacles(cell: Cell, world: World | None, margin: float, collisions: bool) -> Obstacles | None:
-    margin = inputs.number(margin, "margin", low=0.0, unit="m")
-    if not inputs.flag(collisions, "collisions"):
-        if world is not None:
-            raise ArgumentError("collisions=False given with a world; leave one of the two out")
-        return None
-    model = cell.collisions
-    if world is None:
-        return Obstacles(model, margin) if model.has_geometry else None
-    return Obstacles(model.in_world(world), margin)

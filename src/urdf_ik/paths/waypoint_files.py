@@ -68,15 +68,17 @@ def read_waypoints(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool 
     return _from_rows(held, degrees, bare=False) if isinstance(held, number_files.Rows) else _checked(name, held)
 
 
-def read_poses(source: str | os.PathLike[str] | IO[bytes]) -> Array:
+def read_poses(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool = False) -> Array:
     """Poses (m, 4, 4) as :func:`read_waypoints` reads them, or of seven numbers each: ``POSE_COLUMNS``.
+
+    ``degrees``: whether the angles of a CSV are in degrees instead of rad.
 
     Raises:
         ArgumentError: the file cannot be read, or holds no poses.
     """
     name, held = number_files.read(source, _POSES)
     if isinstance(held, number_files.Rows):
-        return _from_rows(held, degrees=False, bare=True)
+        return _from_rows(held, degrees, bare=True)
     if held.ndim in (1, 2) and held.shape[-1] == len(POSE_COLUMNS):
         rows = np.atleast_2d(held)
         return _posed("quat_wxyz", rows[:, [0, 1, 2, 6, 3, 4, 5]], lambda k: f"{name}, pose {k}")

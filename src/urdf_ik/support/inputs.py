@@ -11,7 +11,7 @@ import os
 from collections.abc import Mapping
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Error = Callable[[str], UrdfIkError]
 
+Threads = int | Literal["auto"]
+"""How many threads share a piece of work: see :func:`threads`."""
 MOST_THREADS = 1024
 """Greatest number of threads that share a piece of work."""
 MOST_POSES = 10**6
@@ -196,8 +198,25 @@ def whole(value: Any, what: str, error: Error = ArgumentError, *, low: int = 0, 
 
 
 def threads(value: Any) -> int:
-    """A number of threads that share a piece of work."""
-    return whole(value, "threads", low=1, high=MOST_THREADS)
+    """A number of threads that share a piece of work; 'auto': one for each processor that this process may use.
+
+    Example:
+        >>> threads("auto") >= 1, threads(2)
+        (True, 2)
+    """
+    if isinstance(value, str) and value == "auto":
+        return min(processors(), MOST_THREADS)
+    try:
+        return whole(value, "threads", low=1, high=MOST_THREADS)
+    except ArgumentError:
+        raise _refusal(value, "threads", f"a whole number from 1 to {MOST_THREADS}, or 'auto', is") from None
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):  # not on macOS
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def poses(value: Any) -> int:

@@ -19,6 +19,8 @@ class Form(Enum):
     LENGTH_AND_ANGLE = auto()
     CHOICE = auto()
     FLAG = auto()
+    CHECK = auto()
+    """True, False or 'require'."""
     WORLD = auto()
 
 
@@ -83,6 +85,7 @@ def documented(record: _Record) -> _Record:
         if found := each.metadata.get("setting"):
             unit = f" [{found.unit}]" if found.unit else ""
             default = "" if each.default in (None, MISSING) else f" Default: {each.default}."
-            lines.append(f"    {each.name}: {found.help.removesuffix('.')}{unit}.{default}")
+            require = " 'require': an error where they cannot be." if found.form is Form.CHECK else ""
+            lines.append(f"    {each.name}: {found.help.removesuffix('.')}{unit}.{require}{default}")
     record.__doc__ = "\n".join(lines)
     return record

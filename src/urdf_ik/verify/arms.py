@@ -1,4 +1,4 @@
-"""Accessors that every check uses: an arm's Pinocchio model, its collision shapes and its solutions."""
+"""Accessors that every check uses: an arm's Pinocchio model and its solutions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cell import CollisionModel
     from urdf_ik.ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]
@@ -20,11 +19,6 @@ if TYPE_CHECKING:
 def reference_of(arm: Arm) -> Reference:
     """Pinocchio's model of the arm, built from the URDF itself."""
     return Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
-
-
-def collisions_of(arm: Arm) -> CollisionModel:
-    """The arm's collision shapes, with the pairs that its user allowed."""
-    return arm.cell.collisions
 
 
 def parameters_of(arm: Arm) -> tuple[str, ...]:

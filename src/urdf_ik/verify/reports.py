@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from urdf_ik.errors import escaped, printable
+from urdf_ik.errors import escaped
+from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section, json_text, plain
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-_SHORT_LINES = 4
-_GOOD, _BAD = "#2e7d32", "#c62828"
 
 
 class Written:
@@ -82,45 +76,3 @@ class Report(Written):
 
     def _repr_html_(self) -> str:
         return html_of(self.title(), self.verdict(), self.passed, (Section("", remarks=self.lines()),))
-
-
-def short(title: str, lines: Sequence[str]) -> str:
-    """A text of at most six lines: what a prompt shows.
-
-    Example:
-        >>> print(short("Report FAILED", ["one", "two"]))
-        <Report FAILED>
-          one
-          two
-    """
-    shown = list(lines)
-    if len(shown) > _SHORT_LINES + 1:
-        shown = [*shown[:_SHORT_LINES], f"and {len(shown) - _SHORT_LINES} lines more: print it"]
-    return "\n".join(printable(line, 160) for line in (f"<{title}>", *(f"  {line}" for line in shown)))
-
-
-def html_of(title: str, verdict: str, well: bool, sections: Iterable[Section]) -> str:
-    """A report for a notebook: its title, its verdict, and every section as a table or a list; all of it is escaped.
-
-    Example:
-        >>> html_of("<arm>", "PASSED", True, [])
-        '<div><p><b>&lt;arm&gt;</b><br/><span style="color:#2e7d32">PASSED</span></p></div>'
-    """
-    parts = [f'<p><b>{_cell(title)}</b><br/><span style="color:{_GOOD if well else _BAD}">{_cell(verdict)}</span></p>']
-    for section in sections:
-        parts += [f"<p>{_cell(section.title)}</p>"] if section.title and section.title != verdict else []
-        if section.rows:
-            head = "".join(f"<th>{_cell(each)}</th>" for each in section.header)
-            body = "".join(
-                "<tr>" + "".join(f"<td>{_cell(each)}</td>" for each in row) + "</tr>" for row in section.rows
-            )
-            parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
-        if section.remarks:
-            parts.append(
-                "<ul>" + "".join(f"<li>{_cell(each.removeprefix('- '))}</li>" for each in section.remarks) + "</ul>"
-            )
-    return f"<div>{''.join(parts)}</div>"
-
-
-def _cell(text: str) -> str:
-    return escape(printable(text, 1000))

@@ -147,8 +147,11 @@ def test_a_single_waypoint_is_drawn(arm: Arm, tmp_path: Path) -> None:
 def test_the_command_draws_it(arm: Arm, tmp_path: Path) -> None:
     """With the options of `path`; without waypoints, or of another picture, it says what is wrong."""
     np.save(tmp_path / "seam.npy", seam(0.4, 10))
-    succeed("plot", ARM, "path", "-w", f"{tmp_path}/seam.npy", "-o", f"{tmp_path}/path.png")
+    succeed("plot", ARM, "path", "-p", f"{tmp_path}/seam.npy", "-o", f"{tmp_path}/path.png")
     assert is_png((tmp_path / "path.png").read_bytes())
-    for what, rest, words in (("path", (), "--waypoints"), ("limits", ("-w", "seam.npy"), "does not show a path")):
+    for what, rest, words in (
+        ("path", (), "--poses"),
+        ("limits", ("-p", f"{tmp_path}/seam.npy"), "shows one pose, and 10 are given"),
+    ):
         result = call("plot", ARM, what, *rest, "-o", f"{tmp_path}/path.png")
         assert result.exit_code == 2 and words in " ".join(result.output.split())

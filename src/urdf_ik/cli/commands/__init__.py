@@ -5,23 +5,35 @@ function are the arguments and options. Every command file is imported for ``urd
 numpy, rich and the rooms of this package inside its functions.
 """
 
-COMMANDS = {
-    "robots": "robots",
-    "doctor": "doctor",
-    "info": "info",
-    "fk": "fk",
-    "ik": "ik",
-    "check": "check",
-    "compare": "compare",
-    "freeze": "freeze",
-    "verify": "verify",
-    "judge": "judge",
-    "dh": "dh",
-    "path": "path",
-    "plot": "show.plot",
-    "view": "show.view",
-    "workspace": "maps.workspace",
-    "placement": "maps.placement",
-    "dataset": "maps.dataset",
+GROUPS = {
+    "Ask an arm": {
+        "ik": "ik",
+        "fk": "fk",
+        "info": "info",
+        "explain": "explain",
+        "dh": "dh",
+        "workspace": "maps.workspace",
+    },
+    "Hold it to account": {
+        "check": "check",
+        "compare": "compare",
+        "freeze": "freeze",
+        "verify": "verify",
+        "judge": "judge",
+    },
+    "Make something with it": {
+        "path": "path",
+        "placement": "maps.placement",
+        "dataset": "maps.dataset",
+    },
+    "Show": {
+        "view": "show.view",
+        "plot": "show.plot",
+        "robots": "robots",
+        "doctor": "doctor",
+    },
 }
-"""The file of each command, in the order of ``urdf-ik --help``."""
+"""The commands in the groups of ``urdf-ik --help``, each with its file; at most six in a group."""
+
+COMMANDS = {name: file for group in GROUPS.values() for name, file in group.items()}
+"""The file of each command."""

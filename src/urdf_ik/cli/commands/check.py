@@ -12,7 +12,7 @@ ROBOT may be a folder: every URDF in it is checked, and one table shows the resu
 Examples:
     urdf-ik check zyyzyz_6r -n 200
     urdf-ik check ur5 --complete -n 80
-    urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json
+    urdf-ik check my_arm.urdf --tip tool0 --no-collisions --json
     urdf-ik check lab/ --complete -n 2 --store night --workers 2
 """
 
@@ -37,24 +37,16 @@ if TYPE_CHECKING:
 
 def command(
     *,
-    n: options.Poses = 200,
+    n: options.Random = 200,
     seed: options.Seed = 0,
     complete: Annotated[
         bool,
         Option(
             "--complete",
-            help="Instead: look for missing solutions in a second way, at N random, N near singular, N right-angled "
-            "poses.",
+            help="Instead: look for missing solutions in a second way, at N random, N nearly singular, N round poses.",
         ),
     ] = False,
-    collision: Annotated[
-        bool | None,
-        Option(
-            "--collision/--no-collision",
-            help="Compare collision checks, too. Default: where the URDF has collision shapes that can be read.",
-            show_default=False,
-        ),
-    ] = None,
+    collisions: options.Collisions = None,
     work: StoreOptions,
     chosen: ArmOptions,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -66,22 +58,22 @@ def command(
         typer.Exit: a check failed.
         UrdfIkError: there is no such arm, the folder holds no URDF, or the store cannot be used.
     """
-    if complete and collision is not None:
-        raise console.usage("--complete compares solutions and nothing else", "--collision")
+    if complete and collisions is not None:
+        raise console.usage("--complete compares solutions and nothing else", "--collisions")
     report: surveys.Survey | crosscheck.Report | completeness.Completeness
     if Path(chosen.robot).is_dir():
-        report = _survey(chosen, n, seed, complete, collision, work)
+        report = _survey(chosen, n, seed, complete, collisions, work)
     else:
         if work != StoreOptions():
             raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
-        report = _report(chosen, n, seed, complete, collision)
+        report = _report(chosen, n, seed, complete, collisions)
     console.write(report.to_json() if printed_as is ReportFormat.JSON else f"{report}\n", None)
     if not report.passed:
         raise typer.Exit(Status.FAILED)
 
 
 def _report(
-    chosen: ArmOptions, n: int, seed: int, complete: bool, collision: bool | None
+    chosen: ArmOptions, n: int, seed: int, complete: bool, collisions: bool | None
 ) -> crosscheck.Report | completeness.Completeness:
     from urdf_ik.verify import completeness, crosscheck
 
@@ -90,11 +82,11 @@ def _report(
         with Progress("comparing poses", "solving in two ways") as progress:
             return completeness.compare(arm, n=n, seed=seed, progress=progress.tick)
     with Progress("checking poses", "checking against Pinocchio") as progress:
-        return crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
+        return crosscheck.check(arm, n=n, seed=seed, collision=collisions, progress=progress.tick)
 
 
 def _survey(
-    chosen: ArmOptions, n: int, seed: int, complete: bool, collision: bool | None, work: StoreOptions
+    chosen: ArmOptions, n: int, seed: int, complete: bool, collisions: bool | None, work: StoreOptions
 ) -> surveys.Survey:
     from urdf_ik.verify import surveys
 
@@ -106,7 +98,7 @@ def _survey(
             n=n,
             seed=seed,
             complete=complete,
-            collision=collision,
+            collision=collisions,
             base=chosen.base,
             tip=chosen.tip,
             mesh_roots=chosen.mesh_root or (),

@@ -22,28 +22,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from urdf_ik.cli import options
+from urdf_ik.cli.arm_options import angles_of
 from urdf_ik.cli.commands.verify import Degrees, Ignored, Millimetres
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.several_arms import SeveralArms
-from urdf_ik.support.inputs import MOST_POSES
 
 if TYPE_CHECKING:
     from urdf_ik.verify.comparison import Comparison, ManyArms
 
-Poses = Annotated[
-    str | None,
-    typer.Option("--poses", metavar="FILE", help=f"Ask all arms for these, too: {options.POSES_IN_A_FILE}"),
-]
-Each = Annotated[int, typer.Option("-n", "--random", min=1, max=MOST_POSES, help="Random poses that each arm makes.")]
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with status 1 where arms differ.")]
 
 
 def command(
     *,
     arms: SeveralArms,
-    poses: Poses = None,
-    n: Each = 200,
+    given: options.PoseOptions,
+    n: options.Random = 200,
     seed: options.Seed = 0,
     tolerance_mm: Millimetres = None,
     tolerance_deg: Degrees = None,
@@ -54,14 +49,15 @@ def command(
     """Print the comparison."""
     from urdf_ik.cli import console
     from urdf_ik.cli.progress import Progress
+    from urdf_ik.cli.solutions import targets
     from urdf_ik.support.text import json_text
     from urdf_ik.verify import comparison
 
     chosen = arms.each()
     for each in chosen:
-        each.without_stdin(poses, "--poses")
-    own = None if poses is None else console.read_poses(poses, "--poses")
+        each.apart_from(given)
     loaded = [each.load() for each in chosen]
+    own = targets.own_poses(loaded[0], given, angles_of(loaded[0], False))
     with Progress("comparing", "solving") as progress:
         found = [
             comparison.compare(

@@ -60,7 +60,13 @@ def command(
     degrees: options.Degrees = False,
     printed_as: Annotated[
         DHFormat | None,
-        Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False),
+        Option(
+            "--format",
+            "-f",
+            help="Default: by the name of --output, else table.",
+            show_default=False,
+            rich_help_panel=options.OUTPUT,
+        ),
     ] = None,
     output: options.Output = None,
 ) -> None:

@@ -2,7 +2,7 @@
 
 Examples:
     urdf-ik fk zyyzyz_6r --q 0.1,-0.2,0.3,0,0.5,0
-    urdf-ik fk ur5 --file vectors.csv --degrees --format csv
+    urdf-ik fk ur5 --q vectors.csv --degrees --format csv
     urdf-ik fk ur5 --q 0,-1,1,0,1,0 -f json | urdf-ik ik ur5 --poses -
 """
 
@@ -18,6 +18,7 @@ from typer import Option
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.options import Format
+from urdf_ik.cli.prompt.completion import data_files
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,10 +31,15 @@ if TYPE_CHECKING:
 
 def command(
     *,
-    q: Annotated[list[str] | None, Option(metavar="Q1,Q2,...", help="Joint vector, rad or m; repeatable.")] = None,
-    file: Annotated[
-        str | None, Option(metavar="FILE", help="Joint vectors: csv, json, npy, npz, or - for stdin.")
-    ] = None,
+    q: Annotated[
+        list[str],
+        Option(
+            metavar="Q1,Q2,...|FILE",
+            help="Joint vectors, rad or m: typed, of a csv, json, npy or npz, or -; repeatable.",
+            autocompletion=data_files,
+            rich_help_panel=options.POSES,
+        ),
+    ],
     chosen: ArmOptions,
     degrees: options.Degrees = False,
     printed_as: options.DataFormat = None,
@@ -46,16 +52,11 @@ def command(
         UrdfIkError: there is no such arm.
     """
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
-    if bool(q) == (file is not None):
-        raise console.usage("give joint vectors with --q or with --file, and not with both", "--q")
-    chosen.without_stdin(file, "--file")
+    for text in q:
+        chosen.without_stdin(text, "--q")
     arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
-    if file is not None:
-        vectors = console.read_joint_vectors(file, "--file", arm.joint_names)
-    else:
-        vectors = np.array([console.numbers(text, "--q", arm.joint_names) for text in q or ()])
-    vectors = angles.typed(vectors)
+    vectors = angles.typed(console.joint_vectors(q, "--q", arm.joint_names))
     if chosen_format is Format.TABLE:
         console.write(as_text(arm, vectors, angles, to_file=output is not None), output)
     else:

@@ -1,18 +1,15 @@
 """Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.
 
-The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses from a file (--poses) or
-random ones (--random). Without these it is the arm's example: among 256 seeded joint vectors inside the limits, the one
-whose pose has most solutions.
-
-A file holds 4x4 matrices or x,y,z,qx,qy,qz,qw, as npy, npz, json or csv. The table summarizes more than 20 poses; csv,
-json and npz hold them all. The status is 1 when a pose has no solution.
+The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses of a file (--poses) or
+random ones (--random). Without these it is the arm's example: of 256 seeded joint vectors the one whose pose has most
+solutions. The table summarizes more than 20 poses. The status is 1 when a pose has no solution.
 
 Examples:
-    urdf-ik ik zyyzyz_6r
-    urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6
-    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free --world cell.urdf
-    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --metric time --within 0.5
-    urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz
+    urdf-ik ik dh_6r --xyz 0.5 0.11 0.26 --quat-xyzw 0 0 0.8 0.6
+    urdf-ik ik planar_2r --task planar-position --xyz 0.1,0.05,0
+    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --collision-free --world cell.urdf
+    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --max-step 0.5
+    urdf-ik ik ur5 --random 1000 --output solutions.npz
     urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
 """
 
@@ -22,7 +19,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 import typer
@@ -31,7 +28,7 @@ from typer import Option
 from urdf_ik.cli import console, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.errors import Status
-from urdf_ik.cli.options import Format
+from urdf_ik.cli.options import POSES, Format
 from urdf_ik.cli.progress import Progress
 from urdf_ik.support.inputs import MOST_POSES
 
@@ -62,25 +59,23 @@ class Quality(StrEnum):
 class Choice:
     """Options that choose solutions, as typed."""
 
-    turns: Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")] = False
+    GROUP: ClassVar[str] = "Solutions"
     within_limits: Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")] = False
     collision_free: Annotated[
         bool, Option("--collision-free", help="Keep those free of self-collision, and of --world.")
     ] = False
+    turns: Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")] = False
     nearest: Annotated[str | None, Option(metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")] = (
         None
     )
     metric: Annotated[
-        Metric,
-        Option(help="Distance of --nearest: of all joints, of the largest one, or time at the URDF's speeds."),
+        Metric, Option(help="Distance of --nearest: all joints, the largest one, or time.", show_default=False)
     ] = Metric.L2
-    within: Annotated[
+    max_step: Annotated[
         str | None,
-        Option(metavar="V|V1,V2,...", help="Drop solutions with a joint further than this from --nearest."),
+        Option(metavar="V|V1,V2,...", help="Drop those with a joint further from --nearest."),
     ] = None
-    best: Annotated[
-        Quality | None, Option(help="Keep the one farthest from its limits, from singularity, or from contact.")
-    ] = None
+    best: Annotated[Quality | None, Option(help="Keep the one farthest from limits, singularity or contact.")] = None
 
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
         """The function that keeps the chosen solutions.
@@ -93,12 +88,12 @@ class Choice:
             reference = angles.typed(console.numbers(self.nearest, "--nearest", arm.joint_names))
             if self.best is not None:
                 raise console.usage("--best and --nearest each keep a solution; give one of them", "--best")
-        elif self.within is not None or self.metric is not Metric.L2:
-            option = "--metric" if self.within is None else "--within"
+        elif self.max_step is not None or self.metric is not Metric.L2:
+            option = "--metric" if self.max_step is None else "--max-step"
             raise console.usage("it says how near to --nearest; give that, too", option)
-        if self.within is not None:
-            alone = len(self.within.replace(",", " ").split()) == 1
-            typed = console.numbers(self.within, "--within", ("V",) if alone else arm.joint_names)
+        if self.max_step is not None:
+            alone = len(self.max_step.replace(",", " ").split()) == 1
+            typed = console.numbers(self.max_step, "--max-step", ("V",) if alone else arm.joint_names)
             bounds = angles.typed(np.broadcast_to(typed, (arm.dof,)))
 
         def pick(solutions: IKSolutions) -> IKSolutions:
@@ -118,33 +113,23 @@ class Choice:
 
 def command(
     *,
-    typed: options.Pose,
-    q: Annotated[
-        list[str] | None, Option(metavar="Q1,Q2,...", help="The tip at this joint vector; repeatable.")
-    ] = None,
-    poses: Annotated[str | None, Option(metavar="FILE", help="Poses from a file, or - for stdin.")] = None,
+    typed: options.PoseOptions,
     random: Annotated[
-        int | None, Option(metavar="N", min=1, max=MOST_POSES, help="N poses of random joint vectors.")
+        int | None,
+        Option("--random", "-n", metavar="N", min=1, max=MOST_POSES, help="Random poses.", rich_help_panel=POSES),
     ] = None,
     seed: options.Seed = 0,
-    redundancy: Annotated[
-        str | None,
-        Option(
-            metavar="V1,V2,...",
-            help="Solve each pose at these values of the redundancy parameter that `info` names. Default: its value "
-            "at the joint vector of the target, else the arm's default.",
-            show_default=False,
-        ),
-    ] = None,
+    task: options.Task = None,
+    redundancy: options.Redundancy = None,
     choice: Choice,
     world: options.World = None,
     check: Annotated[
         bool | None,
         Option(
             "--check/--no-check",
-            help="Pinocchio's error and self-collision of each solution, or leave Pinocchio out. "
-            "Default: both up to 20 poses, beyond that only the error.",
+            help="Pinocchio's errors and contacts, or neither. Default: both up to 20 poses, then errors.",
             show_default=False,
+            rich_help_panel=Choice.GROUP,
         ),
     ] = None,
     chosen: ArmOptions,
@@ -161,20 +146,22 @@ def command(
     from urdf_ik.cli.solutions import checked, tables, targets
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
-    chosen.without_stdin(poses, "--poses")
+    chosen.apart_from(typed)
     obstacles = read_world(world, chosen)
     arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
     keep = choice.filter_for(arm, angles, obstacles)
     with Progress("checking solutions", "solving") as progress:
-        target = targets.target(arm, targets.TargetOptions(typed, q or (), poses, random, seed), angles)
+        asked = "pose" if task is None else task.value.replace("-", " ")
+        target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
         few = len(target.poses) <= tables.SUMMARY_ABOVE
         answer = checked.solve(
             arm,
             target.poses,
             keep,
-            redundancy=target.redundancy,
+            redundancy=target.redundancy if asked == "pose" else None,
+            task=asked,
             errors=check is not False,
             collisions=few if check is None else check,
             world=obstacles,

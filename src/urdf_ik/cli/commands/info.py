@@ -5,6 +5,7 @@ Examples:
     urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json
     urdf-ik info panda --lock panda_joint3=30deg
     urdf-ik info my_arm.urdf --chains
+    urdf-ik info my_arm.urdf --allow link_4,link_6 --pairs
 """
 
 from __future__ import annotations
@@ -32,17 +33,26 @@ def command(
     chains: Annotated[
         bool, Option("--chains", help="List the chains of the URDF instead, and the default one.")
     ] = False,
+    pairs: Annotated[
+        bool, Option("--pairs", help="List the pairs of links instead: checked for contact, or allowed, and why.")
+    ] = False,
     chosen: ArmOptions,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
-    """Print the arm, or the chains of its URDF."""
+    """Print the arm, the chains of its URDF, or its pairs of links."""
+    if chains and pairs:
+        raise console.usage("--chains and --pairs are two lists; ask for one of them", "--pairs")
     if chains:
         from urdf_ik.cli.commands import chains as list_of_chains
 
         show = list_of_chains.as_json if printed_as is ReportFormat.JSON else list_of_chains.as_text
         return console.write(show(chosen.model(), chosen.base), None)
     arm = chosen.load(degrees)
+    if pairs:
+        table = arm.cell.collisions.table()
+        listed = {"checked": table.checked, "allowed": [[*pair, why] for pair, why in table.allowed.items()]}
+        return console.write(console.json_text(listed) if printed_as is ReportFormat.JSON else f"{table}\n", None)
     write = as_json if printed_as is ReportFormat.JSON else as_text
     return console.write(write(arm, angles_of(arm, degrees)), None)
 
@@ -157,6 +167,8 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
+    if allowed := len(arm.cell.disabled):
+        facts.append(("may touch", f"{allowed} pair{'s' * (allowed > 1)} of links, by the SRDF; `--pairs` lists all"))
     facts += [("warning", str(each)) for each in arm.model.warnings]
     return tables.render(_facts(facts), "", joints, "", axes, "", _facts(solver), *branches)
 

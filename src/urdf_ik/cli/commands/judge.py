@@ -1,7 +1,7 @@
 """Judge another solver on an arm: the solutions that it has wrong, misses or doubles.
 
-It is asked at random poses, round joint angles, with the tool down, near singularities and at them. Pinocchio measures
-every solution, and each fault comes with the pose to replay. The status is 1 when there is a fault.
+It is asked at N poses of each kind: random, round joint angles, tool down, near singularities and at them. Pinocchio
+measures every solution, and each fault comes with the pose to replay. The status is 1 when there is a fault.
 
 A process reads {"T": 4x4} and answers {"q": [[...], ...]}, a line each, in the arm's order of joints.
 
@@ -14,7 +14,6 @@ Examples:
 from __future__ import annotations
 
 from enum import StrEnum
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -22,7 +21,6 @@ import typer
 from urdf_ik.cli import options
 from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.errors import Status
-from urdf_ik.support.inputs import MOST_POSES
 
 
 class JudgeFormat(StrEnum):
@@ -42,25 +40,25 @@ Solver = Annotated[
         "ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
     ),
 ]
-Each = Annotated[int, typer.Option("-n", "--poses", min=1, max=MOST_POSES, help="Poses of each of the five kinds.")]
-Tolerance = Annotated[
-    float | None, typer.Option("--tolerance", metavar="E", min=0.0, help="Error [m; rad] of a solution. Default: 1e-7.")
+MaxError = Annotated[
+    float | None, typer.Option("--max-error", metavar="E", min=0.0, help="Error [m; rad] of a solution. Default: 1e-7.")
 ]
 Within = Annotated[bool, typer.Option("--within-limits", help="The solver returns only what is inside the limits.")]
-Printed = Annotated[JudgeFormat, typer.Option("--format", "-f", help="How to print it.")]
-Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
+Printed = Annotated[
+    JudgeFormat, typer.Option("--format", "-f", help="How to print it.", rich_help_panel=options.OUTPUT)
+]
 
 
 def command(
     *,
     solver: Solver,
-    n: Each = 50,
+    n: options.Random = 50,
     seed: options.Seed = 0,
-    tolerance: Tolerance = None,
+    max_error: MaxError = None,
     within_limits: Within = False,
     chosen: ArmOptions,
     printed_as: Printed = JudgeFormat.TABLE,
-    output: Output = None,
+    output: options.Output = None,
 ) -> None:
     """Print the judgement."""
     from urdf_ik.cli import console
@@ -74,7 +72,7 @@ def command(
     try:
         with Progress("judging poses", "solving") as progress:
             found = judged(
-                arm, solve, n=n, seed=seed, tolerance=TOLERANCE if tolerance is None else tolerance,
+                arm, solve, n=n, seed=seed, tolerance=TOLERANCE if max_error is None else max_error,
                 within_limits=within_limits, name=str(getattr(solve, "__name__", solver)), progress=progress.tick,
             )  # fmt: skip
     finally:

@@ -4,9 +4,10 @@ The motion is proven between the waypoints and free of contacts. Where there is 
 branch how far it gets and what stops it there. The status is 1 when there is no plan.
 
 Examples:
-    urdf-ik path zyyzyz_6r --waypoints seam.csv --out plan.csv --timed motion.csv
-    urdf-ik path my_arm.urdf --tip tool0 -w seam.csv --world cell.urdf --margin 0.01 --reconfigure
-    urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -w -
+    urdf-ik path zyyzyz_6r --poses seam.csv -o plan.csv --timed motion.csv
+    urdf-ik path my_arm.urdf --tip tool0 -p seam.csv --world cell.urdf --margin 0.01 --reconfigure
+    urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -p -
+    urdf-ik path ur5 --q 0,-1,1,0,1,0 --q 0.1,-1,1,0,1,0 --no-collisions
 """
 
 from __future__ import annotations
@@ -41,20 +42,31 @@ _FREE = {None: "not checked", True: "free", False: "hits"}
 
 def command(
     *,
+    waypoints: options.PoseOptions,
     path: PathOptions,
-    alternatives: Annotated[bool, Option("--alternatives", help="The best plan from every start branch, too.")] = False,
+    alternatives: Annotated[
+        bool,
+        Option("--alternatives", help="The best plan from every start branch, too.", rich_help_panel=PathOptions.GROUP),
+    ] = False,
     chosen: ArmOptions,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
     output: Annotated[
         Path | None,
-        Option("--out", "--output", "-o", metavar="FILE", help="Write the plan: .csv, .json or .npz; rad, m."),
+        Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Write the plan: .csv, .json or .npz; rad, m.",
+            rich_help_panel=options.OUTPUT,
+        ),
     ] = None,
     timed: Annotated[
         Path | None,
         Option(
             metavar="FILE",
-            help="Write it in time, too, as fast as velocity and acceleration allow: .csv, .json or .npz; s, rad, m.",
+            help="Write it in time, at the highest velocities: .csv, .json or .npz; s, rad, m.",
+            rich_help_panel=options.OUTPUT,
         ),
     ] = None,
 ) -> None:
@@ -65,15 +77,16 @@ def command(
         typer.Exit: there is no plan.
         UrdfIkError: a file that cannot be read or written.
     """
-    for file, option in ((output, "--out"), (timed, "--timed")):
+    for file, option in ((output, "--output"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:
             kinds = ", ".join(SUFFIXES)
             raise console.usage(f"{files.name_of(file)}: plans are written as {kinds}; name the file so", option)
         if file is not None:
             files.writable(file)
+    chosen.apart_from(waypoints)
     arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
-    found = followed(arm, angles, path, chosen)
+    found = followed(arm, angles, waypoints, path, chosen)
     plan = found.plan
     in_time, untimed = None, None
     try:
@@ -105,9 +118,8 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
     lines: list[Table | str] = [head]
     if found.world is not None:
         lines.append(f"world: {', '.join(found.world.names)}")
-    if plan.obstacles is None:
-        why = arm.cell.collisions.missing if not arm.cell.collisions.has_geometry else "as asked"
-        lines.append(f"contacts were not checked: {why}")
+    if plan.unchecked:
+        lines.append(f"contacts not checked: {plan.unchecked}")
     took = f"in {found.seconds:.2f} s"
     if not plan.found:
         rows = [[stop.branch, str(stop.waypoint), stop.cause, stop.reason] for stop in plan.stops]
@@ -226,6 +238,7 @@ def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
         "waypoints": len(plan.poses),
         "seconds": found.seconds,
         "found": plan.found,
+        "contacts": f"not checked: {plan.unchecked}" if plan.unchecked else "checked",
         "stops": [stop._asdict() for stop in plan.stops],
     }
     if plan.found:

@@ -81,6 +81,7 @@ def solve(
     pick: Callable[[IKSolutions], IKSolutions],
     *,
     redundancy: NDArray[np.float64] | None = None,
+    task: str = "pose",
     errors: bool,
     collisions: bool,
     world: World | None = None,
@@ -88,9 +89,13 @@ def solve(
 ) -> CheckedSolutions:
     """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
 
-    ``redundancy``: (N,) rad or m, or None for the arm's default; ``world``: obstacles that count as collisions.
+    ``redundancy``: (N,) rad or m, or None for the arm's default; ``task``: the part of the poses that is the target;
+    ``world``: obstacles that count as collisions.
     """
-    solutions = pick(arm.ik(poses, redundancy=redundancy))
+    from urdf_ik.cli.solutions.targets import of_task
+
+    targets = poses if task == "pose" else of_task(arm, poses, task)
+    solutions = pick(arm.ik(targets, redundancy=redundancy, task=None if task == "pose" else task))
     q, valid = solutions.q, solutions.valid
     lower, upper = arm.limits.T
     within = valid & ((q >= lower - LIMIT_TOLERANCE) & (q <= upper + LIMIT_TOLERANCE)).all(axis=-1)
@@ -106,7 +111,11 @@ def solve(
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _BATCH):
             i, b = todo[start : start + _BATCH].T
-            position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
+            position[i, b], rotation[i, b] = (
+                reference.errors(q[i, b], poses[i])
+                if task == "pose"
+                else arm.solver.control.errors(reference.pose(q[i, b]), targets[i])
+            )
             tick(start + len(i), len(todo))
     if collisions:
         body = arm.cell.collisions.in_world(world)

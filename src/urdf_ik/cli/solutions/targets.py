@@ -16,14 +16,18 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.options import Pose
+    from urdf_ik.cli.options import PoseOptions
 
 ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
+    "--rpy": ("roll", "pitch", "yaw"),
     "--quat-xyzw": ("x", "y", "z", "w"),
     "--quat-wxyz": ("w", "x", "y", "z"),
-    "--rpy": ("roll", "pitch", "yaw"),
     "--rotvec": ("rx", "ry", "rz"),
 }
+EXACT = 1e-9
+"""Distance from a planar arm's plane up to which a point lies in it [m]."""
+POINT_TASKS = ("position", "planar position")
+"""Tasks whose targets have no orientation."""
 # The example is drawn from the middle of each joint's range, where its joint values are easy to picture.
 EXAMPLE_DRAWS = 256
 EXAMPLE_SHARE = 0.6
@@ -34,51 +38,90 @@ class Target:
     """Poses (N, 4, 4) to solve, and a sentence on where they come from.
 
     ``redundancy``: (N,) or (N, k) rad or m, the redundancy parameters of each; None: the arm's defaults, or none.
+    ``source``: the file of the poses, or the option that they were typed with.
     """
 
     poses: NDArray[np.float64]
     note: str
     redundancy: NDArray[np.float64] | None = None
+    source: str = ""
 
 
-@dataclass(frozen=True)
-class TargetOptions:
-    """The target options as typed; None where one was not given."""
+def target(arm: Arm, typed: PoseOptions, random: int | None, seed: int, angles: Angles, task: str = "pose") -> Target:
+    """The target poses of the options; without any, the arm's example.
 
-    typed: Pose
-    q: Sequence[str]
-    poses: str | None
-    random: int | None
-    seed: int
-
-
-def target(arm: Arm, given: TargetOptions, angles: Angles) -> Target:
-    """The target poses of the options.
+    ``task``: the part of the poses that counts, see :mod:`urdf_ik.ik.tasks`.
 
     Raises:
         typer.BadParameter: options that exclude each other, or values that do not make a pose.
+        ArgumentError: a file cannot be read.
     """
-    oriented = [option for option, text in _orientations(given.typed).items() if text is not None]
-    kinds = {
-        "--xyz": given.typed.xyz is not None or bool(oriented),
-        "--q": bool(given.q),
-        "--poses": given.poses is not None,
-        "--random": given.random is not None,
-    }
-    chosen = [option for option, there in kinds.items() if there]
-    if len(chosen) > 1:
-        raise console.usage(f"{' and '.join(chosen)} exclude each other; give one kind of target")
-    if not chosen:
-        return _example(arm, angles, given.seed)
-    if given.q:
-        return _planted(arm, given.q, angles)
-    if given.poses is not None:
-        poses = console.read_poses(given.poses, "--poses")
-        return Target(poses, f"poses: {len(poses)} from {console.place(given.poses)}")
-    if given.random is not None:
-        note = f"poses: {given.random} of random joint vectors inside the limits, seed {given.seed}"
-        return _of_vectors(arm, _draws(arm, given.random, given.seed), note)
-    return _typed(given.typed, oriented, angles)
+    found = given(arm, typed, angles, task)
+    if found is not None and random is not None:
+        option = "--poses" if typed.poses is not None else found.source
+        raise console.usage(f"{option} and --random exclude each other; give one kind of target")
+    if random is not None:
+        note = f"poses: {random} of random joint vectors inside the limits, seed {seed}"
+        return _of_vectors(arm, _draws(arm, random, seed), note)
+    return _example(arm, angles, seed) if found is None else found
+
+
+def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> Target | None:
+    """The poses that are typed, or that a file holds; None without any.
+
+    Raises:
+        typer.BadParameter: options that exclude each other, or values that do not make a pose.
+        ArgumentError: a file cannot be read.
+    """
+    oriented = [option for option in ORIENTATIONS if _typed_as(typed, option)]
+    kinds = {"--xyz": bool(typed.xyz or oriented), "--q": bool(typed.q), "--poses": typed.poses is not None}
+    there = [option for option, is_there in kinds.items() if is_there]
+    if len(there) > 1:
+        raise console.usage(f"{' and '.join(there)} exclude each other; give one kind of target")
+    if typed.q:
+        q = angles.typed(console.joint_vectors(typed.q, "--q", arm.joint_names))
+        return replace(_of_vectors(arm, q, "target: the tip at the joint vector that was given"), source="--q")
+    if typed.poses is not None:
+        poses = console.read_poses(typed.poses, "--poses", degrees=angles.degrees)
+        place = console.place(typed.poses)
+        return Target(poses, f"poses: {len(poses)} from {place}", source=place)
+    return _typed(arm, typed, oriented, angles, task) if there else None
+
+
+def required(arm: Arm, typed: PoseOptions, angles: Angles, what: str) -> Target:
+    """The poses that are given, which a message calls ``what``.
+
+    Raises:
+        typer.BadParameter: there are none, or values that do not make a pose.
+        ArgumentError: a file cannot be read.
+    """
+    found = given(arm, typed, angles)
+    if found is None:
+        raise console.usage(f"{what} are needed, such as --poses seam.csv", "--poses")
+    return found
+
+
+def own_poses(arm: Arm, typed: PoseOptions, angles: Angles) -> NDArray[np.float64] | None:
+    """The poses (N, 4, 4) that are given, or None: for commands that draw poses of their own as well."""
+    found = given(arm, typed, angles)
+    return None if found is None else found.poses
+
+
+def of_task(arm: Arm, poses: NDArray[np.float64], task: str) -> NDArray[np.float64]:
+    """The targets of a task that belong to poses (N, 4, 4), as ``arm.ik(..., task=task)`` takes them.
+
+    Raises:
+        typer.BadParameter: a point is off the plane of a planar arm.
+        ArgumentError: the arm does not control this task.
+    """
+    arm = arm.for_task(task)
+    plane, out = arm.solver.control.plane, arm.solver.control.target_of(poses)
+    if plane is not None and task != "pose":
+        off = np.abs((poses[:, :3, 3] - plane.origin) @ plane.normal)
+        if off.max() > EXACT:
+            message = f"target {int(off.argmax())} is {off.max():.4g} m off the plane in which {arm.name} moves"
+            raise console.usage(message, "--xyz")
+    return out
 
 
 def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
@@ -104,34 +147,40 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     return replace(target, poses=poses, redundancy=np.concatenate([values] * len(target.poses)))
 
 
-def _orientations(typed: Pose) -> dict[str, str | None]:
-    """Each orientation by its option."""
-    return {option: getattr(typed, option.removeprefix("--").replace("-", "_")) for option in ORIENTATIONS}
+def _typed_as(typed: PoseOptions, option: str) -> Sequence[str]:
+    """What was typed for an option of a pose."""
+    return getattr(typed, option.removeprefix("--").replace("-", "_")) or ()
 
 
-def _typed(typed: Pose, oriented: Sequence[str], angles: Angles) -> Target:
+def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles, task: str) -> Target:
     from urdf_ik.model.poses import pose
 
-    if typed.xyz is None:
+    count = len(typed.xyz or ())
+    if not typed.xyz:
         raise console.usage(f"{oriented[0]} needs a position with it: --xyz x,y,z", "--xyz")
+    positions = np.array([console.numbers(text, "--xyz", ("x", "y", "z")) for text in typed.xyz])
+    if not oriented and task in POINT_TASKS:
+        return Target(pose(positions), "target: as typed", source="--xyz")
     if len(oriented) != 1:
         raise console.usage(
             f"--xyz needs one orientation with it, of {', '.join(ORIENTATIONS)}; "
-            f"{' and '.join(oriented) if oriented else 'none'} given",
+            f"{' and '.join(oriented) if oriented else 'none'} given{_of_less(arm)}",
             "--xyz",
         )
     option = oriented[0]
-    position = console.numbers(typed.xyz, "--xyz", ("x", "y", "z"))
-    values = console.numbers(str(_orientations(typed)[option]), option, ORIENTATIONS[option])
+    values = np.array([console.numbers(text, option, ORIENTATIONS[option]) for text in _typed_as(typed, option)])
+    if len(values) not in (1, count):
+        raise console.usage(f"{len(values)} orientations for {count} positions; give one for all, or one each", option)
     if angles.degrees and not option.startswith("--quat"):
         values = np.deg2rad(values)
-    T = pose(position, **{option.removeprefix("--").replace("-", "_"): values})
-    return Target(T.reshape(1, 4, 4), "target: as typed")
+    values = np.broadcast_to(values, (count, values.shape[1]))
+    poses = pose(positions, **{option.removeprefix("--").replace("-", "_"): values})
+    return Target(poses, "target: as typed", source="--xyz")
 
 
-def _planted(arm: Arm, typed: Sequence[str], angles: Angles) -> Target:
-    q = angles.typed(np.array([console.numbers(text, "--q", arm.joint_names) for text in typed]))
-    return _of_vectors(arm, q, "target: the tip at the joint vector that was given")
+def _of_less(arm: Arm) -> str:
+    """How to ask an arm that controls less than a pose."""
+    return "" if arm.task == "pose" else f"; {arm.name} controls its {arm.task}: --task {arm.task.replace(' ', '-')}"
 
 
 def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:

@@ -63,7 +63,7 @@ def intervals(
     *,
     within_limits: bool = True,
     world: Any = None,
-    threads: int = 1,
+    threads: inputs.Threads = 1,
 ) -> Intervals:
     """Where along the redundancy parameter each branch has solutions, and what ends them.
 
@@ -76,7 +76,7 @@ def intervals(
         T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
         within_limits: only solutions inside the joint limits count.
         world: only solutions count that touch neither it nor the arm itself.
-        threads: number of threads that share the solving.
+        threads: number of threads that share the solving, or 'auto'.
 
     Returns:
         Of a single pose a sequence of :class:`urdf_ik.Interval`, by branch and by value; of a batch,

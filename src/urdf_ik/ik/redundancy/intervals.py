@@ -18,7 +18,8 @@ from urdf_ik.ik.solutions import distances
 from urdf_ik.ik.solutions.distances import QUALITIES
 from urdf_ik.support import indices, inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.text import aligned, quoted
+from urdf_ik.support.display import html_of, short
+from urdf_ik.support.text import Section, aligned, quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -278,11 +279,15 @@ class Intervals:
             branch                                     from
         """
         self._single("table()")
-        unit = self.parameter.unit
-        rows = [["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]]
-        rows += [[x.branch, f"{x.low:.6f}", str(x.ends[0]), f"{x.high:.6f}", str(x.ends[1])] for x in self]
         title = f"{self.solver.name}: {len(self)} intervals of the {self.parameter}"
-        return "\n".join([title, *aligned(rows, left=(0, 2, 4))])
+        return "\n".join([title, *aligned(self._rows(), left=(0, 2, 4))])
+
+    def _rows(self) -> list[list[str]]:
+        """The header, and a row an interval of a single pose."""
+        unit = self.parameter.unit
+        header = ["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]
+        own = () if self.shape else self
+        return [header, *([x.branch, f"{x.low:.6f}", str(x.ends[0]), f"{x.high:.6f}", str(x.ends[1])] for x in own)]
 
     def __str__(self) -> str:
         return repr(self) if self.shape else self.table()
@@ -290,7 +295,16 @@ class Intervals:
     def __repr__(self) -> str:
         of = f"poses {self.shape}, " if self.shape else ""
         inside = " within the limits" if self.within_limits else ""
-        return f"<Intervals of {self.solver.name}: {of}{len(self._found.low)} intervals{inside}>"
+        title = f"Intervals of {self.solver.name}: {of}{len(self._found.low)} intervals{inside}"
+        return short(title, [] if self.shape else [str(each) for each in self])
+
+    def _repr_html_(self) -> str:
+        header, *rows = self._rows()
+        title = f"{self.solver.name}: intervals of the {self.parameter}"
+        found = f"{len(self._found.low)} intervals{' within the limits' * self.within_limits}"
+        if self.shape:
+            found += f" of poses {self.shape}; intervals[i] shows one"
+        return html_of(title, found, bool(len(self._found.low)), [Section("", tuple(header), tuple(map(tuple, rows)))])
 
     def _least(self, cost: self_motion.Cost) -> Array:
         """(...) the values at which a cost is least; NaN for poses without an interval."""

@@ -34,7 +34,7 @@ def nearest(
     weights: ArrayLike | None,
     within: ArrayLike | None,
     within_limits: bool,
-    threads: int,
+    threads: inputs.Threads,
 ) -> IKSolutions:
     """See :meth:`urdf_ik.Arm.ik_nearest`.
 

@@ -70,7 +70,7 @@ MOST_VALUES = 1_000_000
 """Values of a sweep at most."""
 
 
-def sweep(solver: Solver, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
+def sweep(solver: Solver, T: Any, n: int = 64, *, within_limits: bool = False, threads: inputs.Threads = 1) -> Sweep:
     """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
 
     Args:
@@ -78,7 +78,7 @@ def sweep(solver: Solver, T: Any, n: int = 64, *, within_limits: bool = False, t
         T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
         n: number of values, shared among the intervals in which there are solutions by their lengths.
         within_limits: only solutions inside the joint limits count.
-        threads: number of threads that share the work.
+        threads: number of threads that share the work, or 'auto'.
 
     Raises:
         PoseError: ``T`` is no pose, or more than one.

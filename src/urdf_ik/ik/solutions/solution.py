@@ -14,8 +14,9 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.support import indices
 from urdf_ik.support.angles import TURN
+from urdf_ik.support.display import html_of
 from urdf_ik.support.read_only import frozen
-from urdf_ik.support.text import quoted
+from urdf_ik.support.text import Section, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,7 +54,7 @@ class Singular(IntFlag):
     OTHER = 8
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Solution:
     """One joint vector that brings the tip to the pose.
 
@@ -82,6 +83,16 @@ class Solution:
     def __str__(self) -> str:
         flag = f" (singular: {self.singular.name})" if self.singular else ""
         return f"{self.branch}: [{', '.join(f'{x:.6f}' for x in self.q)}]{flag}"
+
+    def __repr__(self) -> str:
+        return f"<Solution {self}>"
+
+    def _repr_html_(self) -> str:
+        header = [f"q{k + 1}" for k in range(len(self.q))]
+        found = f"singular: {self.singular.name}" if self.singular else "solution"
+        return html_of(
+            self.branch, found, not self.singular, [Section("", tuple(header), (tuple(f"{x:.6f}" for x in self.q),))]
+        )
 
 
 def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution:
@@ -160,16 +171,17 @@ class KeptSolutions(Answer):
         self.step = step
         self._redundancy = redundancy
 
+    if TYPE_CHECKING:
+
+        @property
+        def q(self) -> Array:
+            """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
+    else:
+        q = Answer._read_only_q  # a property written in Python takes as long as a fifth of solving a pose
+
     def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
         arrays = (self._poses, self._q, self._info)
         return type(self), (self.solver, *arrays, self._branches, self._origin, self.step, self._redundancy)
-
-    @property
-    def q(self) -> Array:
-        """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
-        q = self._q
-        q.setflags(write=False)
-        return q
 
     @property
     def valid(self) -> NDArray[np.bool_]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from urdf_ik.errors import MissingPackage
 from urdf_ik.ik.solutions.solution import Singular
+from urdf_ik.support.display import Markup, table
 from urdf_ik.support.palette import colours
 
 if TYPE_CHECKING:
@@ -101,18 +102,6 @@ def html(solutions: Any) -> str:
     return f"<div><p><b>{escape(title)}</b><br/>{count}; {checked}</p>{picture}{table(header, rows)}{rest}</div>"
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """An HTML table; every cell is escaped, but for one that is markup of this module.
-
-    Example:
-        >>> table(["joint"], [["<b>"]])
-        '<table><thead><tr><th>joint</th></tr></thead><tbody><tr><td>&lt;b&gt;</td></tr></tbody></table>'
-    """
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
-    body = "".join("<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
 def stick_picture(chain: Chain, q: Array, shades: Sequence[tuple[float, float, float]]) -> str:
     """Stick figures (k, n) from the side as SVG, seen along the horizontal direction in which they are widest."""
     points = stick(chain, q)
@@ -138,16 +127,8 @@ def stick(chain: Chain, q: Array) -> Array:
     return np.stack([poses[link][..., :3, 3] for link in chain.links], axis=-2)
 
 
-class _Markup(str):
-    """Text that is HTML already."""
-
-
-def _cell(text: str) -> str:
-    return text if isinstance(text, _Markup) else escape(str(text))
-
-
 def _dot(shade: tuple[float, float, float]) -> str:
-    return _Markup(f'<span style="color:{_css(shade)}">&#9679;</span>')
+    return Markup(f'<span style="color:{_css(shade)}">&#9679;</span>')
 
 
 def _css(shade: tuple[float, float, float]) -> str:

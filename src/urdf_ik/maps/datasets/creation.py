@@ -46,7 +46,7 @@ def dataset(
     collisions: bool | None = ...,
     client: None = ...,
     chunk: int = ...,
-    threads: int = ...,
+    threads: inputs.Threads = ...,
     progress: Progress | None = ...,
 ) -> Samples: ...
 
@@ -62,7 +62,7 @@ def dataset(
     collisions: bool | None = ...,
     client: Any = ...,
     chunk: int = ...,
-    threads: int = ...,
+    threads: inputs.Threads = ...,
     progress: Progress | None = ...,
 ) -> StoredSamples: ...
 
@@ -77,7 +77,7 @@ def dataset(
     collisions: bool | None = None,
     client: Any = None,
     chunk: int = CHUNK,
-    threads: int = 1,
+    threads: inputs.Threads = 1,
     progress: Progress | None = None,
 ) -> Samples | StoredSamples:
     """Draw joint vectors within the limits, with the pose and every solution of each.
@@ -96,7 +96,7 @@ def dataset(
         collisions: whether to look for collisions; default: where the URDF has shapes for them.
         client: a ``distributed.Client`` whose workers make the chunks of a store; default: this process does.
         chunk: samples of a chunk; another number draws other samples.
-        threads: number of threads that solve.
+        threads: number of threads that solve, or 'auto'.
         progress: called with the number of finished samples, and of all.
 
     Raises:

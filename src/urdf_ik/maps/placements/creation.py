@@ -49,7 +49,7 @@ def placement(
     collisions: bool | None = None,
     store: str | os.PathLike[str] | None = None,
     client: Any = None,
-    threads: int = 1,
+    threads: inputs.Threads = 1,
     progress: Callable[[int, int], object] | None = None,
 ) -> PlacementMap:
     """Score every base position on a grid by how the arm reaches targets from there: inverse reachability.
@@ -73,7 +73,7 @@ def placement(
         collisions: whether collisions are looked for; default: where there is a world.
         store: folder of a Zarr group to make the map in; it is gone on with after a kill. Default: in memory.
         client: a ``distributed.Client`` whose workers fill the store; default: this process does.
-        threads: number of threads that solve.
+        threads: number of threads that solve, or 'auto'.
         progress: called with the number of positions behind us, and of all.
 
     Raises:

@@ -50,7 +50,7 @@ def workspace(
     store: None = ...,
     client: None = ...,
     block: None = ...,
-    threads: int = ...,
+    threads: inputs.Threads = ...,
     chunk: int = ...,
     progress: Progress | None = ...,
 ) -> WorkspaceMap: ...
@@ -74,7 +74,7 @@ def workspace(
     store: str | os.PathLike[str],
     client: Any = ...,
     block: int | None = ...,
-    threads: int = ...,
+    threads: inputs.Threads = ...,
     chunk: int = ...,
     progress: Progress | None = ...,
 ) -> StoredMap: ...
@@ -97,7 +97,7 @@ def workspace(
     store: str | os.PathLike[str] | None = None,
     client: Any = None,
     block: int | None = None,
-    threads: int = 1,
+    threads: inputs.Threads = 1,
     chunk: int = CHUNK,
     progress: Progress | None = None,
 ) -> WorkspaceMap | StoredMap:
@@ -126,7 +126,7 @@ def workspace(
         store: folder of a Zarr group to make the map in; see :class:`StoredMap`.
         client: a ``distributed.Client`` whose workers make the blocks of a store; default: this process does.
         block: poses of a block of a store, at most; default: about a second's or a few seconds' work.
-        threads: number of threads that solve.
+        threads: number of threads that solve, or 'auto'.
         chunk: poses that are solved at a time; the map does not depend on it.
         progress: called with the number of solved poses, and of all.
 

@@ -158,7 +158,6 @@ class Solver:
     def __init__(self, asked: Question) -> None:
         self._asked = asked
         self._targets = Targets(asked.arm.task, asked.samples, asked.at_once)
-        self._held = {} if asked.redundancy is None else {"redundancy": asked.redundancy}
 
     def answers(self, positions: Array) -> dict[str, NDArray[Any]]:
         """Every array at positions (k, 3) m: (k, S), or (k, B) for what is counted by branch."""
@@ -173,7 +172,7 @@ class Solver:
     def _part(self, positions: Array) -> dict[str, NDArray[Any]]:
         asked = self._asked
         arm, count, columns = asked.arm, len(asked.samples), {}
-        solved = arm.ik(self._targets.at(positions), task=arm.task, threads=asked.threads, **self._held)
+        solved = arm.ik(self._targets.at(positions), task=arm.task, threads=asked.threads, redundancy=asked.redundancy)
         counting = Counting(arm, solved.q, solved.valid)
         columns["solutions"] = counting.counts()
         if "within" in asked.holds:

@@ -12,7 +12,7 @@ from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.baseline import Baseline
-from urdf_ik.verify.baselines.pose_sampling import COUNTS, DRAWN, contacts_of, made_by, planted_vectors, solved
+from urdf_ik.verify.baselines.pose_sampling import COUNTS, DRAWN, made_by, planted_vectors, solved
 from urdf_ik.verify.description import described
 
 if TYPE_CHECKING:
@@ -55,11 +55,11 @@ def freeze(arm: Arm, poses: Any = None, *, seed: int = _SEED, collisions: str | 
     seed = inputs.whole(seed, "seed", high=2**64)
     own = np.zeros((0, 4, 4)) if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     reference = arms.reference_of(arm)
-    shapes, why = contacts_of(arm, collisions)
+    shapes, unchecked = arm.cell.to_check(collisions)
     rng = np.random.default_rng(seed)
     planted = planted_vectors(reference, rng)
     q = {kind: DRAWN[kind](arm, reference, rng, count) for kind, count in COUNTS.items()}
-    baseline = Baseline(described(arm), planted, (), why, made_by())
+    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by())
     try:
         kept = [each for kind, Q in q.items() for each in solved(arm, kind, reference.pose(Q), Q, shapes)]
         mine = solved(arm, "own", own, None, shapes)

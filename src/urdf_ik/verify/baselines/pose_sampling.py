@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.records import Answer, Planted, Pose, answer_rows, pose_row
-from urdf_ik.verify.description import described
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,33 +35,6 @@ TOUCHING = 1e-6
 """Distance [m] below which nobody can tell whether two shapes touch."""
 
 _TRIES, _ROUNDS = 64, 12
-NOT_CHECKED = "not checked"
-
-
-def contacts_of(arm: Arm, wanted: str | bool) -> tuple[CollisionModel | None, str]:
-    """The collision shapes, or None and why contacts are not checked.
-
-    Raises:
-        UrdfError: they are required, and not all can be read.
-        ArgumentError: ``wanted`` is neither a bool nor 'require'.
-    """
-    if not isinstance(wanted, bool | np.bool_) and wanted != "require":
-        raise ArgumentError(f"collisions={wanted!r} given; True, False or 'require' is needed")
-    if wanted is False:
-        return None, f"{NOT_CHECKED}: not asked for"
-    shapes = arms.collisions_of(arm)
-    if shapes.has_geometry:
-        return shapes, ""
-    if wanted == "require":
-        raise UrdfError(shapes.missing, source=arm.model.source)
-    missing = len(
-        {each.file for each in described(arm).shapes if each.role == "collision" and each.digest == "missing"}
-    )
-    reason = f"{missing} mesh{'es' if missing > 1 else ''} missing" if missing else "no collision shapes"
-    why = f"{NOT_CHECKED}: {reason}"
-    if missing:
-        warnings.warn(f"{arm.name}: contacts {why}", UserWarning, stacklevel=3)
-    return None, why
 
 
 def answered(arm: Arm, kind: str, T: Array, found: IKSolutions, values: Array | None,

@@ -14,7 +14,7 @@ from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.verify import arms
-from urdf_ik.verify.baselines.pose_sampling import answered, contacts_of, least_singular_value
+from urdf_ik.verify.baselines.pose_sampling import answered, least_singular_value
 from urdf_ik.verify.baselines.records import Answer, Pose, Recorded
 from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, apart, ignored, moved, summed
 from urdf_ik.verify.change_search import differences, greatest_change, order_of
@@ -200,8 +200,8 @@ def _answers(baseline: Recorded, arm: Arm, order: tuple[int, ...], no_contacts: 
     if baseline.contacts:
         notes.append(f"contacts were {baseline.contacts} when the lock was made")
     elif not no_contacts:
-        shapes, why = contacts_of(arm, True)
-        notes += [f"contacts {why}"] if why else []
+        shapes, unchecked = arm.cell.to_check(True)
+        notes += [f"contacts not checked: {unchecked}"] if unchecked else []
     out: dict[int, Pose] = {}
     for with_values, indices in groups.items():
         T = np.array([baseline.poses[index].matrix for index in indices])

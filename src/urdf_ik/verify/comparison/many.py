@@ -11,10 +11,11 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError, printable
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
+from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
 from urdf_ik.verify import arms as of_arms
-from urdf_ik.verify.baselines.pose_sampling import contacts, contacts_of
-from urdf_ik.verify.reports import Written, html_of, short
+from urdf_ik.verify.baselines.pose_sampling import contacts
+from urdf_ik.verify.reports import Written
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -212,9 +213,9 @@ def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisi
     rows: list[Row] = []
     notes = []
     for name, arm in named.items():
-        shapes, why = contacts_of(arm, collisions)
-        if why:
-            notes.append(f"{name}: contacts {why}")
+        shapes, unchecked = arm.cell.to_check(collisions)
+        if unchecked:
+            notes.append(f"{name}: contacts {NOT_CHECKED}: {unchecked}")
         if of_arms.parameters_of(arm):
             notes.append(f"{name}: solved at the default of its redundancy parameter, {of_arms.parameters_of(arm)[0]}")
         try:

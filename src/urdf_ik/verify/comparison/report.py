@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
 from urdf_ik.verify.change import DEFAULT, Difference, same_limit, summed
-from urdf_ik.verify.reports import Written, html_of, short
+from urdf_ik.verify.reports import Written
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
 from urdf_ik.errors import escaped, printable
+from urdf_ik.support.display import html_of
 from urdf_ik.support.text import Section
-from urdf_ik.verify.reports import Report, html_of
+from urdf_ik.verify.reports import Report
 
 WRONG, MISSING, DOUBLED, OUTSIDE, FAILED = "wrong", "missing", "doubled", "outside limits", "failed"
 FAULTS = (WRONG, MISSING, DOUBLED, FAILED)

@@ -28,20 +28,21 @@ _FIRST = 4096  # samples that the figures are taken from
 
 def command(
     *,
-    n: Annotated[int, Option("-n", "--samples", min=1, help="Number of samples.")],
+    n: Annotated[
+        int,
+        Option("--random", "-n", metavar="N", min=1, help="Number of samples.", rich_help_panel=options.POSES),
+    ],
     store: Annotated[
         Path,
-        Option(metavar="FOLDER", help="NAME.zarr or NAME.parquet to write; the same command continues it."),
+        Option(
+            metavar="FOLDER",
+            help="NAME.zarr or NAME.parquet to write; the same command continues it.",
+            rich_help_panel=StoreOptions.GROUP,
+        ),
     ],
     seed: options.Seed = 0,
     world: options.World = None,
-    collisions: Annotated[
-        bool | None,
-        Option(
-            help="Say of each sample whether links touch, or not. Default: where the URDF has collision shapes.",
-            show_default=False,
-        ),
-    ] = None,
+    collisions: options.Collisions = None,
     threads: options.Threads = 1,
     work: StoreOptions,
     chosen: ArmOptions,

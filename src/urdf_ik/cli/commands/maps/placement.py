@@ -1,13 +1,13 @@
 """Find where to put the base: every position of a grid, in every heading, with scores.
 
 The scores are the number of targets that are reached within the limits, the number of branches, the least limit margin
-and clearance, and with --path whether the path can be followed. The best places are printed; --picture draws the map.
+and clearance, and with --path whether the path can be followed. The best places are printed; --output draws the map.
 With --store it is computed on the disk and continues after a kill.
 
 Examples:
-    urdf-ik placement zyyzyz_6r --targets seam.csv --bounds=-0.5,-0.5,0,0.5,0.5,0 --step 0.25
-    urdf-ik placement zyyzyz_6r -t seam.csv --bounds=-0.5,0,0,0.5,0,0 --step 0.5 --path --world cell.urdf
-    urdf-ik placement zyyzyz_6r -t seam.csv --bounds=-1,-1,0,1,1,0 --step 0.5 --turns 4 --store bases.zarr
+    urdf-ik placement zyyzyz_6r --poses seam.csv --bounds=-0.5,-0.5,0,0.5,0.5,0 --step 0.25
+    urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-0.5,0,0,0.5,0,0 --step 0.5 --path --world cell.urdf
+    urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-1,-1,0,1,1,0 --step 0.5 --headings 4 --store bases.zarr
 """
 
 from __future__ import annotations
@@ -33,43 +33,40 @@ if TYPE_CHECKING:
 
 def command(
     *,
-    targets: Annotated[
-        str,
-        Option("--targets", "-t", metavar="FILE", help=f"Poses of the tip in the cell: {options.POSES_IN_A_FILE}"),
-    ],
+    given: options.PoseOptions,
     bounds: Annotated[
         str,
         Option(
             metavar="X0,Y0,Z0,X1,Y1,Z1",
-            help="Box of the base's positions in the cell [m]; equal numbers for an axis are one position on it.",
+            help="Box of the base's positions in the cell [m]; equal numbers: one position.",
         ),
     ],
     step: Annotated[float, Option(metavar="M", help="From one position to the next [m].")],
-    turns: Annotated[int, Option(metavar="N", min=1, help="Headings of the base at each position.")] = 1,
+    headings: Annotated[int, Option(metavar="N", min=1, help="Headings of the base at each position.")] = 1,
     mount: Annotated[
         str | None, Option(metavar="R,P,Y", help="Orientation of the base at heading 0, for an arm that hangs.")
     ] = None,
     as_path: Annotated[bool, Option("--path", help="The targets are the waypoints of a path to be followed.")] = False,
-    world: Annotated[
-        Path | None,
-        Option(metavar="FILE", help="Obstacles: the collision shapes of a URDF of fixed links, in the cell."),
-    ] = None,
-    margin: options.Clear = None,
-    collisions: Annotated[
-        bool | None,
-        Option(
-            help="Count only what is free of contacts, or don't ask. Default: where there is a world.",
-            show_default=False,
-        ),
-    ] = None,
+    world: options.World = None,
+    margin: options.Margin = None,
+    collisions: options.Collisions = None,
     places: Annotated[int, Option(metavar="N", min=1, help="Number of best places to print.")] = 5,
-    picture: Annotated[Path | None, Option(metavar="FILE", help="Draw the map: PNG, SVG or PDF.")] = None,
-    show: Annotated[str, Option(metavar="SCORE", help="Score to draw: reached, branches, margin, ...")] = "reached",
+    show: Annotated[str, Option(metavar="VALUE", help="Score to draw: reached, branches, margin, ...")] = "reached",
     threads: options.Threads = 1,
     work: StoreOptions,
     chosen: ArmOptions,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: Annotated[
+        Path | None,
+        Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Draw the map: PNG, SVG or PDF.",
+            rich_help_panel=options.OUTPUT,
+        ),
+    ] = None,
 ) -> None:
     """Score base positions, print the best ones, and draw the map.
 
@@ -78,16 +75,17 @@ def command(
         ArgumentError: a file without poses, invalid options, or a picture that cannot be written.
         JobError: the store, the scheduler or the workers cannot be used.
     """
+    from urdf_ik.cli.solutions import targets
     from urdf_ik.maps import placements
     from urdf_ik.model.poses import pose
     from urdf_ik.show import plot
 
-    chosen.without_stdin(targets, "--targets")
+    chosen.apart_from(given)
     work.check()
     if show not in placements.SHOWN:
         raise console.usage(f"no score is called {quoted(show)}; there are {', '.join(placements.SHOWN)}", "--show")
-    if picture is not None and picture.suffix.lower() not in plot.SUFFIXES:
-        raise ArgumentError(f"{picture}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
+    if output is not None and output.suffix.lower() not in plot.SUFFIXES:
+        raise ArgumentError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
     box = console.box(bounds, "--bounds")
     turned = None
     if mount is not None:
@@ -95,14 +93,14 @@ def command(
         turned = pose([0.0, 0.0, 0.0], rpy=np.deg2rad(rpy) if degrees else rpy)[:3, :3]
     obstacles = read_world(world, chosen)
     arm = chosen.load(degrees)
-    poses = console.read_poses(targets, "--targets")
+    target = targets.required(arm, given, angles_of(arm, degrees), "targets")
     with work.client() as client, Progress("scoring positions", "solving") as progress:
         found = placements.placement(
             arm,
-            poses,
+            target.poses,
             bounds=box,
             step=step,
-            turns=turns,
+            turns=headings,
             mount=turned,
             path=as_path,
             world=obstacles,
@@ -113,11 +111,11 @@ def command(
             client=client,
             progress=progress.tick,
         )
-    if picture is not None:
-        plot.save(plot.placements(found, show), picture)
+    if output is not None:
+        plot.save(plot.placements(found, show), output)
     angles = angles_of(arm, degrees)
     console.write(
-        _json(found, places) if printed_as is ReportFormat.JSON else _text(found, angles, places, picture), None
+        _json(found, places) if printed_as is ReportFormat.JSON else _text(found, angles, places, output), None
     )
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from typer import Option
 
@@ -25,16 +25,20 @@ from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.store_options import StoreOptions
 from urdf_ik.support import files
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from urdf_ik.cli.console import Angles
     from urdf_ik.maps import workspaces
+
+_VALUES = ("collision-free", "manipulability", "margin", "clearance")
 
 
 @dataclass(frozen=True)
 class MapOptions:
     """Options of a map that have the names of ``urdf_ik.maps.workspace``'s arguments."""
 
+    GROUP: ClassVar[str] = "Map"
     voxel: Annotated[
         float | None, Option(metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
     ] = None
@@ -46,19 +50,26 @@ class MapOptions:
         str | None,
         Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: the reach of the links."),
     ] = None
-    collision_free: Annotated[bool, Option("--collision-free", help="Count those free of collision, too; slow.")] = (
-        False
-    )
-    manipulability: Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")] = (
-        False
-    )
-    margin: Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")] = False
-    clearance: Annotated[bool, Option("--clearance", help="Keep each pose's greatest clearance; slow.")] = False
+    values: Annotated[
+        str | None,
+        Option(
+            metavar="KINDS",
+            help="Keep more of each voxel: manipulability, margin, and collision-free, clearance (slow); with commas.",
+        ),
+    ] = None
     threads: options.Threads = 1
 
     def given(self) -> dict[str, Any]:
-        """The options that differ from their defaults."""
+        """The options that differ from their defaults.
+
+        Raises:
+            typer.BadParameter: an unknown value, or a box that is none.
+        """
         out = {name: value for name, value in asdict(self).items() if value != getattr(MapOptions, name)}
+        for kind in out.pop("values", "").replace(",", " ").split():
+            if kind not in _VALUES:
+                raise console.usage(f"no value is called {quoted(kind)}; there are {', '.join(_VALUES)}", "--values")
+            out[kind.replace("-", "_")] = True
         return out if self.bounds is None else out | {"bounds": console.box(self.bounds, "--bounds").tolist()}
 
 
@@ -71,7 +82,8 @@ def command(
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
     output: Annotated[
-        Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")
+        Path | None,
+        Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.", rich_help_panel=options.OUTPUT),
     ] = None,
 ) -> None:
     """Print the exact region of two turning joints; or compute a map, print its sums and save it.

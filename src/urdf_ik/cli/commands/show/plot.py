@@ -1,18 +1,13 @@
 """Draw an arm, the branches of a pose, joint limits, the workspace or a path.
 
-The branches of a pose stand side by side or overlaid. The limits show all turns of the solutions. A path shows each
-joint's values in all branches along it, limits and contacts, and the plan. Sliders move the joints. Without --output it
-opens a window.
-
-Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The workspace of two
-turning joints is exact; any other is one layer of a map.
+Branches of a pose stand side by side or overlaid. Limits show all turns of the solutions. A path shows each joint in
+all branches along it, limits and contacts, and the plan. Without a pose it is the arm's example, without --output a
+window. The workspace of two turning joints is exact; any other is one layer of a map.
 
 Examples:
     urdf-ik plot zyyzyz_6r branches -o all_branches.png
     urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png
-    urdf-ik plot dh_6r limits -o limits.svg
-    urdf-ik plot planar_2r sliders -o sliders.png
-    urdf-ik plot zyyzyz_6r path --waypoints seam.csv -o path.png
+    urdf-ik plot zyyzyz_6r path --poses seam.csv -o path.png
     urdf-ik plot srs_7r intervals --q 0.3,0.5,-0.4,0.9,0.2,-0.6,0.1 -o intervals.png
 """
 
@@ -21,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from typer import Argument, Option
@@ -39,6 +34,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.cli.console import Angles
+    from urdf_ik.cli.solutions.targets import Target
 
 
 class Picture(StrEnum):
@@ -58,8 +55,9 @@ class Picture(StrEnum):
 class Layer:
     """Options of a layer of a workspace, as typed."""
 
+    GROUP: ClassVar[str] = "Workspace"
     map: options.Map = None
-    axis: Annotated[str, Option(metavar="x|y|z", help="Axis across which the layer of the workspace lies.")] = "z"
+    axis: Annotated[str, Option(metavar="x|y|z", help="Axis across which a layer lies.")] = "z"
     at: Annotated[float, Option(metavar="M", help="Place of the layer on that axis [m].")] = 0.0
     show: options.Shown = Value.REACH
 
@@ -70,10 +68,7 @@ def command(
         Picture,
         Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders, path or intervals."),
     ] = Picture.ARM,
-    q: Annotated[
-        str | None, Option(metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")
-    ] = None,
-    typed: options.Pose,
+    typed: options.PoseOptions,
     seed: options.Seed = 0,
     shapes: Annotated[bool, Option(help="The shapes of the links, too, meshes among them.")] = False,
     layer: Layer,
@@ -82,7 +77,14 @@ def command(
     degrees: options.Degrees = False,
     output: Annotated[
         Path | None,
-        Option("--output", "-o", metavar="FILE", help="PNG, SVG or PDF. Default: a window.", show_default=False),
+        Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="PNG, SVG or PDF. Default: a window.",
+            show_default=False,
+            rich_help_panel=options.OUTPUT,
+        ),
     ] = None,
 ) -> None:
     """Write the picture, or open a window and wait until it is closed.
@@ -94,39 +96,53 @@ def command(
     from urdf_ik.show import plot
     from urdf_ik.show.plot.slider_panel import require_display
 
+    chosen.apart_from(typed)
     arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
-    target = targets.TargetOptions(typed, () if q is None else (q,), None, None, seed)
-    if picture is not Picture.PATH and path.waypoints is not None:
-        raise console.usage(f"{picture.value} does not show a path; `urdf-ik plot ROBOT path` is", "--waypoints")
     if output is None:
         require_display()
     elif output.suffix.lower() not in plot.SUFFIXES:
         raise ArgumentError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
-    vector = None if q is None else angles.typed(console.numbers(q, "--q", arm.joint_names))
-    if picture is Picture.SLIDERS:
-        # The object that the sliders belong to must live as long as the window.
-        held = plot.sliders(arm, vector, window=output is None)
-        figure = held.figure
-    elif picture is Picture.ARM:
-        figure = plot.arm(arm, vector, shapes=shapes)
-    elif picture is Picture.PATH:
-        figure = plot.path(followed(arm, angles, path, chosen).plan)
-    elif picture is Picture.INTERVALS:
-        figure = plot.intervals(arm.intervals(targets.target(arm, target, angles).poses[0]), degrees=degrees)
-    elif picture is Picture.WORKSPACE:
-        figure = _workspace(arm, vector, layer)
+    held = None
+    if picture is Picture.PATH:
+        figure = plot.path(followed(arm, angles, typed, path, chosen).plan)
     else:
-        one = targets.target(arm, target, angles)
-        solutions = arm.ik(one.poses[0], redundancy=None if one.redundancy is None else one.redundancy[0])
-        if picture is Picture.LIMITS:
-            figure = plot.limits(solutions)
+        target = targets.target(arm, typed, None, seed, angles)
+        if len(target.poses) > 1:
+            raise console.usage(f"{picture.value} shows one pose, and {len(target.poses)} are given", "--poses")
+        vector = _vector(arm, typed, angles)
+        if picture is Picture.SLIDERS:
+            # The object that the sliders belong to must live as long as the window.
+            held = plot.sliders(arm, vector, window=output is None)
+            figure = held.figure
+        elif picture is Picture.ARM:
+            figure = plot.arm(arm, vector, shapes=shapes)
+        elif picture is Picture.WORKSPACE:
+            figure = _workspace(arm, vector, layer)
         else:
-            figure = plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes)
+            figure = _of_pose(arm, target, picture, shapes, degrees)
     if output is None:
         plot.show(figure)
     else:
         plot.save(figure, output)
+
+
+def _vector(arm: Arm, typed: options.PoseOptions, angles: Angles) -> NDArray[np.float64] | None:
+    """The joint vector that was typed; None where a pose was, or nothing."""
+    vectors = console.joint_vectors(typed.q, "--q", arm.joint_names) if typed.q else None
+    return None if vectors is None else angles.typed(vectors[0])
+
+
+def _of_pose(arm: Arm, target: Target, picture: Picture, shapes: bool, degrees: bool) -> Figure:
+    """A picture of a pose's solutions."""
+    from urdf_ik.show import plot
+
+    if picture is Picture.INTERVALS:
+        return plot.intervals(arm.intervals(target.poses[0]), degrees=degrees)
+    solutions = arm.ik(target.poses[0], redundancy=None if target.redundancy is None else target.redundancy[0])
+    if picture is Picture.LIMITS:
+        return plot.limits(solutions)
+    return plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes)
 
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, layer: Layer) -> Figure:

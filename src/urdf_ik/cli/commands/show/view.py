@@ -1,13 +1,14 @@
 """Show an arm in the browser: every solution of a target to drag, sliders for the joints.
 
-With --waypoints it also shows a plan to play along its path, or where each branch ends; with --world, obstacles; with
---map, a layer of a workspace map as coloured points, and the boundary of the reachable region. Ctrl-C ends it.
+One pose is where the target begins. With more poses it also shows a plan to play along their path, or where each branch
+ends; with --world, obstacles; with --map, a layer of a workspace map and the boundary of the reachable region. Ctrl-C
+ends it.
 
 Examples:
     urdf-ik view ur5
     urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000
     urdf-ik view panda -o panda.html
-    urdf-ik view zyyzyz_6r --waypoints seam.csv --world cell.urdf
+    urdf-ik view zyyzyz_6r --poses seam.csv --world cell.urdf
     urdf-ik view zyyzyz_6r --map map.npz --show solutions
 """
 
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 from typer import Option
@@ -27,6 +28,9 @@ from urdf_ik.cli.path_options import PathOptions, followed
 from urdf_ik.errors import escaped
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from urdf_ik.show.viewer import Viewer
 
 
@@ -34,8 +38,9 @@ if TYPE_CHECKING:
 class FirstLayer:
     """Options of the map and its first layer, as typed; None for what was not given."""
 
+    GROUP: ClassVar[str] = "Workspace"
     map: options.Map = None
-    axis: Annotated[str | None, Option(metavar="x|y|z", help="Axis across which the map's layer lies.")] = None
+    axis: Annotated[str | None, Option(metavar="x|y|z", help="Axis across which a layer lies.")] = None
     at: Annotated[
         float | None,
         Option(metavar="M", help="Place of the layer on that axis [m]. Default: the middle.", show_default=False),
@@ -55,6 +60,7 @@ class FirstLayer:
 
 def command(
     *,
+    typed: options.PoseOptions,
     path: PathOptions,
     layer: FirstLayer,
     chosen: ArmOptions,
@@ -69,7 +75,13 @@ def command(
     dark: Annotated[bool, Option("--dark", help="Light on dark.")] = False,
     output: Annotated[
         Path | None,
-        Option("--output", "-o", metavar="FILE", help="Write the scene there as one HTML page, and leave."),
+        Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Write the scene there as one HTML page, and leave.",
+            rich_help_panel=options.OUTPUT,
+        ),
     ] = None,
 ) -> None:
     """Show an arm until Ctrl-C, or write its scene to a file; with a plan where there are waypoints.
@@ -79,28 +91,39 @@ def command(
         UrdfIkError: the port is in use, or the host is not this machine, or a file cannot be read.
         typer.BadParameter: the file cannot be written.
     """
+    from urdf_ik.cli.solutions import targets
     from urdf_ik.show.viewer import Viewer
 
+    chosen.apart_from(typed)
     arm = chosen.load(degrees)
-    plan, world = None, None
-    if path.waypoints is not None:
-        found = followed(arm, angles_of(arm, degrees), path, chosen)
-        plan, world = found.plan, found.world
+    angles, plan, first = angles_of(arm, degrees), None, None
+    given = targets.given(arm, typed, angles)
+    world = read_world(path.settings["world"], chosen)
+    if given is not None and len(given.poses) == 1:
+        first = given.poses[0]
+    elif given is not None:
+        plan = followed(arm, angles, given, path, chosen).plan
         if not plan.found:
             typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
-    else:
-        world = read_world(path.settings["world"], chosen)
     if output is not None:
         with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
-            layer.put_in(viewer)
+            _begin(viewer, layer, first)
             console.write(viewer.html(), output)
         return
     roots = chosen.mesh_root or ()
     with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
-        layer.put_in(viewer)
+        _begin(viewer, layer, first)
         # From the line that shows the address on, not only once it is waited for.
         with interrupts.as_the_usual_end():
             typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
             if viewer.message:
                 typer.echo(escaped(viewer.message), err=True)
             viewer.wait()
+
+
+def _begin(viewer: Viewer, layer: FirstLayer, first: NDArray[np.float64] | None) -> None:
+    """Show what was asked for: the layer of a map, and the target's first pose."""
+    layer.put_in(viewer)
+    if first is not None:
+        viewer.move_target(first)
+        viewer.settle()

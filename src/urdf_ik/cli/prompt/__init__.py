@@ -1,0 +1,1 @@
+"""What is shown and read at the prompt: first steps, completion, help in groups."""

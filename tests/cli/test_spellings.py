@@ -1,0 +1,164 @@
+"""The command as one language: groups, one spelling for one thing, lists with spaces, help of two screens."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import typer
+from command import ARM, TYPED, call, strict_json, succeed
+
+import urdf_ik
+from urdf_ik.cli import app
+from urdf_ik.cli.commands import COMMANDS, GROUPS
+
+TABLE = Path(__file__).parents[2] / "docs/command.md"
+TWO_SCREENS, MOST_IN_A_GROUP = 2 * 50, 6
+DRAWING = {"plot", "view"}  # what they print is a picture
+POSES = {"xyz", "rpy", "quat_xyzw", "quat_wxyz", "rotvec", "q", "poses"}
+TAKE_POSES = ("ik", "explain", "compare", "freeze", "path", "placement", "plot", "view")
+
+
+def options() -> Iterator[tuple[str, Any]]:
+    """Every option of every command, but --help."""
+    group: Any = typer.main.get_command(app)
+    for name in COMMANDS:
+        for each in group.commands[name].params:
+            if each.param_type_name == "option":
+                yield name, each
+
+
+def long_names(option: Any) -> list[str]:
+    """Its names but the short ones; the first is the one that the help shows first."""
+    return [name for name in (*option.opts, *option.secondary_opts) if name.startswith("--")]
+
+
+def listed() -> dict[str, tuple[str, str]]:
+    """The table of docs/command.md: an option, its values and its meaning."""
+    text = TABLE.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(--[^`]*)` \| (.*) \|$", text, re.MULTILINE)
+    out: dict[str, tuple[str, str]] = {}
+    for typed, meaning in rows:
+        name, _, value = typed.partition(" ")
+        assert name not in out, f"{name} stands twice in the table"
+        out[name] = value, meaning
+    return out
+
+
+def test_every_option_stands_in_the_table_once() -> None:
+    """An option that no row explains is a new word, and a row that no command has is an old one."""
+    there = {name for _, option in options() for name in long_names(option)[:1]}
+    assert there == set(listed())
+
+
+def test_an_option_means_the_same_everywhere() -> None:
+    """It has the same short form and takes the same values in every command that has it, as the table says."""
+    forms: dict[str, set[Any]] = defaultdict(set)
+    for _, option in options():
+        names = tuple(sorted((*option.opts, *option.secondary_opts)))
+        forms[long_names(option)[0]].add((names, option.metavar, bool(option.is_flag)))
+    for name, found in forms.items():
+        assert len(found) == 1, (name, found)
+        metavar = next(iter(found))[1] or ""
+        assert listed()[name][0] == metavar.replace("|", "\\|"), name
+
+
+def test_no_two_options_are_spellings_of_one_thing() -> None:
+    """No meaning stands twice in the table, and no option is another one in the plural."""
+    table = listed()
+    meanings = [meaning for _, meaning in table.values()]
+    assert len(set(meanings)) == len(meanings)
+    plurals = {name for name in table if f"{name}s" in table}
+    assert plurals == {"--chain"}, "which takes one of those that --chains lists"
+
+
+def test_the_groups_hold_at_most_six_commands() -> None:
+    """Four groups, as the help shows them, and each command in one."""
+    text = succeed("--help")
+    assert len(GROUPS) == 4 and all(f"\n{group}:\n" in text for group in GROUPS)
+    assert all(len(commands) <= MOST_IN_A_GROUP for commands in GROUPS.values())
+    assert len(COMMANDS) == sum(map(len, GROUPS.values()))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_a_command_fits_two_screens(command: str) -> None:
+    """Two terminals of 80 columns and 50 lines; options stand in named groups."""
+    lines = succeed(command, "--help", COLUMNS="80").splitlines()
+    assert len(lines) <= TWO_SCREENS
+    assert all(len(line) <= 80 for line in lines if not line.startswith("    urdf-ik "))
+
+
+def test_every_command_that_prints_has_json() -> None:
+    """--json is --format json, and not together with another format."""
+    having = {name for name, option in options() if "--json" in option.opts}
+    assert having == set(COMMANDS) - DRAWING
+    assert succeed("fk", ARM, "--q", TYPED, "--json") == succeed("fk", ARM, "--q", TYPED, "-f", "json")
+    assert call("fk", ARM, "--q", TYPED, "--json", "-f", "csv").exit_code == 2
+
+
+@pytest.mark.parametrize("command", TAKE_POSES)
+def test_every_command_that_takes_poses_takes_all_forms(command: str) -> None:
+    """The options of a pose are the same ones, and stand together."""
+    found = {option.name: option.rich_help_panel for name, option in options() if name == command}
+    assert set(found) >= POSES and {found[name] for name in POSES} == {"Poses"}
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [
+        ("--xyz", "0.4,-0.1,0.9", "--rpy", "0,1.57,0"),
+        ("--xyz", "0.4", "-0.1", "0.9", "--rpy", "0", "1.57", "0"),
+        ("--xyz=0.4", "-.1", "9e-1", "--rpy", "0,", "1.57,", "0"),
+        ("--xyz", "0.4, -0.1, 0.9", "--rpy=0 1.57 0"),
+    ],
+)
+def test_numbers_may_stand_with_commas_or_spaces(typed: tuple[str, ...]) -> None:
+    """All these are one pose, also before the robot."""
+    pose = urdf_ik.pose([0.4, -0.1, 0.9], rpy=[0.0, 1.57, 0.0])
+    for args in ((ARM, *typed), (*typed, ARM)):
+        np.testing.assert_allclose(strict_json(call("ik", *args, "--json").stdout)["poses"][0]["pose"], pose)
+
+
+def test_several_poses_are_typed_in_turn() -> None:
+    """Positions repeat, with an orientation for each or one for all."""
+    typed = ("--xyz", "0.4", "-0.1", "0.9", "--xyz", "0.5,0,0.8", "--rpy", "0", "1.57", "0")
+    poses = strict_json(call("ik", ARM, *typed, "--json").stdout)["poses"]
+    expected = urdf_ik.pose([[0.4, -0.1, 0.9], [0.5, 0.0, 0.8]], rpy=[0.0, 1.57, 0.0])
+    np.testing.assert_allclose([each["pose"] for each in poses], expected)
+    result = call("ik", ARM, *typed, "--rpy", "0,0,0", "--rpy", "0,0,1")
+    assert result.exit_code == 2 and "3 orientations for 2 positions" in result.stderr
+
+
+def test_the_task_is_named_and_asked_for() -> None:
+    """A position without an orientation says what a planar arm controls; with --task it is solved, and checked."""
+    result = call("ik", "planar_2r", "--xyz", "0.1,0.05,0")
+    assert result.exit_code == 2 and "--task planar-position" in result.stderr
+    found = strict_json(succeed("ik", "planar_2r", "--xyz", "0.1", "0.05", "0", "--task", "planar-position", "--json"))
+    arm = urdf_ik.load("planar_2r")
+    for one in found["poses"][0]["solutions"]:
+        np.testing.assert_allclose(arm.cell.reference.pose(one["q"])[:3, 3], [0.1, 0.05, 0.0], atol=1e-9)
+        assert one["error"]["position"] <= 1e-9
+    assert len(found["poses"][0]["solutions"]) == 2
+    off = call("ik", "planar_2r", "--xyz", "0.1,0.05,0.2", "--task", "planar-position")
+    assert off.exit_code == 2 and "0.2 m off the plane" in off.stderr
+    assert call("ik", ARM, "--xyz", "0.1,0,0", "--task", "position").exit_code == 2
+
+
+def test_explain_names_what_stands_in_the_way(tmp_path: Path) -> None:
+    """Out of reach, out of limits and in contact are told apart, each with the part that is at fault."""
+    assert "reach 2.1 m" in succeed("explain", ARM, "--xyz", "0,0,4", "--rpy", "0,0,0")
+    cell = tmp_path / "cell.urdf"
+    box = '<collision><geometry><box size="9 9 9"/></geometry></collision>'
+    cell.write_text(f'<robot name="c"><link name="post">{box}</link></robot>')
+    arm = urdf_ik.load(ARM)
+    free = strict_json(succeed("explain", ARM, "--q", TYPED, "--json"))["poses"][0]
+    inside = strict_json(succeed("explain", ARM, "--q", TYPED, "--world", str(cell), "--json"))["poses"][0]
+    assert free["of_use"] == len(arm.ik(arm.fk(np.array(TYPED.split(","), float))).within_limits().collision_free())
+    assert inside["of_use"] == 0 and "touches post" in inside["each"][0] and "in collision" in inside["why"]
+    limits = strict_json(succeed("explain", "panda", "--json"))["poses"][0]
+    assert any("above its limits" in line for line in limits["each"]) and limits["intervals"]
