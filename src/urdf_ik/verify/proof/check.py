@@ -146,7 +146,7 @@ def check_proof(
         if status not in ("complete", "clustered"):
             unproven += 1
         else:
-            proof = solutions.proof(i)
+            proof = solutions[np.unravel_index(i, solutions.shape)].proof if solutions.shape else solutions.proof
             verdict, reason = examine(Loop.of(arm.chain, T[i]), q[i, valid[i]], proof, np.random.default_rng(i))
             if verdict is None:
                 open_.append(Refusal(i, status, reason))
@@ -170,9 +170,9 @@ def examine(
         proof: the solver's account of the complex roots; None where it has none.
         rng: source of the starts of the search for complex roots.
     """
-    if proof is None or not len(proof.roots) and not len(proof.clusters):
-        return _by_search(loop, solutions, rng)
-    return _by_account(loop, solutions, proof)
+    if proof is not None and proof.counted == proof.expected == SIXTEEN:
+        return _by_account(loop, solutions, proof)
+    return _by_search(loop, solutions, rng)
 
 
 def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None, str]:
@@ -188,7 +188,7 @@ def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None
         singles.append(found)
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
-        counted = cluster(loop, each.centre, each.lost_ranks, each.R, each.rho)
+        counted = cluster(loop, each.centre, each.lost, each.along, each.across)
         if isinstance(counted, str):
             return False, f"cluster {k}: {counted}"
         clusters.append(counted)
