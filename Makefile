@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wheel sanitize arm64 nightly bench million clean
+.PHONY: help run test lint docs format stub wheel sanitize arm64 sweep signals soak nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -39,7 +39,10 @@ help:
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
 	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/ik -k slides' names others"
-	@echo "make nightly  make test, make sanitize and make million"
+	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
+	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
+	@echo "make soak     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
+	@echo "make nightly  make test, sweep, signals, soak, sanitize and million"
 	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
 	@echo "make clean    remove .venv and what tools left behind"
@@ -83,7 +86,17 @@ sanitize: $(VENV)/.dev-installed
 arm64:
 	bash tools/arm64.sh $(ARGS)
 
-nightly: test sanitize million
+sweep: $(VENV)/.dev-installed
+	URDF_IK_SWEEP=all $(BIN)/python -m pytest -q tests/model/test_real_files.py $(ARGS)
+
+# A signal at 210 moments over start-up and work of seven commands.
+signals: $(VENV)/.dev-installed
+	URDF_IK_MOMENTS=210 $(BIN)/python -m pytest -q -s tests/cli/test_interrupts.py -k any_moment $(ARGS)
+
+soak: $(VENV)/.dev-installed
+	@$(BIN)/python tools/soak.py $(ARGS)
+
+nightly: test sweep signals soak sanitize million
 
 bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/bench.py $(ARGS)

@@ -6,9 +6,9 @@ The compiler is $CXX, c++, g++ or clang++, the first that compiles what the core
 installed into this Python's environment, with small scripts that call it as c++, ar and ranlib; CXX, AR and RANLIB name
 them to the command. Programs of this Python's environment (cmake, ninja) are on the command's path.
 
-With --here a core that was not built before is built for this machine's processor only, one instruction set of three;
-with --each it is built for every instruction set, but by Zig, which takes minutes for a solver, for this one.
-CMAKE_ARGS that name instruction sets come first.
+With --here a core that was not built before is built for this machine's processor only, one instruction set of three,
+and without what only tests use. With --each it is built for every instruction set, but by Zig, which takes minutes for
+a solver, for this one. CMAKE_ARGS that name instruction sets come first.
 """
 
 from __future__ import annotations
@@ -95,6 +95,12 @@ def with_levels(env: dict[str, str], levels: str) -> dict[str, str]:
     return env | {"CMAKE_ARGS": f"{given} -DURDF_IK_LEVELS={levels}".strip()}
 
 
+def with_argument(env: dict[str, str], argument: str) -> dict[str, str]:
+    """The environment with one more argument for CMake about what only tests use, unless it has one."""
+    given = env.get("CMAKE_ARGS", "")
+    return env if "URDF_IK_TESTS" in given else env | {"CMAKE_ARGS": f"{given} {argument}".strip()}
+
+
 def environment(mode: str) -> dict[str, str]:
     """The environment of a command that compiles; ``mode``: '--here', '--each' or ''."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
@@ -109,9 +115,13 @@ def environment(mode: str) -> dict[str, str]:
         is_zig = found is None
         env |= zig_scripts() if found is None else {"CXX": found}
     if mode == "--each":
-        return with_levels(env, this_level() if is_zig else ";".join(LEVELS))
+        # CMake forgets what --here left in its cache: an editable install builds what tests use, a wheel does not.
+        levels = this_level() if is_zig else ";".join(LEVELS)
+        return with_argument(with_levels(env, levels), "-UURDF_IK_TESTS")
     built = any(ROOT.glob("build/cp*/CMakeCache.txt"))
-    return with_levels(env, this_level()) if mode == "--here" and not built else env
+    if mode != "--here" or built:
+        return env
+    return with_argument(with_levels(env, this_level()), "-DURDF_IK_TESTS=OFF")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 #include "chain_arm.hpp"
 
 #include "answers/blocks.hpp"
+#include "arithmetic/least_squares.hpp"
 #include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -70,7 +71,49 @@ static void jacobians(const ChainArm& arm, const double* Q, long m, double* J) {
     });
 }
 
+template <int N>
+static void inverses_of(const ChainArm& arm, const double* Q, const double* row, long apart, const InverseScale& scale, long m,
+                        double* X) {
+    constexpr int rows = N == 7 ? 7 : 6, numbers = N * rows;
+    const double share = 1.0 / scale.size;
+    in_blocks(m, [&](long from, int many) {
+        Frame<Block> joints[N];
+        const Vec<Block> tip = walk(arm, Q + N * from, many, [&](int k, const Frame<Block>& joint) {
+                                   joints[k].p = joint.p, joints[k].R.z = joint.R.z;
+                               }).p;
+        Rows<rows, Block> J[N];
+        for (int k = 0; k < N; ++k) {
+            const Six<Block> column = jacobian_column(joints[k], arm.slides[k], tip, share);
+            for (int r = 0; r < 6; ++r) J[k][r] = column[r];
+            if constexpr (rows == 7) {
+                Block more = 0.0;
+                for (int i = 0; i < many; ++i) more.set(i, row[apart * (from + i) + k]);
+                J[k][6] = arm.slides[k] ? more * scale.size : more;
+            }
+        }
+        Block x[numbers];
+        const auto regular = inverse(J, x) > Block(scale.singular);
+        for (int k = 0; k < N; ++k) {
+            for (int c = 0; c < rows; ++c) {
+                const double unit = (arm.slides[k] ? scale.size : 1.0) * (c < 3 ? share : 1.0);
+                x[rows * k + c] = select(regular, x[rows * k + c] * unit, __builtin_nan(""));
+            }
+        }
+        if (many == BLOCK) return store_rows<Write::plain, numbers>(x, X + numbers * from);
+        double part[numbers * BLOCK];
+        store_rows<Write::plain, numbers>(x, part);
+        __builtin_memcpy(X + numbers * from, part, sizeof(double) * numbers * many);
+    });
+}
+
+static void inverses(const ChainArm& arm, const double* Q, const double* row, long apart, const InverseScale& scale, long m,
+                     double* X) {
+    constexpr decltype(&inverses_of<1>) of[] = {inverses_of<1>, inverses_of<2>, inverses_of<3>, inverses_of<4>,
+                                                inverses_of<5>, inverses_of<6>, inverses_of<7>};
+    of[arm.joints - 1](arm, Q, row, apart, scale, m, X);
+}
+
 extern const ChainFunctions chain_functions;
-const ChainFunctions chain_functions = {poses, jacobians, axes};
+const ChainFunctions chain_functions = {poses, jacobians, axes, inverses};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

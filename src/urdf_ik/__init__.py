@@ -15,6 +15,7 @@ from urdf_ik.support.lazy import attributes
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm, load
+    from urdf_ik.calibration import Calibration, calibrate
     from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
     from urdf_ik.cell.world import World
     from urdf_ik.errors import (
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
         UrdfError,
         UrdfIkError,
     )
+    from urdf_ik.export import compile
     from urdf_ik.ik.redundancy import Interval, Intervals, Region
     from urdf_ik.ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.kinematics.chain import Chain
@@ -43,6 +45,7 @@ __all__ = [
     "ArgumentError",
     "Arm",
     "Box",
+    "Calibration",
     "Capsule",
     "Chain",
     "ChainError",
@@ -69,8 +72,10 @@ __all__ = [
     "UrdfIkError",
     "World",
     "arc",
+    "calibrate",
     "compare",
     "compare_many",
+    "compile",
     "freeze",
     "line",
     "load",
@@ -84,6 +89,7 @@ _MODULE = {
     "ArgumentError": "errors",
     "Arm": "arm",
     "Box": "cell.shapes",
+    "Calibration": "calibration",
     "Capsule": "cell.shapes",
     "Chain": "kinematics.chain",
     "ChainError": "errors",
@@ -110,8 +116,10 @@ _MODULE = {
     "UrdfIkError": "errors",
     "World": "cell.world",
     "arc": "paths",
+    "calibrate": "calibration",
     "compare": "verify.comparison",
     "compare_many": "verify.comparison",
+    "compile": "export",
     "freeze": "verify.baselines",
     "line": "paths",
     "load": "arm",

@@ -24,6 +24,11 @@ class Answer:
 
     step: types.MemberDescriptorType = ...
 
+def prepared(call: object) -> object:
+    """
+    What a function without arguments returns. Meanwhile this thread computes forward kinematics alike on every processor.
+    """
+
 class Chain:
     """
     Forward kinematics of a chain of joints; immutable. Angles may be of any size.
@@ -41,6 +46,8 @@ class Chain:
     def jacobian(self, arg: object | None, /) -> object: ...
 
     def axes(self, arg: object, /) -> object: ...
+
+    def inverse(self, q: object, row: object | None, size: float, singular: float) -> object: ...
 
 def image_range(q: object, bounds: object, turns: object) -> tuple:
     """
@@ -172,6 +179,9 @@ class Solver:
     def one_near(self, arg0: object, arg1: object, arg2: object, arg3: object, arg4: object, /) -> object: ...
 
     def many(self, kind: object, arm: object, branches: object, T: object, q_ref: object | None, values: object | None, threads: int, out: object | None) -> object: ...
+
+    def image(self) -> bytes:
+        """The bytes of the struct with the arm's numbers."""
 
     def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
         """Of axes, for explanations [m]: up to four, NaN where there is none."""

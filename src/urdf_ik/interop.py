@@ -57,7 +57,7 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
         [0.04, 0.2, 0.1]
     """
     inputs.arm(arm)
-    Q, place = arm.chain.check(q), _places(names)
+    Q, place = arm.chain.check(q, padded=True), _places(names)
     given = None if others is None else inputs.real(others, "others", "a position for each name")
     kept = np.full(len(names), np.nan) if given is None else given
     if kept.shape != (len(names),):

@@ -15,6 +15,7 @@ from with_reference import arm_and_reference, distances, holds, scaled_jacobian
 
 import urdf_ik
 from urdf_ik.errors import UnsupportedArm
+from urdf_ik.support.tolerances import DEFAULT
 
 Array = NDArray[np.float64]
 
@@ -99,13 +100,45 @@ def test_at_and_near_singularities(kind: str, joint: int) -> None:
                 assert distances(arm, found, q).min() < 1e-6 + 1e-10 / sigma
 
 
-def stretched(arm: urdf_ik.Arm, q: Array) -> float:
-    """The value of joint 3 at which the Jacobian's smallest singular value is least."""
-    x = np.tile(q, (2001, 1))
-    x[:, 2] = np.linspace(-math.pi, math.pi, 2001)
-    J = arm.jacobian(x)
-    J[:, :3] /= arm.chain.size
-    return float(x[np.argmin(np.linalg.svd(J, compute_uv=False)[:, -1]), 2])
+def stretched(arm: urdf_ik.Arm, q: Array, joint: int = 2) -> float:
+    """The value of a joint, joint 3 if not said otherwise, at which the Jacobian's smallest singular value is least."""
+    low, high = -math.pi, math.pi
+    for _ in range(8):
+        x = np.tile(q, (401, 1))
+        x[:, joint] = np.linspace(low, high, 401)
+        J = arm.jacobian(x)
+        J[:, :3] /= arm.chain.size
+        best = float(x[np.argmin(np.linalg.svd(J, compute_uv=False)[:, -1]), joint])
+        low, high = best - (high - low) / 400, best + (high - low) / 400
+    return best
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("irb_5400", 0), *((kind, k) for kind in KINDS[1:] for k in range(2))])
+def test_random_arms_lose_nothing_beside_singularities(kind: str, seed: int) -> None:
+    """Every regular vector 1e-1 to 1e-6 rad beside a singularity of a random arm is found."""
+    arm, reference = arm_and_reference(hollow(kind, seed))
+    rng = np.random.default_rng([11, seed])
+    compared = 0
+    for start in drawn(kind, 25, 20 + seed):
+        joint = int(rng.integers(1, 5))
+        singular = stretched(arm, start, joint)
+        for distance in 10.0 ** -np.arange(1.0, 7.0):
+            q = start.copy()
+            q[joint] = singular + rng.choice([-1.0, 1.0]) * distance
+            sigma = np.linalg.svd(scaled_jacobian(reference, q), compute_uv=False)[-1]
+            if sigma <= DEFAULT.singular:
+                continue
+            found = arm.ik(reference.pose(q)).to_array()
+            assert distances(arm, found, q).min() < 1e-6 + 1e-11 / sigma
+            compared += 1
+    assert compared > 60
+
+
+def test_joint_1_that_turns_faster_than_joint_5_is_followed() -> None:
+    """A regular vector is found where the wrist's point passes axis 1, so that joint 1 turns faster than joint 5."""
+    arm, reference = arm_and_reference(hollow("irb_5400"))
+    q = np.array([2.2034, -0.5287, 2.0195, -0.0271, 1.7965, -1.0714])
+    assert distances(arm, arm.ik(reference.pose(q)).to_array(), q).min() < 1e-6
 
 
 def test_out_of_reach_and_one_by_one() -> None:

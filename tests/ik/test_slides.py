@@ -225,3 +225,26 @@ def test_far_slides_keep_their_digits() -> None:
         assert_answers(case, q, case.oracle.pose(q))
         q[:3] += 20.0
         assert_answers(case, q, case.oracle.pose(q))
+
+
+def test_a_refused_arm_of_eight_joints_is_solved_as_its_message_says() -> None:
+    """A lift, four slides and a wrist, as on Stretch: with the lock that the refusal names the arm answers."""
+    axes = {"lift": "0 0 1", **{f"arm_l{k}": "0 -1 0" for k in (3, 2, 1, 0)}}
+    axes |= {"wrist_yaw": "0 0 1", "wrist_pitch": "0 1 0", "wrist_roll": "1 0 0"}
+    text = '<robot name="stretch"><link name="l0"/>'
+    for i, (name, axis) in enumerate(axes.items(), 1):
+        kind = "revolute" if "wrist" in name else "prismatic"
+        text += (
+            f'<link name="l{i}"/><joint name="{name}" type="{kind}"><parent link="l{i - 1}"/><child link="l{i}"/>'
+            f'<origin xyz="0.05 0 0.1"/><axis xyz="{axis}"/>'
+            '<limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>'
+        )
+    text += "</robot>"
+    arm = urdf_ik.load(text, "l0", "l8")
+    with pytest.raises(UnsupportedArm, match=r"solved where 1 joint is locked.*locked={'lift': 0.0}.*--lock lift=0"):
+        arm.ik(np.eye(4))
+    locked = urdf_ik.load(text, "l0", "l8", locked={"lift": 0.0})
+    q = np.full(7, 0.2)
+    found = locked.ik(locked.fk(q), redundancy=locked.redundancy_of(q)).to_array()
+    assert len(found)
+    np.testing.assert_allclose(locked.fk(found), np.broadcast_to(locked.fk(q), (len(found), 4, 4)), atol=1e-9)

@@ -17,6 +17,9 @@ import pytest
 from test_copies import OBJECTS, Q
 
 import urdf_ik
+from urdf_ik import calibration
+from urdf_ik.calibration import universal_robots
+from urdf_ik.kinematics.derivatives import written
 from urdf_ik.maps import workspaces
 from urdf_ik.show.plot import figures
 from urdf_ik.verify import completeness, crosscheck, judging, surveys
@@ -75,6 +78,12 @@ def more_objects(folder: Path) -> Iterator[Any]:
     yield from (OBJECTS["plan"].margins, urdf_ik.paths.Change(1, "elbow up", "elbow down", True))
     yield completeness.Difference(0, None, (0.1,), (0.2,), "solver", "elbow up", 0.1, 0.5, 1e-12, 1e-12)
     yield figures.bodies(two)
+    geometry = written(two.chain)
+    yield from (geometry, *geometry.parameters)
+    vectors = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
+    fitted = urdf_ik.calibrate(two, vectors, two.fk(vectors))
+    yield from (fitted, calibration.best_poses(fitted, 2))
+    yield calibration.UrKinematics(dict.fromkeys(universal_robots.JOINTS, (0.0,) * 6), "calib_1")
 
 
 def leads_to(value: Any, seen: dict[int, Any], depth: int = 5) -> None:

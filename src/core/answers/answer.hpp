@@ -153,6 +153,23 @@ STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::j
     return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
 }
 
+// Whether two singular solutions lie on one continuum: Newton's method from their midpoint then stays near it, and ends at a
+// singular solution too.
+template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                                           const double* other) {
+    constexpr int N = Model::joints;
+    double middle[N], apart = 0.0, left = 0.0, right = 0.0;
+    for (int j = 0; j < N; ++j) {
+        const double step = gap(arm, j, q[j], other[j]);
+        middle[j] = advanced(arm, j, other[j], 0.5 * step), apart = max(apart, abs(step));
+    }
+    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > DOUBTFUL) return false;
+    for (int j = 0; j < N; ++j) {
+        left = max(left, abs(gap(arm, j, middle[j], q[j]))), right = max(right, abs(gap(arm, j, middle[j], other[j])));
+    }
+    return min(left, right) > 0.25 * apart && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
+}
+
 // At a crossing of two continua, or near one, the second smallest singular value is smaller by this factor.
 inline constexpr double CROSSING = 0.1;
 

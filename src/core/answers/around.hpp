@@ -32,22 +32,6 @@ STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
 // The flags of a solution's singularities.
 inline constexpr unsigned KINDS = SHOULDER | ELBOW | WRIST | OTHER;
 
-// Whether two solutions lie on one continuum: Newton's method from their midpoint then stays near it.
-template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
-                                           const double* other) {
-    constexpr int N = Model::joints;
-    double middle[N], apart = 0.0, left = 0.0, right = 0.0;
-    for (int j = 0; j < N; ++j) {
-        const double step = gap(arm, j, q[j], other[j]);
-        middle[j] = advanced(arm, j, other[j], 0.5 * step), apart = max(apart, abs(step));
-    }
-    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > DOUBTFUL) return false;
-    for (int j = 0; j < N; ++j) {
-        left = max(left, abs(gap(arm, j, middle[j], q[j]))), right = max(right, abs(gap(arm, j, middle[j], other[j])));
-    }
-    return min(left, right) > 0.25 * apart;
-}
-
 // Whether q, a singular solution of branch b, lies on a continuum with a solution that is already kept. That solution's branch
 // differs only in signs that mean nothing there.
 template <class Model> PART bool is_represented(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,

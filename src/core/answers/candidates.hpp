@@ -15,11 +15,8 @@ inline constexpr double HOPELESS = 0.05;
 // Starts on each side of a solution near a fold, along the Jacobian's weakest direction: the first one 0.1 rad (or share of the
 // size) away, each further one a tenth of the distance before.
 inline constexpr int STARTS_BESIDE = 8;
-// A second solution beside a fold counts only if its smallest singular value is above this share of the tolerance for singular
-// solutions. On a continuum this singular value vanishes.
-inline constexpr double APART = 0.1;
 
-// Keep a second solution beside q, if there is one. A singular one belongs to the same double root or to the same continuum.
+// Keep a second solution beside q, if there is one. A singular one may belong to the same continuum.
 template <class Model>
 PART void keep_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
                       const Weakest<Model::joints>& weak, const Columns<Model::joints>& columns) {
@@ -30,12 +27,13 @@ PART void keep_beside(const Model& arm, const Goal<double>& goal, const double (
         if (k % 2) away *= 0.1;
         if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error > CONVERGED) continue;
         if (!is_new(arm, goal, columns, start)) continue;
-        if (weakest_at(arm, goal, start).value > APART * arm.tolerances.singular) keep(columns, 0, start, 0);
+        const int marks = singular_marks(arm, goal, start, 0);
+        if (!marks || !is_joined(arm, goal, start, q)) keep(columns, 0, start, marks);
     }
 }
 
 // Polish the candidate q, and keep it if its error is at most `enough` and it is new; q is replaced. A singular result of a search
-// is dropped if a singular solution is known already, since both belong to one continuum. Returns the Jacobian's smallest
+// is dropped if it lies on one continuum with a known one. Returns the Jacobian's smallest
 // singular value there (only a lower bound if that is above NEAR_FOLD), or infinity if q is not a solution.
 template <class Model>
 PART double polish_and_keep(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], Origin origin, double enough,
@@ -53,7 +51,7 @@ PART double polish_and_keep(const Model& arm, const Goal<double>& goal, double (
     const bool singular = weak.value <= arm.tolerances.singular;
     if (origin == Origin::searched && singular) {
         for (int b = 0; b < columns.many; ++b) {
-            if (columns.flags[b] & OTHER) return weak.value;
+            if (columns.flags[b] & OTHER && is_joined(arm, goal, q, columns.row(b))) return weak.value;
         }
     }
     if (!is_new(arm, goal, columns, q)) return weak.value;

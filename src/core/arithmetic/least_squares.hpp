@@ -86,6 +86,37 @@ STEP Solved<N, V> least_squares(Rows<rows, V> (&J)[N], Rows<rows, V> e, const V&
     return out;
 }
 
+// The least-squares inverse X (N, rows) of J: J x = e is solved by x = X e. J is overwritten. Returns the lower bound of
+// Solved::least.
+template <int N, int rows, class V> STEP V inverse(Rows<rows, V> (&J)[N], V (&X)[N * rows]) {
+    Triangle<N, V> f;
+#pragma GCC unroll 7
+    for (int k = 0; k < N; ++k) {
+        f.w[k] = inverse_sqrt(dot(J[k], J[k]) + TINY);
+        J[k] = times(J[k], f.w[k]);
+#pragma GCC unroll 7
+        for (int l = k + 1; l < N; ++l) f.R[k][l] = dot(J[k], J[l]), J[l] = less(J[l], f.R[k][l], J[k]);
+    }
+#pragma GCC unroll 7
+    for (int c = 0; c < rows; ++c) {
+        // The unit vector e of row c, against the columns one by one as in least_squares().
+        V y[N];
+        Rows<rows, V> e;
+        for (int i = 0; i < rows; ++i) e[i] = i == c ? 1.0 : 0.0;
+        y[0] = J[0][c];
+#pragma GCC unroll 7
+        for (int k = 1; k < N; ++k) e = less(e, y[k - 1], J[k - 1]), y[k] = dot(J[k], e);
+#pragma GCC unroll 7
+        for (int k = N - 1; k >= 0; --k) {
+#pragma GCC unroll 7
+            for (int l = k + 1; l < N; ++l) y[k] -= f.R[k][l] * y[l];
+            y[k] *= f.w[k];
+            X[rows * k + c] = y[k];
+        }
+    }
+    return least_stretch(f);
+}
+
 // The smallest singular value of J and its right singular vector.
 template <int N> struct Weakest {
     double value, direction[N];

@@ -18,6 +18,7 @@ template <int N> void read(const Values& v, Coupled<N>& to) {
 template <int N> class CoupledSolver : public Solver {
 public:
     CoupledArm<N> arm{};
+    std::string_view image() const override { return image_of(arm); }
     long solve(const Batch& batch) const override {
         // Allocated once per batch. Uninitialised: pages that the search does not touch cost nothing.
         const std::unique_ptr<double[]> scratch(new double[N * SCRATCH]);
@@ -43,7 +44,7 @@ static void read(const Values& v, HollowWristArm& to) {
     if (to.samples < 2 || to.samples > MOST_SAMPLES) throw v.error("samples", "too many");
     v.read("value", to.value, to.samples), v.read("cosine", to.cosine, to.samples);
     v.read("along_4", to.along_4, to.samples), v.read("along_7", to.along_7, to.samples);
-    v.read("round", to.round), v.read("flange", to.flange), v.read("direction", to.direction);
+    v.read("flange", to.flange), v.read("direction", to.direction);
 }
 
 void add_coupled(Makers& makers) {

@@ -7,6 +7,7 @@
 #include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
 #include "bindings/signals.hpp"
+#include "preparation.hpp"
 
 namespace urdf_ik {
 
@@ -46,6 +47,20 @@ Motion between(const Motion& a, const Motion& b) {
 }
 
 }  // namespace
+
+// Whether this thread prepares an arm: then forward kinematics is computed alike on every processor.
+static thread_local bool preparing = false;
+
+static const ChainFunctions& chain_functions() { return *(preparing ? preparation().chain : level().chain); }
+
+static nb::object prepared(nb::handle call) {
+    struct Preparing {
+        const bool before = preparing;
+        Preparing() { preparing = true; }
+        ~Preparing() { preparing = before; }
+    } const now;
+    return nb::borrow<nb::callable>(call)();
+}
 
 // Directions H (n, 3) of the axes; steps P (n + 1, 3) from the base through a point on each axis to the tip; rotation R_tip (3, 3)
 // of the tip: all at q = 0 and in the base. slides (n).
@@ -103,6 +118,35 @@ struct PyChain {
         return made;
     }
 
+    // Least-squares inverses of the Jacobians at joint vectors (..., n), which may be NaN: an array (..., n, 6), or (..., 7, 7)
+    // with a further row (7) or (..., 7).
+    nb::object inverse(nb::handle q, nb::handle row, const InverseScale& scale) const {
+        PyArrayObject *from = doubles(q), *more = row.is_none() ? nullptr : doubles(row);
+        const int n = arm.joints, dimensions = from ? PyArray_NDIM(from) : 0;
+        if (n < 1 || n > 7 || !dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != n) {
+            throw nb::value_error("joint vectors (..., n) of one to seven joints are needed, float64 in C order");
+        }
+        if ((n == 7) != (more != nullptr) || (more && PyArray_SIZE(more) != 7 && PyArray_SIZE(more) != PyArray_SIZE(from))) {
+            throw nb::value_error("seven joints need a further row, (7) or one for each joint vector; fewer take none");
+        }
+        const long apart = more && PyArray_SIZE(more) == PyArray_SIZE(from) ? 7 : 0;
+        npy_intp shape[NPY_MAXDIMS];
+        long m = 1;
+        for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
+        shape[dimensions - 1] = n, shape[dimensions] = n == 7 ? 7 : 6;
+        nb::object made = nb::steal(PyArray_SimpleNew(dimensions + 1, shape, NPY_DOUBLE));
+        if (!made.is_valid()) throw nb::python_error();
+        double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
+        const double *Q = (const double*)PyArray_DATA(from), *given = more ? (const double*)PyArray_DATA(more) : nullptr;
+        without_gil([&](const Stop& stop) {
+            for (long i = 0; i < m && !stop.asked(); i += AT_ONCE) {
+                level().chain->inverses(arm, Q + i * n, given ? given + apart * i : nullptr, apart, scale, std::min(AT_ONCE, m - i),
+                                        to + i * n * shape[dimensions]);
+            }
+        });
+        return made;
+    }
+
     nb::object steps() const {
         const npy_intp shape[3] = {arm.joints + 1, 3, 4};
         nb::object made = nb::steal(PyArray_SimpleNew(3, shape, NPY_DOUBLE));
@@ -116,17 +160,26 @@ struct PyChain {
 };
 
 void bind_chain(nb::module_& m) {
+    m.def("prepared", &prepared, nb::arg("call"),
+          "What a function without arguments returns. Meanwhile this thread computes forward kinematics alike on every processor.");
     nb::class_<PyChain>(m, "Chain", "Forward kinematics of a chain of joints; immutable. Angles may be of any size.")
         .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
         .def_prop_ro("steps", &PyChain::steps)
         .def("__reduce__",
              [](nb::handle self) { return nb::make_tuple(nb::type<PyChain>(), nb::cast<const PyChain&>(self).made_from); })
         .def(
-            "fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); }, nb::arg().none())
+            "fk", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().poses, 4, 4); }, nb::arg().none())
         .def(
-            "jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); },
+            "jacobian",
+            [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().jacobians, 6, self.arm.joints); },
             nb::arg().none())
-        .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->axes, 6, self.arm.joints); });
+        .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().axes, 6, self.arm.joints); })
+        .def(
+            "inverse",
+            [](const PyChain& self, nb::handle q, nb::handle row, double size, double singular) {
+                return self.inverse(q, row, {size, singular});
+            },
+            nb::arg("q"), nb::arg("row").none(), nb::arg("size"), nb::arg("singular"));
 }
 
 }  // namespace urdf_ik

@@ -6,15 +6,16 @@
 #include "arms/elimination.hpp"
 #include "bindings/module.hpp"
 #include "bindings/python_values.hpp"
+#include "preparation.hpp"
 
 namespace urdf_ik {
 
-using Targets = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using PoseStack = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using JointVectors = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 
 // For each variant and pose: the number of solutions found by this variant alone, and whether it is certain of them.
-static void try_elimination(nb::object object, nb::object variants_object, const Targets& T, const Bytes& counts,
+static void try_elimination(nb::object object, nb::object variants_object, const PoseStack& T, const Bytes& counts,
                             const Bytes& certain) {
     const PythonValues values(object, "elimination"), rows(variants_object, "variants");
     const int variants = int(certain.shape(0));
@@ -26,7 +27,7 @@ static void try_elimination(nb::object object, nb::object variants_object, const
     read_common(values, *arm);
     for (int v = 0; v < variants; ++v) read_variant(rows, variants, v, all[v]);
     nb::gil_scoped_release release;
-    level().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
+    preparation().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
 }
 
 // A copy of the numbers in an array owned by Python.
@@ -45,7 +46,8 @@ static nb::dict known_poses(nb::object written, const JointVectors& q, bool near
     const auto found = std::make_unique<Continuation>();
     {
         nb::gil_scoped_release release;
-        level().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near, *found);
+        preparation().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near,
+                                                    *found);
     }
     std::vector<double> turn, point, solution;
     for (int i = 0; i < found->poses; ++i) {

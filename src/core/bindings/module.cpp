@@ -95,6 +95,9 @@ NB_MODULE(_core, m) {
                nb::handle out) { return solve_many(*s.solver, kind, arm, branches, T, q_ref, values, threads, out); },
             nb::arg("kind"), nb::arg("arm"), nb::arg("branches"), nb::arg("T"), nb::arg("q_ref").none(), nb::arg("values").none(),
             nb::arg("threads"), nb::arg("out").none())
+        .def(
+            "image", [](const PySolver& s) { return nb::bytes(s.solver->image().data(), s.solver->image().size()); },
+            "The bytes of the struct with the arm's numbers.")
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1,

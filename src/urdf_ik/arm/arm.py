@@ -135,7 +135,7 @@ class Arm:
 
         1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.ik.solutions.limits.margin`.
         """
-        return limits.margin(self.chain.check(q), self.limits)
+        return limits.margin(self.chain.check(q, padded=True), self.limits)
 
     def to_pinocchio(self, q: ArrayLike) -> Array:
         """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).
@@ -143,7 +143,7 @@ class Arm:
         Joints outside the chain stay at zero. Joints that mimic others follow them. ``arm.cell.reference.pin_model`` is
         the ``pinocchio.Model``. See :meth:`urdf_ik.cell.pinocchio_reference.Reference.configurations`.
         """
-        return self.cell.reference.configurations(self.chain.check(q))
+        return self.cell.reference.configurations(self.chain.check(q, padded=True))
 
     def from_pinocchio(self, q_pin: ArrayLike) -> Array:
         """Joint vectors (..., n) rad or m of configurations (..., nq), the inverse of :meth:`to_pinocchio`.

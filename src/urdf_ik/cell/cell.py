@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.cell import without_pinocchio
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support.text import quoted
 
@@ -53,9 +54,11 @@ class Cell:
 
     @cached_property
     def collisions(self) -> CollisionModel:
-        """Collision and distance of the links through Pinocchio and coal."""
+        """Collision and distance of the links through Pinocchio and coal; where these are not installed, none."""
         if self.changed is not None:
             return self.changed
+        if not without_pinocchio.installed():
+            return without_pinocchio.unchecked()
         from urdf_ik.cell.collision_model import CollisionModel
 
         model, chain = self.model, self.chain
@@ -63,7 +66,13 @@ class Cell:
 
     @cached_property
     def reference(self) -> Reference:
-        """Pinocchio's model of the whole URDF, built from the file itself."""
+        """Pinocchio's model of the whole URDF, built from the file itself.
+
+        Raises:
+            MissingPackage: Pinocchio is not installed.
+        """
+        if not without_pinocchio.installed():
+            raise without_pinocchio.needed("comparisons with the reference")
         from urdf_ik.cell.pinocchio_reference import Reference
 
         return Reference(self.model, self.chain.base, self.chain.tip, locked=dict(self.chain.locked))
@@ -129,7 +138,7 @@ class Cell:
             >>> round(float(arm.clearance([0.0] * 6, world)), 3)
             0.03
         """
-        return self.in_world(world).distance(self.chain.check(q))
+        return self.in_world(world).distance(self.chain.check(q, padded=True))
 
     def nearest_pair(self, q: ArrayLike, world: World | None = None) -> Nearest | None:
         """The nearest checked pair at ``q`` (n,), two links or a link and an obstacle; None if no pair is checked.
@@ -154,7 +163,8 @@ class Cell:
         close, no finite number of distances can prove it free.
 
         Args:
-            q0: (..., n) rad or m.
+            q0: (..., n) rad or m. A motion from or to a row of NaN, as solutions are padded with, is not free; its
+                ``share`` is NaN.
             q1: (..., n) rad or m; the leading dimensions broadcast against those of ``q0``.
             world: the obstacles; default: none, only the arm itself.
             margin: least distance allowed [m].
@@ -176,7 +186,7 @@ class Cell:
             >>> bool(motion), round(float(motion.share), 2), motion.pairs
             (False, 0.42, [('link_2', 'post')])
         """
-        start, end = self.chain.check(q0), self.chain.check(q1)
+        start, end = self.chain.check(q0, padded=True), self.chain.check(q1, padded=True)
         try:
             start, end = np.broadcast_arrays(start, end)
         except ValueError:
@@ -184,9 +194,11 @@ class Cell:
                 f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
             ) from None
         batch, count = start.shape[:-1], math.prod(start.shape[:-1])
-        flat = self.in_world(world).motions_free(
-            start.reshape(count, self.chain.n), end.reshape(count, self.chain.n), margin
-        )
+        start, end = start.reshape(count, self.chain.n), end.reshape(count, self.chain.n)
+        there = np.asarray((np.isfinite(start) & np.isfinite(end)).all(axis=1))
+        flat = self.in_world(world).motions_free(start[there], end[there], margin)
+        if not there.all():
+            flat = flat.spread(there)
         return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))
 
     def with_collisions(self, changed: CollisionModel) -> Cell:

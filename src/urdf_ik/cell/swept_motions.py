@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.cell.coal_check import QUERY_ERROR
+from urdf_ik.cell.distance_bounds import QUERY_ERROR
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
 
@@ -71,6 +71,20 @@ class Motions:
         if self.free.ndim:
             raise ArgumentError(f"{self.free.size} motions have a pair each: see pairs")
         return self.pairs[0]
+
+    def spread(self, places: NDArray[np.bool_]) -> Motions:
+        """These motions at ``places`` (k,), and between them motions that are not free.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, q0 = urdf_ik.load("scara_rrpr"), [0.0, 0.0, 0.1, 0.0]
+            >>> arm.motion_is_free(q0, [[0.5, 0.5, 0.1, 0.0]]).spread(np.array([False, True])).free.tolist()
+            [False, True]
+        """
+        free, share = np.zeros(len(places), dtype=np.bool_), np.full(len(places), np.nan)
+        free[places], share[places] = self.free, self.share
+        each = iter(self.pairs)
+        return Motions(free, share, [next(each) if there else None for there in places])
 
     def __bool__(self) -> bool:
         if self.free.ndim:

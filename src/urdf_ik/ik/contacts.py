@@ -12,6 +12,14 @@ if TYPE_CHECKING:
 class Bodies(Protocol):
     """The links of an arm and the obstacles of one world."""
 
+    @property
+    def has_geometry(self) -> bool:
+        """Whether there are shapes to check."""
+
+    @property
+    def unchecked(self) -> str:
+        """Why contacts are not checked, '' where they are."""
+
     def in_collision(self, q: NDArray[np.float64], margin: float = 0.0) -> Any:
         """(k, n) rad or m to (k,): whether two bodies come within a margin [m]."""
 

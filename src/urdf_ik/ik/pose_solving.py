@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+
 def solve(
     solver: Solver,
     T: Any,

@@ -98,7 +98,7 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
     J = chain.jacobian(q)[..., _rows(part), :]
     if chain.n == 0:
         return np.zeros(J.shape[:-2])
-    return np.asarray(np.linalg.svd(J, compute_uv=False).prod(axis=-1))
+    return np.asarray(_singular_values(J).prod(axis=-1))
 
 
 def condition_number(chain: Chain, q: ArrayLike, part: str = "all", length: float | None = None) -> Array:
@@ -126,7 +126,7 @@ def condition_number(chain: Chain, q: ArrayLike, part: str = "all", length: floa
     J = _scaled_jacobian(chain, q, _length(chain, length))[..., _rows(part), :]
     if chain.n == 0:
         return np.full(J.shape[:-2], np.inf)
-    s = np.linalg.svd(J, compute_uv=False)
+    s = _singular_values(J)
     rounding = max(J.shape[-2:]) * np.finfo(np.float64).eps * s[..., 0]
     singular = s[..., -1] <= rounding
     return np.where(singular, np.inf, s[..., 0] / np.where(singular, 1.0, s[..., -1]))
@@ -155,12 +155,16 @@ def singular_directions(
     """
     L = _length(chain, length)
     bound = _number("tolerance", tolerance, zero=True)
-    U, s, Vt = np.linalg.svd(_scaled_jacobian(chain, q, L))
+    J = _scaled_jacobian(chain, q, L)
+    gone = np.asarray(np.isnan(J).any(axis=(-2, -1)))
+    U, s, Vt = np.linalg.svd(np.where(gone[..., None, None], 0.0, J))
     gains, motion_gains = (np.zeros((*s.shape[:-1], count)) for count in (6, chain.n))
     gains[..., : s.shape[-1]] = motion_gains[..., : s.shape[-1]] = s
     twists = np.swapaxes(U, -1, -2).copy()
     twists[..., :3] *= L
     motions = Vt * np.where(chain.prismatic, L, 1.0)
+    for array in (gains, twists, motion_gains, motions):
+        array[gone] = np.nan
     return SingularDirections(gains, twists, gains < bound, motion_gains, motions, motion_gains < bound)
 
 
@@ -223,7 +227,8 @@ def joint_velocities(
         ) from None
     if chain.n == 0:
         return np.zeros((*batch, 0))
-    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    gone = np.asarray(np.isnan(J).any(axis=(-2, -1)))
+    U, s, Vt = np.linalg.svd(np.where(gone[..., None, None], 0.0, J), full_matrices=False)
     if damping is None:
         near = np.minimum(s[..., -1:] / DEFAULT.damped, 1.0)
         square = DEFAULT.damping**2 * (1.0 - near**2)
@@ -237,7 +242,7 @@ def joint_velocities(
     if limits is not None:
         most = (np.abs(rates) / _each_joint(chain, "limits", limits)).max(axis=-1, keepdims=True)
         rates = rates / np.maximum(most, 1.0)
-    return np.asarray(rates)
+    return np.where(gone[..., None], np.nan, rates)
 
 
 LEAST_LENGTH = 1e-12
@@ -250,6 +255,13 @@ def _scaled_jacobian(chain: Chain, q: ArrayLike, length: float) -> Array:
     J[..., :3, :] /= length
     J[..., chain.prismatic] *= length
     return J
+
+
+def _singular_values(J: Array) -> Array:
+    """(..., k) singular values of Jacobians, the greatest first; NaN where the Jacobian is."""
+    gone = np.asarray(np.isnan(J).any(axis=(-2, -1)))
+    s = np.linalg.svd(np.where(gone[..., None, None], 0.0, J), compute_uv=False)
+    return np.where(gone[..., None], np.nan, s)
 
 
 def _rows(part: str) -> slice:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions import IKSolutions, limits
+from urdf_ik.ik.solutions.derivatives import joint_rates
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths import plan_display
 from urdf_ik.support import files
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.obstacles import Obstacles
@@ -178,6 +179,59 @@ class Plan:
         if self.obstacles is not None and self.found:
             clearance = np.asarray(self.obstacles.model.distance(self.q))
         return Margins(room, clearance, velocity.manipulability(self.solver.chain, self.q))
+
+    def velocities(self, twists: ArrayLike, rates: ArrayLike | None = None) -> Array:
+        """Joint velocities (m, n) rad/s or m/s at the waypoints, by the inverse of the Jacobian.
+
+        Args:
+            twists: (m, 6) or (6,) m/s and rad/s of the targets at the waypoints, in base axes at their origins.
+            rates: (m, k) or (k,) per s, of the redundancy parameters; default: zeros.
+
+        Returns:
+            NaN at a singular waypoint.
+
+        Raises:
+            ArgumentError: there is no plan, or an argument does not fit.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).velocities([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).shape
+            (10, 4)
+        """
+        return joint_rates(self._solutions(), twists, rates)[..., 0, :]
+
+    def accelerations(self, twists: ArrayLike, twist_rates: ArrayLike | None = None) -> Array:
+        """Joint accelerations (m, n) rad/s^2 or m/s^2 at the waypoints, redundancy parameters held.
+
+        Args:
+            twists: (m, 6) or (6,) as in :meth:`velocities`.
+            twist_rates: (m, 6) or (6,) m/s^2 and rad/s^2, at which the twists change, in base axes; default: zeros.
+
+        Returns:
+            NaN at a singular waypoint.
+
+        Raises:
+            ArgumentError: there is no plan, or an argument does not fit.
+            UnsupportedArm: the arm is solved at a swivel angle.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).accelerations([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).shape
+            (10, 4)
+        """
+        solutions = self._solutions()
+        changes = np.zeros(6) if twist_rates is None else twist_rates
+        return joint_rates(solutions, changes, bent=solutions.d2q_dT2(twists))[..., 0, :]
+
+    def _solutions(self) -> IKSolutions:
+        """The plan's joint vectors as solutions of its waypoints, one column."""
+        self._require()
+        info = np.ones((len(self.q), 1), np.uint8)
+        return IKSolutions(self.solver, self.poses, self.q[:, None].copy(), info, ("plan",))
 
     def explain(self) -> str:
         """Why there is no plan: a line for each branch of the first waypoint, the one that gets farthest first.

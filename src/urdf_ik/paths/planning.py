@@ -11,6 +11,7 @@ from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths import checked_settings as settings_of
 from urdf_ik.paths import waypoints
+from urdf_ik.paths.followed_names import followed
 from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.planned_motion import Stop
 from urdf_ik.paths.planner import nodes as node_sets
@@ -81,7 +82,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
         # If there is no plan either, report its stops: the tolerance was not the cause.
         looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
         plan = _within_limits(looser, _plan(looser, path))
-    return replace(plan, unchecked=unchecked)
+    return followed(replace(plan, unchecked=unchecked))
 
 
 def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:

@@ -9,7 +9,7 @@ from typing import Any
 
 
 def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable[[str], Any]:
-    """The ``__getattr__`` of a package: its public names, and its modules.
+    """The ``__getattr__`` of a package: its public names, and its modules. ``dir()`` of the package lists just these.
 
     Args:
         package: its full name.
@@ -19,6 +19,8 @@ def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable
         >>> from urdf_ik import maps
         >>> maps.workspace.__module__
         'urdf_ik.maps.workspaces.creation'
+        >>> dir(maps)
+        ['dataset', 'datasets', 'engine', 'placement', 'placements', 'workspace', 'workspaces']
     """
     module_of = names or {}
 
@@ -35,4 +37,11 @@ def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable
                     raise
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
+    def listed() -> list[str]:
+        from pkgutil import iter_modules
+
+        modules = {each.name for each in iter_modules(sys.modules[package].__path__)}
+        return sorted({*module_of, *(name for name in modules if not name.startswith("_"))})
+
+    vars(sys.modules[package])["__dir__"] = listed
     return get

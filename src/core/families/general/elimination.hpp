@@ -359,7 +359,7 @@ struct General6 {
     }
 };
 
-// See EliminationSolvers.
+// See EliminationPreparation.
 PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
                        const EliminationTrial& out) {
     for (long i = 0; i < m; ++i) {

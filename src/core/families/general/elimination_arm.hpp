@@ -40,6 +40,10 @@ struct EliminationTrial {
 
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
+};
+
+// What preparing an arm needs.
+struct EliminationPreparation {
     // Tries `variants` variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
     // Finds poses with all their solutions from m joint vectors (m, 6), at least two. near: leaves out solutions far

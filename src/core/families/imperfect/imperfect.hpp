@@ -47,7 +47,7 @@ template <class Family> struct Imperfect {
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
-        const Branch at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
+        const Branch<Block> at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
         for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
         store(at.shoulder, to.margin[0] + first), store(at.elbow, to.margin[1] + first), store(at.wrist, to.margin[2] + first);
         store(at.arms, to.arms + first);

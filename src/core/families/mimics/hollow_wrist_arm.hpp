@@ -17,7 +17,6 @@ struct HollowWristArm {
     // axis 7.
     int samples;
     double value[MOST_SAMPLES], cosine[MOST_SAMPLES], along_4[MOST_SAMPLES], along_7[MOST_SAMPLES];
-    bool round;                      // the last sample's neighbour is the first
     double flange[3], direction[3];  // a point of axis 7, and where axis 7 points, in the tip
 };
 

@@ -23,8 +23,10 @@ GROUPS = {
     },
     "Make something with it": {
         "path": "path",
+        "calibrate": "fitted.calibrate",
         "placement": "maps.placement",
         "dataset": "maps.dataset",
+        "compile": "outside.compile",
     },
     "Show": {
         "view": "show.view",

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from urdf_ik.cli.console import Angles
     from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 
+_LOCAL = (
+    "a solution's name is the sign of the Jacobian's determinant, which changes only across a singularity, and a "
+    "number, which orders the solutions of one pose and says nothing about another one"
+)
 _UNSOLVED = "none: no solver takes this structure"
 
 
@@ -122,6 +126,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
 def as_text(arm: Arm, angles: Angles) -> str:
     """Tables and lines for people."""
     from urdf_ik.ik.cuspidality import in_words, is_cuspidal
+    from urdf_ik.ik.solutions import local_names
 
     structure = arm.structure
     unit = angles.unit
@@ -165,6 +170,8 @@ def as_text(arm: Arm, angles: Angles) -> str:
             *([("cuspidal", in_words(is_cuspidal(arm.solver)))] if structure.is_6r else []),
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
+        if local_names.local(structure.branches):
+            solver.append(("names", _LOCAL))
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
     if allowed := len(arm.cell.disabled):

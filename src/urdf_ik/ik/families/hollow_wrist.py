@@ -42,12 +42,11 @@ class HollowWristArm:
     Attributes:
         written: the arm as its URDF has it.
         position: axes 1 to 4 with a wrist that turns about a point of axis 4.
-        samples: s, values of the wrist's joint.
+        samples: s, values of the wrist's joint, evenly round its whole period.
         value: (s,) rad, these values.
         cosine: (s,) of the angle between axes 4 and 7.
         along_4: (s,) m, where the two axes meet, along axis 4 from where they meet at the first value.
         along_7: (s,) m, the same along axis 7 from its point.
-        round: whether the samples go round a whole period.
         flange: (3,) m, the point of axis 7, in the tip.
         direction: (3,) of axis 7, in the tip.
     """
@@ -60,7 +59,6 @@ class HollowWristArm:
     cosine: Array
     along_4: Array
     along_7: Array
-    round: bool
     flange: Array
     direction: Array
 
@@ -85,7 +83,6 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         cosine=cosine,
         along_4=along_4 - along_4[0],
         along_7=along_7,
-        round=True,
         flange=axes.R_tip.T @ (tip - home),
         direction=axes.R_tip.T @ axes.H[6],
     )

@@ -126,9 +126,7 @@ def _nearest(
     return best
 
 
-def _starts(
-    solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int
-) -> Array:
+def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int) -> Array:
     """(k, n) joint vectors from which to search: of all branches of all samples, the nearest, no two alike."""
     spread = region.widths > 0.0
     parameters = solver.parameters

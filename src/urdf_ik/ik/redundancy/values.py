@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.kinematics.chain.padding import filled
 from urdf_ik.model.poses import check_poses
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
 
     Args:
         solver: of an arm with redundancy parameters.
-        q: (..., n) rad or m.
+        q: (..., n) rad or m; a row of NaN gives NaN.
         T: (..., 4, 4) m, the poses that they are to reach, which say what the rotation about a free axis is;
             default: the poses that the tip has, so that this rotation is zero. Other parameters follow from ``q``.
 
@@ -48,7 +49,7 @@ def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
         [[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]]
     """
     member = solver.redundant_member
-    Q = solver.chain.check(q)
+    Q, gone = filled(solver.chain.check(q, padded=True))
     reached = np.asarray(solver.chain.fk(Q))
     target = reached if T is None else check_poses(T)
     try:
@@ -57,13 +58,15 @@ def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
         raise ArgumentError(
             f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; the shapes do not fit"
         ) from None
-    target = np.broadcast_to(target, (*batch, 4, 4))
+    gone = np.broadcast_to(gone, batch)
+    target = np.where(gone[..., None, None], reached, np.broadcast_to(target, (*batch, 4, 4)))
     if T is not None and solver.free_axis is not None:
         _require_reached(solver.free_axis, np.broadcast_to(reached, target.shape), target)
     Q = np.broadcast_to(Q, (*batch, solver.dof))
-    values = member.value_of(Q.reshape(-1, solver.dof), target.reshape(-1, 4, 4))
+    values = np.array(member.value_of(Q.reshape(-1, solver.dof), target.reshape(-1, 4, 4)))
     if T is None and solver.free_axis is not None:
         values[:, 0] = 0.0  # not what rounding makes of it
+    values[gone.reshape(-1)] = np.nan
     return values.reshape(batch if len(member.parameters) == 1 else (*batch, len(member.parameters)))
 
 

@@ -45,8 +45,9 @@ def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     if solutions.shape:
         count = solutions.count
         return f"{name}: {count.size} poses, {np.count_nonzero(count)} of them solved, {count.sum()} solutions{how}"
+    at = parameters_in_words(solutions, degrees)
     if not solutions.count:
-        return f"{name}: no solution{how}: {explanation(solutions)}"
+        return f"{name}: no solution{at}{how}: {explanation(solutions)}"
     kinds = solutions.solver.chain.joint_types
     angle = "deg" if degrees else "rad"
     scale = np.array([np.rad2deg(1.0) if degrees and kind != "prismatic" else 1.0 for kind in kinds])
@@ -56,11 +57,23 @@ def table(solutions: KeptSolutions, degrees: bool = False) -> str:
         values = [f"{x:.{2 if s != 1.0 else 4}f}" for x, s in zip(one.q * scale, scale, strict=True)]
         flag = f"singular: {one.singular.name}".lower() if one.singular else ""
         rows.append([str(one.index), one.branch, *values, flag])
-    lines = [f"{name}: {len(shown)} solution{'s' if len(shown) != 1 else ''}{how}"]
+    lines = [f"{name}: {len(shown)} solution{'s' if len(shown) != 1 else ''}{at}{how}"]
     lines += aligned(rows, left=(1, len(rows[0]) - 1))
     if len(shown) > _MOST_ROWS:
         lines.append(f"... and {len(shown) - _MOST_ROWS} more")
     return "\n".join(lines)
+
+
+def parameters_in_words(solutions: KeptSolutions, degrees: bool = False) -> str:
+    """At which values of its redundancy parameters a single pose was solved, such as ' at joint_7 = 0.5000 rad'."""
+    if solutions.redundancy is None or solutions.shape:
+        return ""
+    parts = []
+    for parameter, value in zip(solutions.solver.parameters, np.atleast_1d(solutions.redundancy) + 0.0, strict=True):
+        turned = degrees and parameter.unit == "rad"
+        shown = f"{np.rad2deg(value):.2f} deg" if turned else f"{value:.4f} {parameter.unit}"
+        parts.append(f"{parameter.label} = {shown}")
+    return f" at {', '.join(parts)}"
 
 
 def _touching(step: Step) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import distances, explanations, limits, tables
-from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Solution, Step
+from urdf_ik.ik.solutions.differentiable import DifferentiableSolutions
+from urdf_ik.ik.solutions.solution import Singular, Solution, Step
 from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
 from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-class IKSolutions(KeptSolutions):
+class IKSolutions(DifferentiableSolutions):
     """The solutions of one pose or of a batch of poses, one column a branch.
 
     The solutions of a single pose are iterated over, counted with ``len`` and picked with ``s[k]``, the valid
@@ -266,12 +267,18 @@ class IKSolutions(KeptSolutions):
         q[dropped], info[dropped] = np.nan, 0
         return self._derived(q, info, self._branches, Step("collision", self, amount=margin, model=model))
 
-    def to_frame(self) -> Any:
-        """The solutions as a ``pandas.DataFrame``, one row each.
+    def to_frame(self, *, contacts: bool = True) -> Any:
+        """The solutions as a tidy ``pandas.DataFrame``, one row each; frames of several arms can be put together.
 
-        Columns: of a batch ``pose`` (``pose_0``, ``pose_1``, ... where it has several axes); ``branch``; a joint's
-        value [rad or m] under its name; ``within_limits``, whether that filter keeps it; ``status`` of the pose;
-        ``singular``, as words.
+        Columns: ``arm``; ``pose``, its number (and ``pose_0``, ``pose_1``, ... where a batch has several axes);
+        ``redundancy``, the values that it was solved at; ``branch``; ``q1`` to ``qn`` [rad or m]; ``within_limits``,
+        whether that filter keeps it; ``limit_margin`` and ``manipulability``, as the arm's methods give them;
+        ``contact``, whether links touch (missing where that was not checked); ``status`` of the pose; ``singular``, as
+        words. ``frame.attrs`` holds the names behind them: ``arm``, ``base``, ``tip``, ``joints``, ``units``,
+        ``redundancy``, and in ``contacts`` why contacts were not checked.
+
+        Args:
+            contacts: whether contacts are checked; some 10 us a solution.
 
         Raises:
             MissingPackage: pandas is not installed.
@@ -280,10 +287,10 @@ class IKSolutions(KeptSolutions):
             >>> import urdf_ik
             >>> arm = urdf_ik.load("puma_560")
             >>> frame = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).to_frame()
-            >>> len(frame), int(frame["within_limits"].sum())
-            (8, 2)
+            >>> len(frame), int(frame["within_limits"].sum()), frame.attrs["joints"]["q1"]
+            (8, 2, 'joint_1')
         """
-        return tables.to_frame(self)
+        return tables.to_frame(self, inputs.flag(contacts, "contacts"))
 
     def to_xarray(self) -> Any:
         """The whole answer as an ``xarray.Dataset``, by pose, branch and joint.
@@ -347,7 +354,8 @@ class IKSolutions(KeptSolutions):
         if self.shape:
             return f"<IKSolutions of {self.solver.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
         columns = self._info.shape[-1]
-        return f"<IKSolutions of {self.solver.name}: {self.count} in {columns} columns, {self.status}{filters}>"
+        at = explanations.parameters_in_words(self)
+        return f"<IKSolutions of {self.solver.name}: {self.count} in {columns} columns{at}, {self.status}{filters}>"
 
     def _require_columns(self, n: int, what: str) -> None:
         inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])

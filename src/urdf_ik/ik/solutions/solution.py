@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions import local_names
 from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.support import indices
 from urdf_ik.support.angles import TURN
@@ -270,9 +271,15 @@ class KeptSolutions(Answer):
 
     @property
     def names(self) -> NDArray[np.object_]:
-        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked."""
+        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked.
+
+        Where geometry gives no name: the sign of the Jacobian's determinant, which lasts, and a number, which does not;
+        see :mod:`urdf_ik.ik.solutions.local_names`.
+        """
         if self.step is None:
-            return np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
+            plain = np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
+            local = local_names.local(self._branches)
+            return local_names.signed(plain, self._q, self.singular, self.solver) if local else plain
         names: NDArray[np.object_] = self.step.parent.names
         if self.step.columns is not None:
             names = np.take_along_axis(names, self.step.columns, axis=-1)
@@ -305,6 +312,21 @@ class KeptSolutions(Answer):
             [[0.7574, -0.5, 0.1, -0.3426], [0.3, 0.5, 0.1, 0.2]]
         """
         return self._q[self._columns("to_array()")]
+
+    @property
+    def list(self) -> list[Solution]:
+        """The solutions of a single pose, each with ``q``, ``branch`` and ``singular``; as iteration gives them.
+
+        Raises:
+            ArgumentError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> [one.branch for one in arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).list]
+            ['elbow left', 'elbow right']
+        """
+        return [*self]
 
     def __len__(self) -> int:
         return len(self._columns("len()"))

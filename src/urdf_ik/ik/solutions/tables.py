@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import MissingPackage
+from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions.explanations import parameters_in_words
 from urdf_ik.ik.solutions.solution import Singular
+from urdf_ik.kinematics import velocity
 from urdf_ik.support.display import Markup, table
 from urdf_ik.support.palette import colours
 
@@ -27,23 +30,47 @@ MOST_ROWS = 32
 _WIDTH, _HEIGHT, _EDGE = 260, 200, 12
 
 
-def to_frame(solutions: Any) -> Any:
+def to_frame(solutions: Any, contacts: bool = True) -> Any:
     """See :meth:`urdf_ik.IKSolutions.to_frame`."""
     try:
         import pandas
     except ImportError:
         raise MissingPackage(f"to_frame() needs pandas: {INSTALL}") from None
-    places = np.argwhere(solutions.valid)
-    at = tuple(places.T)
-    pose_axes = places.shape[1] - 1
-    names = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
-    columns: dict[str, Any] = {name: places[:, k] for k, name in enumerate(names)}
+    solver, places = solutions.solver, np.argwhere(solutions.valid)
+    at, q = tuple(places.T), solutions.q[solutions.valid]
+    columns: dict[str, Any] = {"arm": [solver.name] * len(q)}
+    columns["pose"] = np.ravel_multi_index(at[:-1], solutions.shape) if solutions.shape else np.zeros(len(q), np.intp)
+    if len(solutions.shape) > 1:
+        columns |= {f"pose_{k}": places[:, k] for k in range(len(solutions.shape))}
+    if (parameters := solutions.redundancy) is not None:
+        values = parameters[at[:-1]].reshape(len(q), -1) if solutions.shape else np.tile(parameters, (len(q), 1))
+        columns |= {_numbered("redundancy", k, values.shape[1]): values[:, k] for k in range(values.shape[1])}
     columns["branch"] = solutions.names[at]
-    columns |= dict(zip(solutions.solver.joint_names, solutions.q[at].T, strict=True))
+    columns |= {f"q{k + 1}": q[:, k] for k in range(solver.dof)}
     columns["within_limits"] = _within(solutions)[at]
+    columns["limit_margin"] = limits.margin(q, solver.limits)
+    columns["manipulability"] = velocity.manipulability(solver.chain, q)
+    bodies = solver.contacts.in_world(None)
+    touching = bodies.in_collision(q) if contacts and bodies.has_geometry else [pandas.NA] * len(q)
+    columns["contact"] = pandas.array(touching, dtype="boolean")
     columns["status"] = solutions.status[at[:-1]]
     columns["singular"] = [str(Singular(int(flags)).name or "") if flags else "" for flags in solutions.singular[at]]
-    return pandas.DataFrame(columns)
+    frame = pandas.DataFrame(columns)
+    kinds = solver.chain.joint_types
+    frame.attrs |= {
+        "arm": solver.name,
+        "base": solver.chain.base,
+        "tip": solver.chain.tip,
+        "joints": {f"q{k + 1}": name for k, name in enumerate(solver.joint_names)},
+        "units": {f"q{k + 1}": "m" if kind == "prismatic" else "rad" for k, kind in enumerate(kinds)},
+        "redundancy": [str(parameter) for parameter in solver.parameters],
+        "contacts": bodies.unchecked if contacts else "not asked for",
+    }
+    return frame
+
+
+def _numbered(name: str, k: int, count: int) -> str:
+    return name if count == 1 else f"{name}_{k + 1}"
 
 
 def to_xarray(solutions: Any) -> Any:
@@ -97,7 +124,7 @@ def html(solutions: Any) -> str:
     rest = f"<p>and {len(places) - MOST_ROWS} more</p>" if len(places) > MOST_ROWS else ""
     drawn = places[:MOST_ROWS]
     picture = stick_picture(solver.chain, solutions.q[drawn], [shades[place] for place in drawn])
-    count = f"{len(places)} solution{'' if len(places) == 1 else 's'}"
+    count = f"{len(places)} solution{'' if len(places) == 1 else 's'}{escape(parameters_in_words(solutions))}"
     checked = "free of collisions" if "collision" in solutions.filters else "collisions: s.collision_free()"
     return f"<div><p><b>{escape(title)}</b><br/>{count}; {checked}</p>{picture}{table(header, rows)}{rest}</div>"
 

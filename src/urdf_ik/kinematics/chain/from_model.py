@@ -110,6 +110,9 @@ def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
                     multiplier=multiplier,
                     offset=offset if moves else 0.0,
                     driver=driver.name if moves else "",
+                    name=joint.name,
+                    rpy=joint.rpy,
+                    axis_length=joint.axis_length,
                 )
             )
             waiting.append(joint.child)

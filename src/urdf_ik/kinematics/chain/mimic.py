@@ -104,11 +104,11 @@ class CoupledChain(Chain):
 
     def fk(self, q: ArrayLike) -> Array:
         """Pose of the tip in the base: see :meth:`Chain.fk`."""
-        return self.axes.fk(self.spread(self.check(q)))
+        return self.axes.fk(self.spread(self.check(q, padded=True)))
 
     def jacobian(self, q: ArrayLike) -> Array:
         """Geometric Jacobian (..., 6, n): a joint's column is the sum of those of the axes that it drives."""
-        return np.asarray(self.axes.jacobian(self.spread(self.check(q))) @ self.gain)
+        return np.asarray(self.axes.jacobian(self.spread(self.check(q, padded=True))) @ self.gain)
 
     def reversed(self) -> Chain:
         """The same joints from tip to base: see :meth:`Chain.reversed`."""

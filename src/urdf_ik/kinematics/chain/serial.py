@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, ChainError
+from urdf_ik.kinematics.chain.padding import filled, over_gaps
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
@@ -32,7 +33,7 @@ class TreeJoint(Frozen):
 
     ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
     value = multiplier * q[column] + offset; ``driver`` is the joint that it mimics, or the joint itself; '' for a
-    joint that does not move.
+    joint that does not move. ``rpy`` [rad] and ``axis_length`` are those of the joint's origin and axis as written.
     """
 
     parent: str
@@ -44,6 +45,9 @@ class TreeJoint(Frozen):
     multiplier: float
     offset: float
     driver: str = ""
+    name: str = ""
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis_length: float = 1.0
 
     @cached_property
     def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
@@ -266,13 +270,13 @@ class Chain(Frozen):
         """Pose of the tip in the base.
 
         Args:
-            q: (..., n) rad or m.
+            q: (..., n) rad or m; a row of NaN, as solutions are padded with, gives NaN.
 
         Returns:
             (..., 4, 4) homogeneous transforms.
 
         Raises:
-            ArgumentError: the last dimension is not n, or a value is not finite.
+            ArgumentError: the last dimension is not n, or another value is not finite.
 
         Example:
             >>> import urdf_ik
@@ -281,19 +285,19 @@ class Chain(Frozen):
             [0.6, 0.0, 0.23]
         """
         T: NDArray[np.float64] | None = self.motion.fk(q)
-        return self.motion.fk(self.check(q)) if T is None else T
+        return over_gaps(self.check(q, padded=True), self.motion.fk) if T is None else T
 
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Geometric Jacobian at the tip, in base axes, linear rows above angular ones.
 
         Args:
-            q: (..., n) rad or m.
+            q: (..., n) rad or m; a row of NaN gives NaN.
 
         Returns:
             (..., 6, n).
 
         Raises:
-            ArgumentError: the last dimension is not n, or a value is not finite.
+            ArgumentError: the last dimension is not n, or another value is not finite.
 
         Example:
             >>> import urdf_ik
@@ -302,7 +306,7 @@ class Chain(Frozen):
             [[0.0, 0.0], [0.196, 0.13], [1.0, 1.0]]
         """
         J: NDArray[np.float64] | None = self.motion.jacobian(q)
-        return self.motion.jacobian(self.check(q)) if J is None else J
+        return over_gaps(self.check(q, padded=True), self.motion.jacobian) if J is None else J
 
     def placed(self, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4).
@@ -314,8 +318,10 @@ class Chain(Frozen):
             [[0.0, 0.0, 0.0], [0.066, 0.0, 0.0]]
         """
         q = self.check(q)
-        axes = self.motion.axes(q)
-        return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
+        # Such a place becomes geometry: its numbers must be the same on every processor.
+        placed: Any = _core.prepared(lambda: (self.motion.axes(q), self.motion.fk(q)))
+        axes, tip = placed
+        return axes[3:].T.copy(), axes[:3].T.copy(), tip
 
     def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Pose of every link of the URDF in the base link's frame.
@@ -323,13 +329,13 @@ class Chain(Frozen):
         Joints outside the chain stay at zero; one that mimics a joint of the chain follows it.
 
         Args:
-            q: (..., n) rad or m.
+            q: (..., n) rad or m; a row of NaN gives NaN.
 
         Returns:
             Link name to (..., 4, 4).
 
         Raises:
-            ArgumentError: the last dimension is not n, or a value is not finite.
+            ArgumentError: the last dimension is not n, or another value is not finite.
 
         Example:
             >>> import urdf_ik
@@ -337,7 +343,7 @@ class Chain(Frozen):
             >>> (poses["link_2"][:3, 3].round(6) + 0.0).tolist()
             [0.325, 0.0, 0.38]
         """
-        Q = self.check(q)
+        Q, gone = filled(self.check(q, padded=True))
         batch = Q.shape[:-1]
         free = {self.root: np.broadcast_to(np.eye(4), (*batch, 4, 4))}
         for joint in self.tree:
@@ -346,10 +352,11 @@ class Chain(Frozen):
                 drive += joint.multiplier * Q[..., joint.column]
             free[joint.child] = free[joint.parent] @ joint.motion.fk(drive[..., None])
         to_base = np.linalg.inv(free[self.base])
+        to_base[gone] = np.nan
         return {link: to_base @ pose for link, pose in free.items()}
 
-    def check(self, q: ArrayLike) -> NDArray[np.float64]:
-        """``q`` as a C-contiguous float64 array (..., n).
+    def check(self, q: ArrayLike, *, padded: bool = False) -> NDArray[np.float64]:
+        """``q`` as a C-contiguous float64 array (..., n); ``padded``: rows that are all NaN are let through.
 
         Raises:
             ArgumentError: the last dimension is not n, or a value is not finite.
@@ -365,7 +372,10 @@ class Chain(Frozen):
                 f"joint vectors of shape {Q.shape} given; the chain has {self.n} joints "
                 f"({', '.join(self.joint_names)}), so the last dimension must be {self.n}"
             )
-        if (where := inputs.first_bad(Q)) is not None:
+        where = inputs.first_bad(Q)
+        if where is not None and padded:
+            where = inputs.first_bad(np.where(np.isnan(Q).all(axis=-1, keepdims=True), 0.0, Q))
+        if where is not None:
             raise ArgumentError(
                 f"joint vector{list(where[:-1]) or ''}: joint {quoted(self.joint_names[where[-1]])} "
                 f"is {Q[where]}; {inputs.why_bad(Q[where])}"

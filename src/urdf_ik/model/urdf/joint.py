@@ -29,6 +29,8 @@ class Joint(Frozen):
         effort: greatest torque or force [N m or N], or None where none is given.
         mimic: (joint followed, multiplier, offset [rad or m]), or None.
         line: line of its tag in the source.
+        rpy: (3,) rad, roll, pitch and yaw of the origin as written; zeros where none are.
+        axis_length: length of the axis as written, which ``axis`` is divided by.
     """
 
     name: str
@@ -43,3 +45,5 @@ class Joint(Frozen):
     effort: float | None
     mimic: tuple[str, float, float] | None
     line: int
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis_length: float = 1.0

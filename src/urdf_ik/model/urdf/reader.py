@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -87,13 +88,16 @@ def read(
         root=root,
         mesh_roots=folders,
         warnings=tuple(defects.found),
+        sha256=hashlib.sha256(opened.text.encode()).hexdigest(),
     )
 
 
 def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
     origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
     axis = np.array(theirs.axis, dtype=np.float64)
-    axis /= np.linalg.norm(axis)
+    axis_length = float(np.linalg.norm(axis))
+    axis /= axis_length
+    roll, pitch, yaw = map(float, raw.origin.get("rpy", "0 0 0").split())
     for array in (origin, axis):
         array.setflags(write=False)
     return Joint(
@@ -109,6 +113,8 @@ def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
         effort=raw.effort,
         mimic=raw.mimic,
         line=raw.line,
+        rpy=(roll, pitch, yaw),
+        axis_length=axis_length,
     )
 
 

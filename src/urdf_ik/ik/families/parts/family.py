@@ -131,12 +131,14 @@ class RedundantMember(FamilyMember):
             joints that mimic others.
         value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
         explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
+        slope_of: joint vectors (m, n) -> derivatives (m, n) of the swivel angle by the joints; None for an arm without.
     """
 
     parameters: tuple[Redundancy, ...]
     self_motion: SelfMotion | None
     value_of: Callable[[Array, Array], Array]
     explain_at: Callable[[Array, Array], str]
+    slope_of: Callable[[Array], Array] | None = None
 
     @property
     def parameter(self) -> Redundancy:

@@ -1,0 +1,238 @@
+"""The equations of a calibration: residuals of measurements and their derivatives by the fitted numbers.
+
+The chain of the URDF is lengthened at both ends: by the pose of the base in the frame that was measured in, and by the
+pose of the measured marker in the tip. Each is a fixed joint with a first estimate, and one with what is fitted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.kinematics.chain.serial import TreeJoint
+from urdf_ik.kinematics.derivatives import Parameter, WrittenChain, written
+from urdf_ik.model.poses import to_rotvec, to_rpy
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.calibration.measurements import Measurements
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+
+BASE, MARKER, CENTRE, PLANE = "the base", "the marker", "the fixed point", "the plane"
+"""Names of what is fitted beside the URDF, as parameters have them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Residuals of measurements as functions of fitted numbers.
+
+    Attributes:
+        chain: the chain with the base's place before it and the marker's behind it.
+        columns: places of the fitted numbers in ``chain.values``.
+        kind: what was measured.
+        aside: names of fitted numbers that are no part of the chain: of a fixed point or of a plane.
+        plane: (4,) a plane's first estimate, unit normal and distance from the origin [m].
+    """
+
+    chain: WrittenChain
+    columns: tuple[int, ...]
+    kind: str
+    aside: tuple[Parameter, ...]
+    start: Array
+    plane: Array
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The fitted numbers, in order."""
+        every = self.chain.parameters
+        return (*(every[k] for k in self.columns), *self.aside)
+
+    def residuals(self, x: Array, given: Measurements) -> Array:
+        """(m, r) m, and rad for rotations: model less measurement."""
+        T = self.chain.fk(given.q, self.values(x))
+        p, extra = T[:, :3, 3], x[len(self.columns) :]
+        if self.kind == "pose":
+            turn = T[:, :3, :3] @ np.swapaxes(given.values[:, :3, :3], 1, 2)
+            return np.hstack([p - given.values[:, :3, 3], to_rotvec(_posed(turn))])
+        if self.kind == "position":
+            return np.asarray(p - given.values)
+        if self.kind == "distance":
+            return np.asarray(np.linalg.norm(p - extra, axis=1) - given.values)[:, None]
+        return np.asarray(p @ self._normal(extra) - self.plane[3] - extra[2])[:, None]
+
+    def derivatives(self, x: Array, given: Measurements) -> Array:
+        """(m, r, k) of the residuals by the fitted numbers."""
+        values, extra = self.values(x), x[len(self.columns) :]
+        twists = self.chain.twists(given.q, values, [self.chain.parameters[k] for k in self.columns])
+        if self.kind == "pose":
+            phi = self.residuals(x, given)[:, 3:]
+            return np.concatenate([twists[:, :3], _left_inverse(phi) @ twists[:, 3:]], axis=1)
+        if self.kind == "position":
+            return twists[:, :3]
+        p = self.chain.fk(given.q, values)[:, :3, 3]
+        if self.kind == "distance":
+            away = p - extra
+            away = away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+            own = np.einsum("mi,mik->mk", away, twists[:, :3])
+            return np.hstack([own, -away])[:, None]
+        n = self._normal(extra)
+        across = _across(self.plane[:3])
+        length = np.linalg.norm(self.plane[:3] + extra[:2] @ across)
+        tilted = (across - (across @ n)[:, None] * n) / length
+        return np.hstack([np.einsum("i,mik->mk", n, twists[:, :3]), p @ tilted.T, -np.ones((len(p), 1))])[:, None]
+
+    def moved(self, x: Array) -> dict[Parameter, float]:
+        """The fitted numbers by name."""
+        return dict(zip(self.parameters, x.tolist(), strict=True))
+
+    def place(self, name: str, x: Array) -> Array:
+        """Pose (4, 4) of the base in the measuring frame, or of the marker in the tip."""
+        joints = [k for k, joint in enumerate(self.chain.joints) if joint.name in (name, _first(name))]
+        part = WrittenChain(
+            tuple(self.chain.joints[k] for k in joints), tuple(self.chain.upwards[k] for k in joints), 0,
+            np.concatenate([self.values(x)[s : s + 6] for s in (self.chain.starts[k] for k in joints)]),
+        )  # fmt: skip
+        return part.fk(np.zeros(0))
+
+    def values(self, x: Array) -> Array:
+        """The chain's numbers with the fitted ones in their places."""
+        values = self.chain.values.copy()
+        values[list(self.columns)] = x[: len(self.columns)]
+        return values
+
+    def _normal(self, extra: Array) -> Array:
+        n = self.plane[:3] + extra[:2] @ _across(self.plane[:3])
+        return np.asarray(n / np.linalg.norm(n))
+
+
+def equations(chain: Chain, given: Measurements, chosen: list[Parameter], *, base: bool, marker: bool) -> Equations:
+    """The equations of measurements, with first estimates of what is fitted beside the URDF.
+
+    Args:
+        chain: the arm's.
+        given: what was measured.
+        chosen: numbers of the URDF that are fitted.
+        base: whether the base's pose in the measuring frame is fitted too.
+        marker: whether the marker's pose in the tip is.
+    """
+    own = written(chain)
+    Z, X = _places(chain.fk(given.q), given, base=base, marker=marker)
+    joints = (_fixed(_first(BASE), Z), _fixed(BASE, np.eye(4)), *own.joints)
+    joints += (_fixed(_first(MARKER), X), _fixed(MARKER, np.eye(4)))
+    ends = [np.concatenate([T[:3, 3], to_rpy(T)]) for T in (Z, X)]
+    still = np.zeros(6)
+    whole = WrittenChain(
+        joints, (False, False, *own.upwards, False, False), own.dof,
+        np.concatenate([ends[0], still, own.values, ends[1], still]),
+    )  # fmt: skip
+    fields = ("xyz", "rpy") if given.kind == "pose" else ("xyz",)
+    beside = [Parameter(BASE, field, part) for field in ("xyz", "rpy") for part in range(3) if base]
+    beside += [Parameter(MARKER, field, part) for field in fields for part in range(3) if marker]
+    columns = tuple(whole.columns([*beside, *chosen]))
+    p = whole.fk(given.q)[:, :3, 3]
+    aside, extra, plane = _aside(given, p)
+    return Equations(whole, columns, given.kind, aside, np.concatenate([whole.values[list(columns)], extra]), plane)
+
+
+def _aside(given: Measurements, p: Array) -> tuple[tuple[Parameter, ...], Array, Array]:
+    """What is fitted beside the chain: names, first estimates, a plane."""
+    flat = np.zeros(4)
+    if given.kind == "distance":
+        # |p|^2 - 2 p c + |c|^2 = d^2 is linear in c and |c|^2.
+        A = np.hstack([-2.0 * p, np.ones((len(p), 1))])
+        centre = np.linalg.lstsq(A, given.values**2 - (p**2).sum(axis=1), rcond=None)[0][:3]
+        return tuple(Parameter(CENTRE, "xyz", k) for k in range(3)), centre, flat
+    if given.kind == "plane":
+        normal = np.linalg.svd(p - p.mean(axis=0))[2][-1]
+        names = tuple(Parameter(PLANE, field, k) for field, k in (("tilt", 0), ("tilt", 1), ("distance", 0)))
+        return names, np.zeros(3), np.array([*normal, float(p.mean(axis=0) @ normal)])
+    return (), np.zeros(0), flat
+
+
+def _places(T: Array, given: Measurements, *, base: bool, marker: bool) -> tuple[Array, Array]:
+    """First estimates of the base in the measuring frame Z and of the marker in the tip X: measured = Z T X."""
+    Z, X = np.eye(4), np.eye(4)
+    R, p = T[:, :3, :3], T[:, :3, 3]
+    if given.kind == "pose":
+        S, s = given.values[:, :3, :3], given.values[:, :3, 3]
+        if base and marker:
+            # S Y = Z R with Y = X^T is linear in both rotations (Shah, "Solving the robot-world/hand-eye calibration
+            # problem using the Kronecker product", ASME Journal of Mechanisms and Robotics 5(3), 2013).
+            eye = np.eye(3)
+            left = np.einsum("mij,kl->mikjl", S, eye).reshape(-1, 9)
+            right = np.einsum("mjk,ia->mikaj", R, eye).reshape(-1, 9)
+            v = np.linalg.svd(np.hstack([left, -right]), full_matrices=False)[2][-1]
+            Y, Q = v[:9].reshape(3, 3), v[9:].reshape(3, 3)
+            sign = np.sign(np.linalg.det(Q)) or 1.0
+            X[:3, :3], Z[:3, :3] = _rotation(sign * Y).T, _rotation(sign * Q)
+        elif base:
+            Z[:3, :3] = _rotation((S @ np.swapaxes(R, 1, 2)).sum(axis=0))
+        elif marker:
+            X[:3, :3] = _rotation((np.swapaxes(R, 1, 2) @ S).sum(axis=0))
+    elif given.kind == "position":
+        s = given.values
+        for _ in range(20 if base and marker else 1):
+            if base:
+                at = p + R @ X[:3, 3]
+                Z[:3, :3] = _rotation((s - s.mean(axis=0)).T @ (at - at.mean(axis=0)))
+                Z[:3, 3] = s.mean(axis=0) - Z[:3, :3] @ at.mean(axis=0)
+            if marker:
+                X[:3, 3] = (np.swapaxes(R, 1, 2) @ ((s - Z[:3, 3]) @ Z[:3, :3] - p)[..., None]).mean(axis=0)[:, 0]
+        return Z, X
+    else:
+        return Z, X
+    # s = Z (R x + p) + z: linear in x and z.
+    blocks = [np.broadcast_to(np.eye(3), R.shape)] * base + [Z[:3, :3] @ R] * marker
+    if blocks:
+        A = np.concatenate(blocks, axis=2).reshape(-1, 3 * len(blocks))
+        shifts = np.linalg.lstsq(A, (s - p @ Z[:3, :3].T).ravel(), rcond=None)[0].reshape(-1, 3)
+        if base:
+            Z[:3, 3] = shifts[0]
+        if marker:
+            X[:3, 3] = shifts[-1]
+    return Z, X
+
+
+def _fixed(name: str, T: Array) -> TreeJoint:
+    return TreeJoint("", "", T, np.array([1.0, 0.0, 0.0]), False, None, 1.0, 0.0, "", name)
+
+
+def _first(name: str) -> str:
+    return f"{name}, first estimate"
+
+
+def _posed(R: Array) -> Array:
+    T = np.zeros((*R.shape[:-2], 4, 4))
+    T[..., :3, :3], T[..., 3, 3] = R, 1.0
+    return T
+
+
+def _rotation(M: Array) -> Array:
+    """The rotation nearest to a matrix (3, 3)."""
+    U, _, Vt = np.linalg.svd(M)
+    U[:, -1] *= np.linalg.det(U @ Vt)
+    return np.asarray(U @ Vt)
+
+
+def _across(n: Array) -> Array:
+    """(2, 3) directions at right angles to a unit vector, and to each other."""
+    return np.asarray(np.linalg.svd(n[None])[2][1:])
+
+
+def _left_inverse(phi: Array) -> Array:
+    """(m, 3, 3) inverse left Jacobian of rotation vectors: how log(R) follows a turn of R in the frame it is seen from.
+
+    1 - [phi] / 2 + (1 / a^2 - (1 + cos a) / (2 a sin a)) [phi]^2 with a = |phi| (Barfoot, State Estimation for
+    Robotics, equation 7.77).
+    """
+    a = np.linalg.norm(phi, axis=1)
+    small = a < 1e-4
+    b = np.where(small, 1.0, a)
+    factor = np.where(small, 1.0 / 12.0, 1.0 / b**2 - (1.0 + np.cos(b)) / (2.0 * b * np.sin(b)))
+    cross = np.cross(np.eye(3), phi[:, None, :])
+    return np.asarray(np.eye(3) - 0.5 * cross + factor[:, None, None] * (cross @ cross))

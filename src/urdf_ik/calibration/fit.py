@@ -1,0 +1,313 @@
+"""The fit of a URDF's numbers to measurements, by robust least squares in what the measurements can tell apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.calibration.changes import Change, Errors
+from urdf_ik.calibration.equations import Equations, equations
+from urdf_ik.calibration.measurements import Measurements
+from urdf_ik.calibration.measurements import measured as checked
+from urdf_ik.calibration.report import Calibration
+from urdf_ik.errors import ArgumentError
+from urdf_ik.kinematics.derivatives import Parameter, written
+from urdf_ik.support import inputs
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+LOSSES = ("soft_l1", "huber", "cauchy", "linear")
+FITS = ("origins", "offsets", "everything")
+# Directions of the parameters whose effect is below this share of the greatest one's are what rounding makes of none.
+_TOLD_APART = 1e-7
+# A measurement this many standard deviations, and the root of its numbers, away is an outlier: of ten million good ones
+# about one is.
+_OUTLYING = 4.5
+_FOLDS, _ROUNDS = 5, 3
+_LEAST = 1e-9  # m and rad: smaller residuals are rounding
+_OTHER_ORDER = 5.0  # joints in another order that explain the measurements this much better are suspected
+
+
+def calibrate(
+    arm: Arm,
+    q: ArrayLike | Measurements,
+    measured: Any = None,
+    *,
+    kind: str | None = None,
+    fit: str | Sequence[Any] = "origins",
+    base: bool = False,
+    marker: bool = False,
+    loss: str = "soft_l1",
+    seed: int = 0,
+) -> Calibration:
+    """Fit the numbers of an arm's URDF to measurements.
+
+    The fit minimises a robust loss of the residuals, by scipy's least squares with exact derivatives, in the directions
+    that the measurements can tell apart; along the others nothing moves. Residuals are counted in their own standard
+    deviations, which are estimated. Measurements that are outliers are named, and the last fit leaves them out.
+
+    Args:
+        arm: the arm that was measured.
+        q: (m, n) rad or m; or :class:`Measurements`.
+        measured: (m, 4, 4) poses of the tip in the base [m], (m, 3) positions [m], (m,) distances from a fixed point
+            [m], or None for points at which the tip touched a plane, always the same one.
+        kind: 'pose', 'position', 'distance' or 'plane'; default: as the shape of ``measured`` says.
+        fit: 'origins': xyz and rpy of every moving joint's origin; 'offsets': what is added to every joint's value;
+            'everything': the origins of fixed joints too; or a list of (joint, field, part).
+        base: whether the base's pose in the frame that was measured in is fitted too, as a tracker needs it.
+        marker: whether the pose of what was measured in the tip is, as a marker or probe needs it.
+        loss: 'soft_l1', 'huber', 'cauchy', or 'linear' for plain least squares that keeps outliers.
+        seed: of the folds of the cross-validation.
+
+    Returns:
+        What changed, what cannot be told apart, the errors before and after; ``arm`` and ``urdf()`` are the new arm.
+
+    Raises:
+        ArgumentError: measurements do not fit, are too few, or look mixed up; there is no such parameter.
+
+    Example:
+        >>> import numpy as np
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> other = urdf_ik.load(arm.model.xml.decode().replace('xyz="0 0 1"', 'xyz="0 0.001 1.002"'))
+        >>> q = np.random.default_rng(0).uniform(-1.5, 1.5, (40, 6))
+        >>> fitted = urdf_ik.calibrate(arm, q, other.fk(q))
+        >>> bool(fitted.before.position > 1e-4), bool(abs(fitted.arm.fk(q) - other.fk(q)).max() < 1e-6)
+        (True, True)
+    """
+    inputs.arm(arm)
+    given = q if isinstance(q, Measurements) else checked(arm, q, measured, kind)
+    inputs.choice(loss, "loss", LOSSES)
+    base, marker = inputs.flag(base, "base"), inputs.flag(marker, "marker")
+    chosen = _chosen(arm, fit)
+    frames = equations(arm.chain, given, [], base=base, marker=marker)
+    whole = equations(arm.chain, given, chosen, base=base, marker=marker)
+    _require_enough(given, whole)
+    _require_order(arm, given, base, marker)
+    nominal = _fitted(frames, given, loss).x if frames.parameters else frames.start
+    best = _fitted(whole, given, loss)
+    kept = given.part(~best.outliers)
+    before = _errors(frames.residuals(nominal, kept), given.kind)
+    after = _errors(whole.residuals(best.x, kept), given.kind)
+    return Calibration(
+        nominal=arm,
+        given=given,
+        equations=whole,
+        x=best.x,
+        changes=_changes(whole, best, len(whole.aside)),
+        untold=_untold(whole, best),
+        singular_values=best.singular_values,
+        before=before,
+        after=after,
+        validated=_cross_validated(whole, kept, best, np.random.default_rng(seed)),
+        noise=tuple(best.noise),
+        outliers=tuple(np.flatnonzero(best.outliers).tolist()),
+        residuals_before=frames.residuals(nominal, given),
+        residuals_after=whole.residuals(best.x, given),
+        covariance=best.covariance,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """A fit: the numbers, how the residuals scatter, which measurements are outliers, and what was told apart."""
+
+    x: Array
+    noise: list[float]
+    outliers: NDArray[np.bool_]
+    singular_values: Array
+    told: Array
+    covariance: Array
+
+
+def _fitted(eq: Equations, given: Measurements, loss: str) -> _Fit:
+    """The fit of the numbers of ``eq``, from their start."""
+    x = eq.start
+    scale = _scales(eq.residuals(x, given), eq.kind)
+    outliers = np.zeros(len(given), np.bool_)
+    if loss != "linear":
+        for _ in range(_ROUNDS):
+            x = _solved(eq, given, x, scale, loss)
+            scale = _scales(eq.residuals(x, given), eq.kind)
+        apart = np.linalg.norm(eq.residuals(x, given) / scale, axis=1)
+        outliers = apart > np.sqrt(given.numbers) + _OUTLYING
+    kept = given.part(~outliers)
+    for _ in range(2):
+        x = _solved(eq, kept, x, scale, "linear")
+        told, _ = _directions(eq, kept, x, scale)
+        scale = _deviations(eq.residuals(x, kept), eq.kind, told.shape[1])
+    told, values = _directions(eq, kept, x, scale)
+    J = _whitened(eq, kept, x, scale) @ told
+    covariance = told @ np.linalg.inv(J.T @ J) @ told.T if told.shape[1] else np.zeros((len(x), len(x)))
+    noise = [float(scale[0]), float(scale[-1])] if eq.kind == "pose" else [float(scale[0])]
+    return _Fit(x, noise, outliers, values, told, covariance)
+
+
+def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str) -> Array:
+    """The fitted numbers, moved from ``x`` only along what the measurements can tell apart."""
+    from scipy.optimize import least_squares
+
+    if not len(x):
+        return x
+    told, _ = _directions(eq, given, x, scale)
+    found = least_squares(
+        lambda y: (eq.residuals(x + told @ y, given) / scale).ravel(),
+        np.zeros(told.shape[1]),
+        jac=lambda y: _whitened(eq, given, x + told @ y, scale) @ told,
+        method="trf",
+        x_scale="jac",
+        loss=loss,
+        f_scale=2.0,
+        ftol=1e-12,
+        xtol=1e-12,
+        gtol=1e-12,
+        max_nfev=40,
+    )
+    return np.asarray(x + told @ found.x)
+
+
+def _whitened(eq: Equations, given: Measurements, x: Array, scale: Array) -> Array:
+    """The derivatives of the residuals in standard deviations, (numbers, k)."""
+    return np.asarray((eq.derivatives(x, given) / scale[:, None]).reshape(-1, len(x)))
+
+
+def _directions(eq: Equations, given: Measurements, x: Array, scale: Array) -> tuple[Array, Array]:
+    """Orthonormal directions (k, r) of the numbers that the measurements can tell apart, and all singular values."""
+    if not len(x):
+        return np.zeros((0, 0)), np.zeros(0)
+    J = _whitened(eq, given, x, scale)
+    _, s, Vt = np.linalg.svd(np.linalg.qr(J, mode="r"), full_matrices=True)
+    values = np.zeros(len(x))
+    values[: len(s)] = s
+    return np.asarray(Vt[: int((values > _TOLD_APART * values.max(initial=0.0)).sum())].T), values
+
+
+def _scales(r: Array, kind: str) -> Array:
+    """Standard deviations of the residuals by their median, one a column: of positions and of rotations."""
+    parts = (r[:, :3], r[:, 3:]) if kind == "pose" else (r,)
+    spread = [max(1.4826 * float(np.median(np.abs(part))), _LEAST) for part in parts]
+    return np.repeat(spread, [part.shape[1] for part in parts])
+
+
+def _deviations(r: Array, kind: str, fitted: int) -> Array:
+    """The same by their squares, with the numbers fitted counted out."""
+    parts = (r[:, :3], r[:, 3:]) if kind == "pose" else (r,)
+    free = max(r.size - fitted, 1) / r.size
+    spread = [max(float(np.sqrt((part**2).mean() / free)), _LEAST) for part in parts]
+    return np.repeat(spread, [part.shape[1] for part in parts])
+
+
+def _errors(r: Array, kind: str) -> Errors:
+    """Root mean square and greatest errors of measurements, as lengths and angles."""
+    position = np.linalg.norm(r[:, :3], axis=1)
+    rotation = np.linalg.norm(r[:, 3:], axis=1) if kind == "pose" else np.full(1, np.nan)
+
+    def rms(values: Array) -> float:
+        return float(np.sqrt((values**2).mean()))
+
+    return Errors(rms(position), float(position.max()), rms(rotation), float(rotation.max()))
+
+
+def _cross_validated(eq: Equations, given: Measurements, best: _Fit, rng: np.random.Generator) -> Errors | None:
+    """Errors of measurements that the fit did not see, each fifth by the others; None for too few."""
+    order = rng.permutation(len(given))
+    scale = np.repeat(best.noise, [3, 3] if eq.kind == "pose" else [given.numbers])
+    seen = len(given) - -(-len(given) // _FOLDS)
+    if seen * given.numbers < best.told.shape[1] + given.numbers:
+        return None
+    held = np.zeros((len(given), given.numbers))
+    for k in range(_FOLDS):
+        out = order[k::_FOLDS]
+        rest = np.setdiff1d(order, out)
+        x = _solved(eq, given.part(rest), best.x, scale, "linear")
+        held[out] = eq.residuals(x, given.part(out))
+    return _errors(held, eq.kind)
+
+
+def _chosen(arm: Arm, fit: str | Sequence[Any]) -> list[Parameter]:
+    """The URDF's numbers that are fitted."""
+    geometry = written(arm.chain)
+    if not isinstance(fit, str):
+        return [geometry.parameters[k] for k in geometry.columns(fit)]
+    inputs.choice(fit, "fit", FITS)
+    moving = {joint.name for joint in geometry.joints if joint.driver}
+    if fit == "offsets":
+        return [each for each in geometry.parameters if each.field == "offset"]
+    return [
+        each
+        for each in geometry.parameters
+        if each.field in ("xyz", "rpy") and (fit == "everything" or each.joint in moving)
+    ]
+
+
+def _require_enough(given: Measurements, eq: Equations) -> None:
+    numbers = len(given) * given.numbers
+    told = _directions(eq, given, eq.start, np.ones(given.numbers))[0].shape[1]
+    if numbers <= told or len(given) < 3:
+        least = max(3, told // given.numbers + 1)
+        raise ArgumentError(
+            f"{len(given)} measurements give {numbers} numbers, and {told} are to be fitted; at least {least} "
+            f"measurements are needed, better {3 * least}, or fewer parameters: fit='offsets', or a list of them"
+        )
+
+
+def _require_order(arm: Arm, given: Measurements, base: bool, marker: bool) -> None:
+    """That no common other order of the joints explains the measurements far better than the URDF's."""
+    if given.kind not in ("pose", "position") or arm.dof < 2:
+        return
+
+    def error(columns: list[int]) -> float:
+        part = Measurements(given.kind, given.q[:, columns], given.values)
+        eq = equations(arm.chain, part, [], base=base, marker=marker)
+        return float(np.median(np.linalg.norm(eq.residuals(eq.start, part)[:, :3], axis=1)))
+
+    every = list(range(arm.dof))
+    own = error(every)
+    by_name = sorted(every, key=lambda k: arm.joint_names[k])
+    unsorted = [by_name.index(k) for k in every]
+    swapped = [2, 1, 0, *every[3:]] if arm.dof > 2 else every
+    for columns, called in ((unsorted, "by name"), (every[::-1], "from tip to base"), (swapped, "3, 2, 1, 4, ...")):
+        if columns != every and error(columns) * _OTHER_ORDER < own:
+            raise ArgumentError(
+                f"the measurements fit {own / error(columns):.0f} times as well if the joints stand in the order "
+                f"{called!r}; are they in another order than {', '.join(arm.joint_names)}?"
+            )
+
+
+def _changes(eq: Equations, best: _Fit, aside: int) -> tuple[Change, ...]:
+    deviation = np.sqrt(np.maximum(np.diag(best.covariance), 0.0))
+    hidden = 1.0 - (best.told**2).sum(axis=1)
+    shown = len(eq.parameters) - aside
+    return tuple(
+        Change(parameter, float(start), float(value), float(spread), bool(lost < 1e-6))
+        for parameter, start, value, spread, lost in zip(
+            eq.parameters[:shown], eq.start, best.x, deviation, hidden, strict=False
+        )
+    )
+
+
+def _untold(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
+    """Groups of numbers that the measurements cannot tell apart: a change of them together that none shows."""
+    from scipy.linalg import qr
+
+    lost = np.eye(len(best.x)) - best.told @ best.told.T
+    rank = len(best.x) - best.told.shape[1]
+    if not rank:
+        return ()
+    _, R, order = qr(lost, pivoting=True)
+    # Each row: one number, and those that can take its change over.
+    rows = np.linalg.solve(R[:rank, :rank], R[:rank])
+    groups = []
+    for row in rows:
+        there = order[np.flatnonzero(np.abs(row) > 0.02 * np.abs(row).max())]
+        groups.append(tuple(str(eq.parameters[k]) for k in sorted(there)))
+    return tuple(sorted(set(groups)))

@@ -1,0 +1,244 @@
+"""Measurements of an arm: joint vectors, and what was measured at each; from arrays and files, checked."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.model.poses import check_poses
+from urdf_ik.paths import read_waypoints
+from urdf_ik.paths.waypoint_files import ORIENTATIONS, POSITION
+from urdf_ik.support import files, inputs, number_files
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+KINDS = {"pose": 6, "position": 3, "distance": 1, "plane": 1}
+"""What may be measured, and how many numbers a measurement fixes."""
+DISTANCE = "distance"
+ACCEPTED = (
+    "accepted: a CSV whose first line names the columns: every joint [rad or m] by its name in the URDF, and x,y,z [m] "
+    "with qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz [rad] for poses, x,y,z alone for positions, distance [m] for "
+    "distances, nothing more for a plane that was touched; or an .npz or JSON with 'q' and 'T', 'p' or 'distance'"
+)
+_Q = number_files.Wanted(("q",), "measurement", ACCEPTED, ArgumentError)
+_ANY = number_files.Wanted(("T", "p", "distance"), "measurement", ACCEPTED, ArgumentError)
+# Of angles in rad, few are this far from zero; of angles in degrees, most are.
+_MANY_TURNS = 4.0 * np.pi
+# A length in mm is a thousand times that in m; no arm is wrong by a factor of this.
+_OTHER_UNIT = 50.0
+
+
+@dataclass(frozen=True, eq=False)
+class Measurements:
+    """Joint vectors and what was measured at them; :func:`measured` and :func:`read_measurements` make it.
+
+    Attributes:
+        kind: 'pose', 'position', 'distance' (from one fixed point) or 'plane' (touched, always the same one).
+        q: (m, n) rad or m.
+        values: (m, 4, 4), (m, 3) m, (m,) m, or (m, 0) for a plane.
+    """
+
+    kind: str
+    q: Array
+    values: Array
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers one measurement fixes."""
+        return KINDS[self.kind]
+
+    def part(self, rows: NDArray[Any]) -> Measurements:
+        """Some of the measurements.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> q = [[0.1, 0.2], [0.3, 0.4]]
+            >>> len(measured(arm, q, arm.fk(q)).part(np.array([True, False])))
+            1
+        """
+        return Measurements(self.kind, self.q[rows], self.values[rows])
+
+
+def measured(arm: Arm, q: ArrayLike, values: Any = None, kind: str | None = None) -> Measurements:
+    """Measurements from arrays.
+
+    Args:
+        arm: the arm that was measured.
+        q: (m, n) rad or m.
+        values: (m, 4, 4) poses [m], (m, 3) positions [m], (m,) distances [m]; None for a plane.
+        kind: one of 'pose', 'position', 'distance', 'plane'; default: as the shape says.
+
+    Raises:
+        ArgumentError: shapes do not fit, a number is not finite, two rows are the same, or units look mixed up.
+        PoseError: a pose is none.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> q = [[0.1, 0.2], [0.3, 0.4]]
+        >>> measured(arm, q, arm.fk(q)[:, :3, 3]).kind
+        'position'
+    """
+    Q = arm.chain.check(q)
+    if Q.ndim != 2:
+        raise ArgumentError(f"joint vectors of shape {Q.shape} given; (m, {arm.dof}) are needed, one a measurement")
+    found = _kind(values) if kind is None else inputs.choice(kind, "kind", tuple(KINDS))
+    if found == "plane":
+        numbers = np.zeros((len(Q), 0))
+    elif found == "pose":
+        numbers = check_poses(values)
+    else:
+        numbers = inputs.real(values, "measured", "an array of numbers")
+        if (bad := inputs.first_bad(numbers)) is not None:
+            raise ArgumentError(f"measured{list(bad)} is {numbers[bad]}; {inputs.why_bad(numbers[bad])}")
+    wanted = {"pose": (len(Q), 4, 4), "position": (len(Q), 3), "distance": (len(Q),), "plane": (len(Q), 0)}[found]
+    if numbers.shape != wanted:
+        raise ArgumentError(f"measured has the shape {numbers.shape}; {wanted} is needed for {len(Q)} joint vectors")
+    out = Measurements(found, Q, numbers)
+    _require_different(out)
+    _require_units(arm, out)
+    return out
+
+
+def read_measurements(
+    arm: Arm, source: str | os.PathLike[str] | IO[bytes], *, kind: str | None = None, degrees: bool = False
+) -> Measurements:
+    r"""Measurements from a file; its columns are found by their names, in any order.
+
+    Args:
+        arm: the arm that was measured.
+        source: a path, or a file open for reading bytes: a CSV with a header, an .npz or JSON.
+        kind: what was measured; default: as the columns say.
+        degrees: whether joint angles and orientations of a CSV are in degrees.
+
+    Raises:
+        ArgumentError: the file cannot be read, has no header, lacks a column, or its numbers do not fit.
+
+    Example:
+        >>> import io
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> text = b"joint_2,joint_1,x,y,z\n0.2,0.1,0.19,0.05,0\n0.4,0.3,0.16,0.11,0\n"
+        >>> read_measurements(arm, io.BytesIO(text)).q.tolist()
+        [[0.1, 0.2], [0.3, 0.4]]
+    """
+    name = files.called(source) if hasattr(source, "read") else files.name_of(source)
+    data = files.read(source, number_files.MAX_BYTES, ArgumentError)
+
+    def again() -> IO[bytes]:
+        stream = io.BytesIO(data)
+        stream.name = name  # what messages call the file
+        return stream
+
+    _, held = number_files.read(again(), _Q)
+    if not isinstance(held, number_files.Rows):
+        values = None if kind == "plane" else number_files.read(again(), _ANY)[1]
+        return _named(name, lambda: measured(arm, held, values, kind))
+    if held.header is None:
+        raise ArgumentError(f"{name}, line {held.first}: no header; {ACCEPTED}")
+    joints = _joint_columns(arm, name, held)
+    q = held.numbers(joints, held.header)
+    if degrees:
+        q = np.where(arm.chain.prismatic, q, np.deg2rad(q))
+    lower = [column.lower() for column in held.header]
+    oriented = any(set(columns) <= set(lower) for columns in ORIENTATIONS.values())
+    if kind is None:
+        there = {"pose": oriented, "position": set(POSITION) <= set(lower), "distance": DISTANCE in lower}
+        kind = next((each for each, has in there.items() if has), "plane")
+    if kind == "pose":
+        values = read_waypoints(again(), degrees=degrees)
+    elif kind == "plane":
+        values = None
+    else:
+        columns = POSITION if kind == "position" else (DISTANCE,)
+        if missing := [column for column in columns if column not in lower]:
+            raise ArgumentError(f"{name}, line {held.first}: no column {', '.join(missing)}; {ACCEPTED}")
+        values = held.numbers(columns, lower)
+        values = values if kind == "position" else values[:, 0]
+    return _named(name, lambda: measured(arm, q, values, kind))
+
+
+def _named(name: str, make: Any) -> Measurements:
+    try:
+        made: Measurements = make()
+    except (ArgumentError, PoseError) as error:
+        raise ArgumentError(f"{name}: {error}") from None
+    return made
+
+
+def _joint_columns(arm: Arm, name: str, held: number_files.Rows) -> list[str]:
+    header = held.header or []
+    if missing := [joint for joint in arm.joint_names if header.count(joint) != 1]:
+        problem = "twice" if missing[0] in header else "no column for it"
+        raise ArgumentError(
+            f"{name}, line {held.first}: joint {quoted(missing[0])}: {problem}; the header is {','.join(header)}, and "
+            f"the joints are {', '.join(arm.joint_names)}"
+        )
+    return list(arm.joint_names)
+
+
+def _kind(values: Any) -> str:
+    """What was measured, by the shape."""
+    if values is None:
+        return "plane"
+    shape = np.shape(values)
+    if len(shape) == 3 or (len(shape) == 1 and not np.isscalar(values) and shape and hasattr(values[0], "homogeneous")):
+        return "pose"
+    kind = {2: "position", 1: "distance"}.get(len(shape))
+    if kind is None:
+        raise ArgumentError(f"measured has the shape {shape}; poses (m, 4, 4), positions (m, 3) or distances (m,)")
+    return kind
+
+
+def _require_different(given: Measurements) -> None:
+    """That no two rows are the same: copies would count twice."""
+    rows = np.hstack([given.q, given.values.reshape(len(given), -1)])
+    _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    copies = np.flatnonzero(first[inverse.ravel()] != np.arange(len(rows)))
+    if len(copies):
+        k = int(copies[0])
+        raise ArgumentError(
+            f"measurements {int(first[inverse.ravel()[k]])} and {k} are the same numbers (counted from 0), "
+            f"{len(copies)} such copies in all; delete them: each would count twice"
+        )
+
+
+def _require_units(arm: Arm, given: Measurements) -> None:
+    """That angles are not in degrees, nor lengths in mm, as far as the numbers tell."""
+    turning = given.q[:, ~arm.chain.prismatic]
+    if turning.size and np.median(np.abs(turning).max(axis=0)) > _MANY_TURNS:
+        raise ArgumentError(
+            f"joint angles up to {np.abs(turning).max():.4g} are given; are they in degrees? rad are needed, or "
+            "degrees=True (--degrees) for a file"
+        )
+    slides = given.q[:, arm.chain.prismatic]
+    if slides.size and np.abs(slides).max() > _OTHER_UNIT * arm.chain.size:
+        raise ArgumentError(f"slides of up to {np.abs(slides).max():.4g} m are given; are they in mm? m are needed")
+    if given.kind in ("pose", "position") and len(given) > 1:
+        positions = given.values[:, :3, 3] if given.kind == "pose" else given.values
+        theirs, ours = (np.sqrt(p.var(axis=0).sum()) for p in (positions, arm.fk(given.q)[:, :3, 3]))
+        if ours > 0.0 and theirs > _OTHER_UNIT * ours:
+            raise ArgumentError(
+                f"the measured positions are {theirs / ours:.0f} times as far apart as those of the URDF; are they in "
+                "mm? m are needed"
+            )
+    if given.kind == "distance" and np.median(np.abs(given.values)) > _OTHER_UNIT * max(arm.chain.size, 0.1):
+        raise ArgumentError(
+            f"distances of about {np.median(given.values):.4g} m are given; are they in mm? m are needed"
+        )

@@ -1,0 +1,191 @@
+"""Universal Robots' calibration files: the kinematics YAML that the driver extracts from a robot's controller.
+
+It holds the origin of each of the six joints, x, y, z [m] and roll, pitch, yaw [rad], which the manufacturer's
+description package writes into the URDF as they stand.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.model.poses import pose, to_rotvec
+from urdf_ik.model.urdf.edits import text_of, with_numbers
+from urdf_ik.support import files, inputs
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    import os
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.model.urdf import Joint
+
+JOINTS = {
+    "shoulder": "shoulder_pan_joint",
+    "upper_arm": "shoulder_lift_joint",
+    "forearm": "elbow_joint",
+    "wrist_1": "wrist_1_joint",
+    "wrist_2": "wrist_2_joint",
+    "wrist_3": "wrist_3_joint",
+}
+"""The file's names of the links, and the joint whose origin each holds; a URDF may put a prefix before it."""
+NUMBERS = ("x", "y", "z", "roll", "pitch", "yaw")
+_MAX_BYTES = 2**16
+_LARGEST_CHANGE = 0.05  # m: no calibration moves a joint so far; other frames do
+_TURNED = 0.1  # rad: the same of an axis
+
+
+@dataclass(frozen=True)
+class UrKinematics:
+    """The origins of a Universal Robots arm's joints.
+
+    Attributes:
+        origins: link ('shoulder', 'upper_arm', ...) -> (x, y, z [m], roll, pitch, yaw [rad]).
+        hash: the controller's mark of this calibration, such as 'calib_123'; '' without one.
+    """
+
+    origins: dict[str, tuple[float, ...]]
+    hash: str = ""
+
+    def to_yaml(self) -> str:
+        """The file's text.
+
+        Example:
+            >>> print(UrKinematics({link: (0.0,) * 6 for link in JOINTS}, "calib_1").to_yaml().splitlines()[-1])
+              hash: calib_1
+        """
+        lines = ["kinematics:"]
+        for link in JOINTS:
+            lines.append(f"  {link}:")
+            lines += [f"    {name}: {value!r}" for name, value in zip(NUMBERS, self.origins[link], strict=True)]
+        return "\n".join([*lines, *([f"  hash: {self.hash}"] if self.hash else [])]) + "\n"
+
+
+def read_ur_kinematics(source: str | os.PathLike[str] | IO[bytes]) -> UrKinematics:
+    r"""Read a kinematics YAML.
+
+    Raises:
+        ArgumentError: the file cannot be read, or lacks a link or a number; the message names it.
+
+    Example:
+        >>> import io
+        >>> text = UrKinematics({link: (0.0, 0.0, 0.1, 0.0, 0.0, 0.0) for link in JOINTS}).to_yaml()
+        >>> read_ur_kinematics(io.BytesIO(text.encode())).origins["forearm"]
+        (0.0, 0.0, 0.1, 0.0, 0.0, 0.0)
+    """
+    import yaml
+
+    name = files.called(source) if hasattr(source, "read") else files.name_of(source)
+    data = files.read(source, _MAX_BYTES, ArgumentError)
+    wanted = f"a kinematics YAML holds kinematics: {{{', '.join(JOINTS)}}}, each with {', '.join(NUMBERS)}"
+    try:
+        # Numbers are read as text: YAML 1.1 takes 1e-05 for a text, too.
+        held = yaml.load(data, Loader=yaml.BaseLoader)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        where = getattr(error, "problem_mark", None)
+        line = "" if where is None else f", line {where.line + 1}"
+        raise ArgumentError(f"{name}{line}: no YAML: {getattr(error, 'problem', None) or error}; {wanted}") from None
+    kinematics = held.get("kinematics") if isinstance(held, dict) else None
+    if not isinstance(kinematics, dict):
+        raise ArgumentError(f"{name}: no 'kinematics' in it; {wanted}")
+    origins = {link: _origin(name, link, kinematics.get(link), wanted) for link in JOINTS}
+    return UrKinematics(origins, str(kinematics.get("hash", "")))
+
+
+def _origin(name: str, link: str, numbers: Any, wanted: str) -> tuple[float, ...]:
+    if not isinstance(numbers, dict):
+        raise ArgumentError(f"{name}: no {link} in it; {wanted}")
+    out = []
+    for each in NUMBERS:
+        try:
+            value = float(numbers[each])
+        except (KeyError, TypeError, ValueError):
+            value = math.nan
+        if not math.isfinite(value):
+            raise ArgumentError(f"{name}: {link}: {each} is {quoted(numbers.get(each))}; a finite number is needed")
+        out.append(value)
+    if max(map(abs, out[:3])) > 10.0:
+        raise ArgumentError(f"{name}: {link}: {out[:3]} is no place in m; is it in mm?")
+    return tuple(out)
+
+
+def with_ur_kinematics(arm: Arm, kinematics: UrKinematics) -> bytes:
+    """The URDF of a Universal Robots arm with the origins of a calibration, all else as it was written.
+
+    Raises:
+        UrdfError: the URDF lacks one of the joints, or its frames are others than those of the manufacturer's
+            description package, as in packages older than 2019.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> with_ur_kinematics(arm, UrKinematics({link: (0.0,) * 6 for link in JOINTS}))
+        Traceback (most recent call last):
+        urdf_ik.errors.UrdfError: ...: no joint 'shoulder_pan_joint'...
+    """
+    inputs.arm(arm)
+    joints = _joints(arm)
+    changes = {}
+    for link, joint in joints.items():
+        numbers = kinematics.origins[link]
+        moved = float(np.linalg.norm(np.array(numbers[:3]) - joint.origin[:3, 3]))
+        turned = float(
+            np.linalg.norm(to_rotvec(np.linalg.inv(joint.origin) @ pose(joint.origin[:3, 3], rpy=numbers[3:])))
+        )
+        if moved > _LARGEST_CHANGE or turned > _TURNED:
+            raise UrdfError(
+                f"the calibration puts it {moved * 1e3:.0f} mm and {np.rad2deg(turned):.0f} degrees from where it is",
+                source=arm.model.source,
+                element=f'<joint name="{joint.name}">',
+                hint="take the URDF of the same model (UR5 or UR5e) from the present ur_description, whose frames are "
+                "those of the YAML",
+            )
+        changes[joint.name] = {"origin": {"xyz": numbers[:3], "rpy": numbers[3:]}}
+    return with_numbers(text_of(arm.model), changes)
+
+
+def ur_kinematics(arm: Arm, calibration_hash: str = "") -> UrKinematics:
+    """The joints' origins of a Universal Robots arm, to be written as YAML: :meth:`UrKinematics.to_yaml`.
+
+    Raises:
+        UrdfError: the URDF lacks one of the joints, or its axes are not the z axes of their frames.
+
+    Example:
+        >>> import urdf_ik
+        >>> ur_kinematics(urdf_ik.load("puma_560"))
+        Traceback (most recent call last):
+        urdf_ik.errors.UrdfError: ...: no joint 'shoulder_pan_joint'...
+    """
+    inputs.arm(arm)
+    origins = {link: (*map(float, joint.origin[:3, 3]), *map(float, joint.rpy)) for link, joint in _joints(arm).items()}
+    return UrKinematics(origins, calibration_hash)
+
+
+def _joints(arm: Arm) -> dict[str, Joint]:
+    """The six joints by the file's names."""
+    found = {}
+    for link, suffix in JOINTS.items():
+        ending = [joint for joint in arm.model.joints if joint.name.endswith(suffix)]
+        own = [joint for joint in ending if joint.name in arm.joint_names] or ending
+        if len(own) != 1:
+            raise UrdfError(
+                f"no joint {quoted(suffix)}, with a prefix or without"
+                if not own
+                else f"{len(own)} joints {quoted(suffix)}",
+                source=arm.model.source,
+                hint="a kinematics YAML belongs to one arm of Universal Robots; choose it by base and tip",
+            )
+        if not np.array_equal(own[0].axis, [0.0, 0.0, 1.0]):
+            raise UrdfError(
+                f"its axis is {own[0].axis.tolist()}, and the frames of a kinematics YAML turn about z",
+                source=arm.model.source,
+                element=f'<joint name="{own[0].name}">',
+                line=own[0].line,
+                hint="take the URDF from the present ur_description",
+            )
+        found[link] = own[0]
+    return found

@@ -1,0 +1,1 @@
+"""Commands that fit an arm to measurements."""

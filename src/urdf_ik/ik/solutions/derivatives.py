@@ -1,0 +1,263 @@
+"""Derivatives of solutions, by the implicit function theorem.
+
+A solution satisfies two equations: the tip is at the target, and each redundancy parameter has its value. Their
+derivative by the joints is the matrix A, the Jacobian above one row a parameter. Whatever changes the target, the
+values or the arm by a small amount b, the joints follow it by A^-1 b. Where A loses rank, there is no derivative.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
+from urdf_ik.kinematics.derivatives import curvature, written
+from urdf_ik.support import inputs
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.ik.solutions.solution import KeptSolutions
+
+    Array = NDArray[np.float64]
+
+AXES = ("base", "tip")
+# Rounding of a Jacobian and of its inverse, in units in the last place of its largest entries, a joint.
+_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+
+
+def by_pose(solutions: KeptSolutions, axes: str = "base") -> Array:
+    """See :meth:`urdf_ik.IKSolutions.dq_dT`."""
+    inputs.choice(axes, "axes", AXES)
+    X = _inverse(solutions)[..., :6]
+    if solutions.solver.free_axis is not None and solutions.solver.parameters:
+        # The tip is where the turned target is: a rotation of the target moves it by this arm.
+        X = X.copy()
+        X[..., 3:] -= X[..., :3] @ _cross_matrix(_reached(solutions)[..., :3, 3] - _target(solutions)[..., :3, 3])
+    if axes == "base":
+        return X
+    R = _target(solutions)[..., :3, :3]
+    return np.concatenate([X[..., :3] @ R, X[..., 3:] @ R], axis=-1)
+
+
+def by_redundancy(solutions: KeptSolutions) -> Array:
+    """See :meth:`urdf_ik.IKSolutions.dq_dredundancy`."""
+    solver = solutions.solver
+    if not solver.parameters:
+        solver.redundant_member  # noqa: B018  says in words why there is none
+    X = _inverse(solutions)
+    if solver.free_axis is None:
+        return X[..., 6:]
+    reached, target = _reached(solutions), _target(solutions)
+    axis = reached[..., :3, :3] @ np.array(solver.free_axis.direction)
+    on_axis = (target @ np.array([*solver.free_axis.at, 1.0]))[..., :3]
+    twist = np.concatenate([np.cross(axis, reached[..., :3, 3] - on_axis), axis], axis=-1)
+    return np.concatenate([X[..., :6] @ twist[..., None], X[..., 6:]], axis=-1)
+
+
+def by_geometry(solutions: KeptSolutions, parameters: Sequence[Any] | None = None) -> Array:
+    """See :meth:`urdf_ik.IKSolutions.dq_dgeometry`."""
+    solver = solutions.solver
+    if any(each.kind == SWIVEL for each in solver.parameters):
+        raise UnsupportedArm(
+            f"{solver.name}: its swivel angle is measured in a frame that moves with the URDF's numbers, so that no "
+            "derivative by them holds it; hold a joint instead: arm.with_locked({name: value})"
+        )
+    twists = written(solver.chain).twists(_finite(solutions), parameters=parameters)
+    return -(_inverse(solutions)[..., :6] @ twists)
+
+
+def second_by_pose(solutions: KeptSolutions, V: ArrayLike, W: ArrayLike | None = None) -> Array:
+    """See :meth:`urdf_ik.IKSolutions.d2q_dT2`."""
+    solver = solutions.solver
+    if any(each.kind == SWIVEL for each in solver.parameters) or solver.task == "position and axis":
+        what = "a swivel angle" if solver.parameters else "the task 'position and axis'"
+        raise UnsupportedArm(f"{solver.name}: second derivatives with {what} are not computed; first ones are, dq_dT()")
+    along = _twists(V, "V", solutions.shape)
+    moving = along if W is None else _twists(W, "W", solutions.shape)
+    first = by_pose(solutions)
+    q_along, q_moving = ((first @ each[..., None, :, None])[..., 0] for each in (along, moving))
+    still = np.isnan(q_along)
+    bent = -curvature(solver.chain, _finite(solutions), np.where(still, 0.0, q_along), np.where(still, 0.0, q_moving))
+    if solver.free_axis is not None and solver.parameters:
+        arm = _reached(solutions)[..., :3, 3] - _target(solutions)[..., :3, 3]
+        bent[..., :3] += np.cross(along[..., None, 3:], np.cross(moving[..., None, 3:], arm))
+    return np.asarray((_inverse(solutions)[..., :6] @ bent[..., None])[..., 0])
+
+
+def error_by_pose(solutions: KeptSolutions) -> Array:
+    """See :meth:`urdf_ik.IKSolutions.dq_dT_error`."""
+    solver, chain = solutions.solver, solutions.solver.chain
+    n, size = chain.n, chain.size
+    X = _inverse(solutions) / np.where(chain.prismatic, size, 1.0)[:, None]
+    X[..., :3] *= size
+    length = np.linalg.norm(X, axis=(-2, -1))
+    if any(each.kind == SWIVEL for each in solver.parameters) or chain.axes is not chain:
+        return np.where(np.isnan(length), length, np.inf)
+    reached, target = _reached(solutions), _turned_target(solutions)
+    if target is None:
+        apart = np.full(length.shape, DEFAULT.contract)
+    else:
+        off = reached - target
+        apart = np.hypot(
+            np.linalg.norm(off[..., :3, 3], axis=-1) / size, np.linalg.norm(off[..., :3, :3], axis=(-2, -1))
+        )
+    # The joints are off by at most X times the error of the pose. A column of the Jacobian changes by at most sqrt(5)
+    # times the sum of the joints' changes: its direction turns, its lever of at most 1 turns, and both ends move.
+    change = np.sqrt(5.0) * n * length * (apart + n * _ROUNDING) + n * _ROUNDING
+    with np.errstate(invalid="ignore", divide="ignore"):
+        bound = np.where(length * change < 1.0, length**2 * change / (1.0 - length * change), np.inf)
+    return np.where(np.isnan(length), np.nan, bound)
+
+
+def joint_rates(
+    solutions: KeptSolutions, twists: ArrayLike, rates: ArrayLike | None = None, bent: Array | None = None
+) -> Array:
+    """Joint velocities (..., B, n) for twists (..., 6) of the targets and rates (..., k) of redundancy parameters.
+
+    Args:
+        solutions: the joint vectors.
+        twists: (..., 6) m/s and rad/s in base axes, at the targets' origins.
+        rates: (..., k) of the redundancy parameters; default: they are held.
+        bent: (..., B, n) added: second derivatives, where accelerations are asked for.
+    """
+    out = (by_pose(solutions) @ _twists(twists, "twists", solutions.shape)[..., None, :, None])[..., 0]
+    if rates is not None:
+        count = len(solutions.solver.parameters)
+        given = inputs.real(rates, "rates", f"an array of numbers (..., {count})")
+        if given.ndim == 0 or given.shape[-1] != count:
+            raise ArgumentError(f"rates of shape {given.shape} given; the arm has {count} redundancy parameters")
+        out = out + (by_redundancy(solutions) @ given[..., None, :, None])[..., 0]
+    return np.asarray(out if bent is None else out + bent)
+
+
+def _inverse(solutions: KeptSolutions) -> Array:
+    """A^-1 (..., B, n, 6 + k), NaN where there is no solution or A loses rank: twists of the tip, then the parameters.
+
+    Where a target fixes less than a pose, or joints are fewer than six: the least-squares inverse, lengths counted as
+    shares of the arm's size. It gives the joint velocities of every twist that the arm can follow.
+    """
+    solver, chain = solutions.solver, solutions.solver.chain
+    held = [each for each in solver.parameters if each.kind != FREE_AXIS]
+    weights = _controlled(solutions)
+    if weights is None and chain.axes is chain and 0 < chain.n <= 7 and len(held) == int(chain.n == 7):
+        row = None if not held else np.ascontiguousarray(_slopes(solutions, held)[..., 0, :])
+        X = chain.motion.inverse(np.ascontiguousarray(solutions.q), row, chain.size, DEFAULT.singular)
+    else:
+        X = _inverse_of_any(solutions, held, weights)
+    singular = solutions.singular
+    if singular.any():
+        X[singular != 0] = np.nan
+    return np.asarray(X)
+
+
+def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | None) -> Array:
+    """The same for any number of joints, mimicking ones too, and for the parts of a pose that a task fixes."""
+    chain = solutions.solver.chain
+    q = _finite(solutions)
+    share = np.where(np.arange(6) < 3, 1.0 / chain.size, 1.0)
+    own = np.where(chain.prismatic, chain.size, 1.0)
+    J = chain.jacobian(q)
+    W = np.eye(6) if weights is None else weights
+    A = (W @ J) * share[:, None]
+    if held:
+        A = np.concatenate([A, np.broadcast_to(_slopes(solutions, held), (*q.shape[:-1], len(held), chain.n))], axis=-2)
+    A = A * own
+    U, s, Vt = np.linalg.svd(A, full_matrices=False)
+    live = s[..., -1] > DEFAULT.singular if A.shape[-2] >= chain.n else np.zeros(s.shape[:-1], np.bool_)
+    inverse = np.where(live[..., None], 1.0 / np.where(s > 0.0, s, 1.0), np.nan)
+    X = np.swapaxes(Vt, -1, -2) @ (inverse[..., None] * np.swapaxes(U, -1, -2)) * own[:, None]
+    X[..., :6] = (X[..., :6] * share) @ W
+    X[~solutions.valid] = np.nan
+    return np.asarray(X)
+
+
+def _slopes(solutions: KeptSolutions, held: list[Any]) -> Array:
+    """(k, n) or (..., B, k, n) derivatives of the redundancy parameters by the joints."""
+    solver = solutions.solver
+    names = solver.chain.joint_names
+    if all(each.kind == LOCKED_JOINT for each in held):
+        return np.eye(solver.dof)[[names.index(each.joint) for each in held]]
+    slope_of = solver.redundant_member.slope_of
+    if len(held) > 1 or slope_of is None:
+        raise UnsupportedArm(
+            f"{solver.name}: derivatives with a swivel angle beside other redundancy parameters are not computed; hold "
+            "a joint: arm.with_locked({name: value})"
+        )
+    q = _finite(solutions)
+    return np.asarray(slope_of(q.reshape(-1, solver.dof)).reshape(*q.shape[:-1], 1, solver.dof))
+
+
+def _controlled(solutions: KeptSolutions) -> Array | None:
+    """(6, 6) or (..., B, 6, 6), what of a twist counts to the target; None where all of it does."""
+    solver = solutions.solver
+    if solver.task == "pose":
+        if solver.free_axis is None or solver.parameters:
+            return None
+        return np.asarray(solver.free_axis.reduced(_reached(solutions)[..., :3, :3], np.eye(6)))
+    control = solver.control
+    W: Array = np.zeros((6, 6))
+    if control.plane is not None:
+        W[:3, :3] = control.plane.axes.T @ control.plane.axes
+        if solver.task == "planar pose":
+            W[3:, 3:] = np.outer(control.plane.normal, control.plane.normal)
+        return W
+    W[:3, :3] = np.eye(3)
+    if control.aimed is None or solver.task == "position":
+        return W
+    axis = _reached(solutions)[..., :3, :3] @ control.aimed
+    every: Array = np.broadcast_to(W, (*axis.shape[:-1], 6, 6)).copy()
+    every[..., 3:, 3:] = np.eye(3) - axis[..., :, None] * axis[..., None, :]
+    return every
+
+
+def _finite(solutions: KeptSolutions) -> Array:
+    """The joint vectors (..., B, n), zeros where there is no solution."""
+    return np.where(solutions.valid[..., None], solutions.q, 0.0)
+
+
+def _reached(solutions: KeptSolutions) -> Array:
+    """The tip's poses (..., B, 4, 4)."""
+    return np.asarray(solutions.solver.chain.fk(_finite(solutions)))
+
+
+def _target(solutions: KeptSolutions) -> Array:
+    """The targets (..., 1, 4, 4), or the tip's poses (..., B, 4, 4) where a target is not a pose."""
+    return solutions.poses[..., None, :, :] if solutions.solver.task == "pose" else _reached(solutions)
+
+
+def _turned_target(solutions: KeptSolutions) -> Array | None:
+    """The poses that the tip is to reach; None where a target leaves them open."""
+    solver = solutions.solver
+    if solver.task != "pose" or (solver.free_axis is not None and not solver.parameters):
+        return None
+    if solver.free_axis is None:
+        return _target(solutions)
+    values = np.asarray(solutions.redundancy)
+    first = values if len(solver.parameters) == 1 else values[..., 0]
+    return np.asarray(_target(solutions) @ solver.free_axis.rotation(first)[..., None, :, :])
+
+
+def _twists(given: ArrayLike, name: str, batch: tuple[int, ...]) -> Array:
+    """Twists (..., 6), one for all poses or one each."""
+    V = inputs.real(given, name, "an array of numbers (..., 6)")
+    try:
+        if V.ndim == 0 or V.shape[-1] != 6:
+            raise ValueError
+        np.broadcast_to(V, (*batch, 6))
+    except ValueError:
+        needed = f"a twist (6,) is needed, or one a pose {(*batch, 6)}"
+        raise ArgumentError(f"{name} of shape {V.shape} given; {needed}") from None
+    if (bad := inputs.first_bad(V)) is not None:
+        raise ArgumentError(f"{name}{list(bad)} is {V[bad]}; {inputs.why_bad(V[bad])}")
+    return V
+
+
+def _cross_matrix(v: Array) -> Array:
+    """(..., 3, 3) the matrix of the product v x."""
+    return np.cross(np.eye(3), v[..., None, :])

@@ -1,0 +1,85 @@
+"""Names of solutions where geometry gives none: the sign of the Jacobian's determinant, and a number.
+
+The determinant cannot change its sign on a motion that crosses no singularity, so the sign is a name that lasts: such a
+motion never joins solutions of two signs, in whatever pose. Without joint limits a pose has as many regular solutions
+of one sign as of the other: the signs sum to the degree of the map from joint vectors to poses, which is 0, since poses
+out of reach have no solution. The number after the sign orders one pose's solutions and says nothing about another
+pose; along a path :mod:`urdf_ik.paths.followed_names` keeps it.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.kinematics.chain.padding import filled
+from urdf_ik.kinematics.chain.redundancy import LOCKED_JOINT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.ik.solver import Solver
+
+    Array = NDArray[np.float64]
+
+_LOCAL = ("solution ", "further ")
+_SIGNS = np.array(["", "determinant +, ", "determinant -, "], dtype=np.object_)
+
+
+@cache
+def local(branches: tuple[str, ...]) -> bool:
+    """Whether some of the names are only numbers.
+
+    Example:
+        >>> local(("elbow up", "elbow down")), local(("elbow up", "further 1"))
+        (False, True)
+    """
+    return any(name.startswith(_LOCAL) for name in branches)
+
+
+def signed(names: NDArray[np.object_], q: Array, singular: NDArray[np.uint8], solver: Solver) -> NDArray[np.object_]:
+    """Names (..., B) of solutions (..., B, n), the local ones with the determinant's sign before the number.
+
+    Without a sign stay: names that geometry gives, singular solutions, places without one, and all where a pose does
+    not take as many joints as it has numbers.
+    """
+    if (signs := determinant_signs(solver, q)) is None:
+        return names
+    numbered = np.frompyfunc(lambda name: name.startswith(_LOCAL), 1, 1)(names).astype(bool)
+    out: NDArray[np.object_] = _SIGNS[np.where(numbered & (singular == 0), signs, 0)] + names
+    return out
+
+
+def determinant_signs(solver: Solver, q: Array) -> NDArray[np.int8] | None:
+    """(...) 1 or -1, the sign of the Jacobian's determinant at joint vectors (..., n); 0 for rows of NaN.
+
+    Joints whose values are redundancy parameters are left out. None where the rest are not six, or the task is not a
+    pose.
+
+    Example:
+        >>> import urdf_ik
+        >>> determinant_signs(urdf_ik.load("puma_560").solver, np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        array(1, dtype=int8)
+    """
+    held = {each.joint for each in solver.parameters if each.kind == LOCKED_JOINT}
+    moving = [k for k, name in enumerate(solver.joint_names) if name not in held]
+    others = len(solver.parameters) > len(held)
+    if len(moving) != 6 or others or solver.task != "pose":
+        return None
+    whole, gone = filled(q)
+    J = np.array(solver.chain.jacobian(whole))[..., moving]
+    J[..., :3, :] /= solver.chain.size
+    signs = np.where(gone, 0, np.sign(np.linalg.det(J)))
+    return np.asarray(signs, dtype=np.int8)
+
+
+def is_local(name: Any) -> bool:
+    """Whether a name of one solution ends in a number that only its own pose explains."""
+    return str(name).removeprefix(_SIGNS[1]).removeprefix(_SIGNS[2]).startswith(_LOCAL)
+
+
+def sign_in_words(sign: int) -> str:
+    """The beginning of a name: 'determinant +, ', 'determinant -, ', or '' for 0."""
+    return str(_SIGNS[sign])

@@ -1,0 +1,8 @@
+"""Derivatives of forward kinematics: by the numbers of the URDF as written, and of second order by the joints."""
+
+from __future__ import annotations
+
+from urdf_ik.kinematics.derivatives.second_order import curvature
+from urdf_ik.kinematics.derivatives.written import Parameter, WrittenChain, written
+
+__all__ = ["Parameter", "WrittenChain", "curvature", "written"]

@@ -1,0 +1,54 @@
+"""The command `urdf-ik calibrate`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import call, succeed
+from measured import true_arm
+
+import urdf_ik
+from urdf_ik.model.poses import to_quat_wxyz
+
+
+@pytest.fixture(scope="module")
+def measurements(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """60 measured poses as CSV."""
+    true = true_arm("zyyzyz_6r", 0)
+    q, T = true.measured(1, 60)
+    header = ",".join([*true.nominal.joint_names, "x", "y", "z", "qw", "qx", "qy", "qz"])
+    path = tmp_path_factory.mktemp("measured") / "poses.csv"
+    np.savetxt(path, np.hstack([q, T[:, :3, 3], to_quat_wxyz(T)]), delimiter=",", header=header, comments="")
+    return path
+
+
+def test_it_writes_urdf_report_and_json(measurements: Path, tmp_path: Path) -> None:
+    """The new URDF is another arm with the same joints; the page and the next poses are there."""
+    urdf, page = tmp_path / "calibrated.urdf", tmp_path / "report.html"
+    out = succeed("calibrate", "zyyzyz_6r", "--measured", str(measurements), "-o", str(urdf), "--report", str(page),
+                  "--next", "3", "--json")  # fmt: skip
+    read = json.loads(out)
+    assert read["after"]["position"] < 0.1 * read["before"]["position"]
+    assert np.shape(read["next"]["q"]) == (3, 6)
+    assert page.read_text().startswith("<!doctype html>")
+    before, after = urdf_ik.load("zyyzyz_6r"), urdf_ik.load(urdf)
+    assert after.joint_names == before.joint_names
+    assert not urdf_ik.compare(before, after, n=5).same
+
+
+def test_it_prints_tables(measurements: Path) -> None:
+    """The text names every number, and what cannot be told apart."""
+    out = succeed("calibrate", "zyyzyz_6r", "--measured", str(measurements), "--next", "2")
+    assert "cannot be told apart" in out and "joint_2 xyz x" in out and "poses to measure next" in out
+
+
+def test_bad_files_end_with_a_message(measurements: Path, tmp_path: Path) -> None:
+    """Neither or both sources, and a file without a header."""
+    assert "--measured FILE or --ur-kinematics FILE" in call("calibrate", "zyyzyz_6r").stderr
+    bare = tmp_path / "bare.csv"
+    bare.write_text("\n".join(measurements.read_text().splitlines()[1:]))
+    result = call("calibrate", "zyyzyz_6r", "--measured", str(bare))
+    assert result.exit_code == 2 and "no header" in result.stderr
