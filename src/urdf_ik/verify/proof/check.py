@@ -146,7 +146,8 @@ def check_proof(
         if status not in ("complete", "clustered"):
             unproven += 1
         else:
-            proof = solutions[np.unravel_index(i, solutions.shape)].proof if solutions.shape else solutions.proof
+            place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
+            proof = solutions[place].proof if solutions.shape else solutions.proof
             verdict, reason = examine(Loop.of(arm.chain, T[i]), q[i, valid[i]], proof, np.random.default_rng(i))
             if verdict is None:
                 open_.append(Refusal(i, status, reason))

@@ -26,7 +26,7 @@ _CLEAR = 7.0  # sum of the imaginary parts [rad] up to which a double tells a ro
 _FARTHEST = 20.0  # imaginary part [rad] beyond which e^(6 y) leaves no digit of a double
 
 
-def search(loop: Loop, starts: Complex, number: int, rng: np.random.Generator, rounds: int) -> Found:
+def search(loop: Loop, starts: NDArray[np.float64], number: int, rng: np.random.Generator, rounds: int) -> Found:
     """Enclosures of distinct roots, until they count ``number`` or the rounds are over.
 
     Args:
@@ -42,7 +42,7 @@ def search(loop: Loop, starts: Complex, number: int, rng: np.random.Generator, r
     singles: list[Enclosure] = []
     crowded: list[Complex] = []
     for turn in range(rounds + 1):
-        q = starts.astype(complex)
+        q: Complex = starts.astype(np.complex128)
         if turn:
             q = rng.uniform(-np.pi, np.pi, (_STARTS, 6)) + 1j * rng.normal(0, 1.5, (_STARTS, 6))
         for end in _newton(twists, G, q):
