@@ -82,9 +82,10 @@ def _parallel(axes: Axes, first: int) -> Axes | None:
 def _difference(written: Axes, changed: Axes) -> tuple[arb, arb]:
     """Bounds on the entries of ``e1' ... e6' - e1 ... e6`` over all real joint vectors: rotation, translation.
 
-    ``R' - R = sin(q) (S' - S) + (1 - cos q) (S'^2 - S^2)`` of each joint, and ``t' - t = (R - R') p' + (1 - R) (p' - p)``,
-    where the last is at most twice the distance of p' from the axis. A rotation keeps lengths, so the differences of the
-    rotations add up, and each moves what stands behind it by at most its length.
+    ``R' - R = sin(q) (S' - S) + (1 - cos q) (S'^2 - S^2)`` of each joint, and
+    ``t' - t = (R - R') p' + (1 - R) (p' - p)``, where the last is at most twice the distance of p' from the axis. A
+    rotation keeps lengths, so the differences of the rotations add up, and each moves what stands behind it by at most
+    its length.
     """
     turn, move, behind = arb(0), arb(0), arb(0)
     for (h, p), (g, r) in reversed(list(zip(written, changed, strict=True))):

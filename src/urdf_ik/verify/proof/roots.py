@@ -54,9 +54,9 @@ class Enclosure:
 def single_root(loop: Loop, start: Sequence[acb]) -> Enclosure | str:
     """The root that Newton's method reaches from ``start``, enclosed by Krawczyk's test; or why there is none.
 
-    With C an approximate inverse of the Jacobian at the centre c, ``-C f(c) + (1 - C J(B)) (B - c)`` inside B - c proves
-    that B holds exactly one root (R. Krawczyk, Computing 4, 1969). It holds for analytic functions of complex boxes, as
-    J(B) encloses the mean of the Jacobian along every segment of B.
+    With C an approximate inverse of the Jacobian at the centre c, ``-C f(c) + (1 - C J(B)) (B - c)`` inside B - c
+    proves that B holds exactly one root (R. Krawczyk, Computing 4, 1969). It holds for analytic functions of complex
+    boxes, as J(B) encloses the mean of the Jacobian along every segment of B.
     """
     centre = midpoints(start)
     step = arb("inf")
@@ -134,8 +134,8 @@ def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho
         g' = A y + B t + c' + quadratic',    g_t = Q(t) + (the rest)
 
     where the second derivatives are enclosed over the whole polydisc. There are as many roots as of (A y, Q(t)),
-    which is 2^lost, if on |y| = rho the other terms of g' are smaller than A y, and on |t| = R those of g_t smaller than
-    Q(t). Q has no zero but t = 0 where Macaulay's matrix of the quadrics has full rank, whose least singular value
+    which is 2^lost, if on |y| = rho the other terms of g' are smaller than A y, and on |t| = R those of g_t smaller
+    than Q(t). Q has no zero but t = 0 where Macaulay's matrix of the quadrics has full rank, whose least singular value
     bounds |Q| / |t|^2 from below.
 
     Args:
@@ -214,7 +214,8 @@ def _least(quadrics: list[list[list[acb]]]) -> arb:
     """A lower bound on |Q(t)| over |t| = 1 for r quadrics of r variables: Macaulay's matrix in weighted monomials.
 
     In degree d = r + 1 each quadric is multiplied by the monomials of degree d - 2. With the weights
-    sqrt(d! / (a_1! ... a_r!)) the vector of monomials has the length |t|^d, so |Q(t)| is at least the least singular value.
+    sqrt(d! / (a_1! ... a_r!)) the vector of monomials has the length |t|^d, so |Q(t)| is at least the least
+    singular value.
     """
     r = len(quadrics)
     degree = r + 1
