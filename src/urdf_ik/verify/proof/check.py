@@ -17,7 +17,7 @@ except ImportError as error:  # python-flint is an extra
     raise MissingPackage("proofs are checked in ball arithmetic: pip install 'urdf-ik[proof]'") from error
 
 from urdf_ik.verify.proof.families import EIGHT, ideal
-from urdf_ik.verify.proof.loop import Loop, exact
+from urdf_ik.verify.proof.loop import Loop, exact, largest
 from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, single_root
 from urdf_ik.verify.proof.search import outside, search
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
 _ROUNDS = 20  # of the search for complex roots
 _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
+_BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
 
 
@@ -172,11 +173,13 @@ def examine(
         rng: source of the starts of the search for complex roots.
     """
     if proof is not None and proof.counted == proof.expected == SIXTEEN:
-        return _by_account(loop, solutions, proof)
+        return _by_account(loop, solutions, proof, rng)
     return _by_search(loop, solutions, rng)
 
 
-def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None, str]:
+def _by_account(
+    loop: Loop, solutions: Array, proof: Proof, rng: np.random.Generator
+) -> tuple[bool | None, str]:
     singles: list[Enclosure] = []
     for k, (root, inner, real) in enumerate(zip(proof.roots, proof.inner, proof.real, strict=True)):
         found = single_root(loop, exact(root))
@@ -190,30 +193,32 @@ def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
-        if isinstance(counted, str):
-            return False, f"cluster {k}: {counted}"
+        if isinstance(counted, str):  # the solver's bounds are finer, and say nothing here
+            return _by_search(loop, solutions, rng, f"cluster {k}: {counted}")
         clusters.append(counted)
     if (same := _overlap(singles, clusters)) is not None:
         return False, f"{same[0]} and {same[1]} are not apart"
     total = len(singles) + sum(each.count for each in clusters)
     if total != SIXTEEN:
         return False, f"{total} roots are accounted for, and six turning joints have up to {SIXTEEN}"
-    return _answered(solutions, singles, clusters)
+    return _answered(loop, solutions, singles, clusters)
 
 
-def _by_search(loop: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
-    """All complex roots, found here: of the arm as written, or of the nearest ideal arm."""
+def _by_search(
+    loop: Loop, solutions: Array, rng: np.random.Generator, otherwise: str = ""
+) -> tuple[bool | None, str]:
+    """All complex roots, found here: of the arm as written, or of the nearest ideal arm; or why they are not."""
     if loop.out_of_reach:
-        return _answered(solutions, [], [])
+        return _answered(loop, solutions, [], [])
     near = ideal(loop)
     if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
         return _by_family(loop, near[0], solutions, rng)
     singles, clusters = search(loop, solutions, SIXTEEN, rng, _ROUNDS)
     count = len(singles) + sum(group.count for group in clusters)
     if count == SIXTEEN:
-        return _answered(solutions, singles, clusters)
+        return _answered(loop, solutions, singles, clusters)
     if near is None:
-        return None, f"{count} of {SIXTEEN} roots are enclosed"
+        return None, otherwise or f"{count} of {SIXTEEN} roots are enclosed"
     return _by_family(loop, near[0], solutions, rng)
 
 
@@ -232,29 +237,41 @@ def _by_family(loop: Loop, near: Loop, solutions: Array, rng: np.random.Generato
         if not all(found.apart(other) for other in singles):
             return None, "real roots of the ideal arm are too close to each other"
         singles.append(found)
-    return _answered(solutions, singles, [])
+    return _answered(loop, solutions, singles, [])
 
 
 def _answered(
-    solutions: Array, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
+    loop: Loop, solutions: Array, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
 ) -> tuple[bool | None, str]:
-    """Whether the real roots are the solutions, each once."""
+    """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one."""
     near: list[list[int]] = [[] for _ in singles]
     for n, q in enumerate(solutions):
         here = exact(q)
         to_single = [root.distance(here) for root in singles]
         best = min(range(len(singles)), key=lambda k: float(to_single[k]), default=None)
-        if best is not None and to_single[best] < _SOLUTION and singles[best].real:
+        if best is not None and _as_one(loop, singles[best], here):
+            if not singles[best].real:
+                off = float(largest([acb(value.imag) for value in singles[best].centre]))
+                return None, f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
             near[best].append(n)
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
             return False, f"solution {n} is near no real root"
+    answered = [root for root, answers in zip(singles, near, strict=True) if answers]
     for root, answers in zip(singles, near, strict=True):
-        if root.real and not answers:
-            values = ", ".join(f"{float(c.real):.9f}" for c in root.centre)
-            return False, f"the real root ({values}) is not among the solutions"
         if len(answers) > 1:
             return False, f"solutions {answers[0]} and {answers[1]} are one root"
+        if root.real and not answers and not any(_as_one(loop, root, other.centre) for other in answered):
+            values = ", ".join(f"{float(c.real):.9f}" for c in root.centre)
+            return False, f"the real root ({values}) is not among the solutions"
     return True, ""
+
+
+def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:
+    """Whether a vector and a root are one to the tolerance of solutions: half way between them the arm is in the pose."""
+    apart = root.distance(q)
+    if apart < _SOLUTION:
+        return True
+    return bool(apart < _BESIDE and largest(loop.residual(loop.values(root.towards(q)))) < _SAME_POSE)
 
 
 def _overlap(singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]) -> tuple[str, str] | None:

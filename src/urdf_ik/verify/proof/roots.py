@@ -45,6 +45,11 @@ class Enclosure:
         sides = self.radius + other.radius
         return any(abs(d.real) > sides or abs(d.imag) > sides for d in _between(self.centre, other.centre))
 
+    def towards(self, q: Sequence[acb]) -> list[acb]:
+        """The point half way from the centre to q, on the shorter way around."""
+        steps = _between(q, self.centre)
+        return midpoints([c + step / 2 for c, step in zip(self.centre, steps, strict=True)])
+
     @property
     def may_be_real(self) -> bool:
         """Whether the box holds a real point."""
