@@ -22,7 +22,7 @@ FLOORS = (
     {"cell"},
     {"paths"},
     {"arm"},
-    {"calibration", "maps", "verify"},
+    {"autograd", "calibration", "maps", "verify"},
     {"interop", "show"},
     {"cli"},
 )
