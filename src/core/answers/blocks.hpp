@@ -6,8 +6,8 @@
 //   branches   the number of columns
 //   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>
 //   by_signs   whether three signs distinguish its branches; if so
-//   branch     branch(arm, seen, signs): one branch and one pose per lane, also beyond a branch's end (see margin_root);
-//              imperfect arms use it (families/imperfect/imperfect.hpp)
+//   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
+//              branch's end (see margin_root)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
 //              `wanted`, added to the columns. If it returns a number, each set bit is a branch that rounding leaves
 //              open (see around.hpp)
@@ -24,34 +24,23 @@
 
 #include "answers/answer.hpp"
 #include "answers/around.hpp"
+#include "answers/branch.hpp"
+#include "answers/inclusion.hpp"
 #include "kinematics/target.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A branch: the ideal arm's joint angles as (cos, sin), offsets included; the margins of shoulder, elbow and wrist, whose roots
-// have the branch's signs (bits 4, 2 and 1 of its number); and the smallest squared lever arm of its angles (dimensionless).
-// Margins and lever arms are reduced by the earlier joints' (see after).
-struct Branch {
-    Turn<Block> turn[6];
-    Block shoulder, elbow, wrist, arms;
-};
-// The signs of a block of branches.
-struct Signs {
-    Block shoulder, elbow, wrist;
-};
-// The squared lever arm of a joint, reduced by those of earlier joints. A small motion of the target moves a joint by the motion
-// over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.
-template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }
-
-// For one or several branches: the lanes in which they are not solutions, and the lanes in which this is in doubt.
+// For one or several branches: the lanes in which they are not solutions, the lanes in which this is in doubt, and the lanes in
+// which rounding may have changed it (see Clear).
 struct State {
-    MaskOf<Block> lost, doubt;
+    MaskOf<Block> lost, doubt, close;
 };
 
-// The result for a block: angles of each branch, the lanes in which it is a solution, and the lanes in doubt.
+// The result for a block: angles of each branch, the lanes in which it is a solution, and the lanes in doubt; and the lanes whose
+// poses need a proof from elsewhere that their branches are all.
 template <int B, int N = 6> struct Found {
     Block q[B][N];
-    unsigned valid[B], doubt[B];
+    unsigned valid[B], doubt[B], unproven = 0;
 
     // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
     STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt) {
@@ -245,6 +234,10 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     const auto reference = reference_of<joints_of<Family>>(q_ref);
     if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
     else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
+    if constexpr (branches_have_signs<Family>()) {
+        project_rotation(T, proper);
+        set_status(columns.flags[0], status_by_inclusion<Family>(arm, to_frame_1<double>(proper, arm.ideal), columns));
+    }
 }
 
 // Solve one block of targets; only the first `part.m` count. Returns the index of the first invalid pose, or -1.
@@ -273,6 +266,7 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     store_flags(found.valid, many, part.flags);
     unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
     for (int b = 0; b < B; ++b) care |= found.doubt[b];
+    care |= found.unproven;
     if (care) [[unlikely]] {
         load_targets<Family>(arm, part.T, t);
         for (int i = 0; i < many; ++i) {
@@ -286,21 +280,15 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     return -1;
 }
 
-// Branches from `first` on, one per lane, each for its own target.
-template <class Family> STEP Branch branches_from(const typename Family::Arm& arm, const Seen<Block>& seen, int first) {
-    const auto& of = arm.ideal.signs;
-    return Family::branch(arm, seen, {load<Block>(of[0] + first), load<Block>(of[1] + first), load<Block>(of[2] + first)});
-}
-
 // The joint vectors of all branches of a batch, also beyond their ends: see Batch::beyond. columns: per pose, eight or more.
 template <class Family> PART void branches_beyond(const typename Family::Arm& arm, const Batch& batch, int columns) {
     for (long i = 0; i < batch.m; ++i) {
         double* to = batch.q + 6 * columns * i;
         for (int k = 0; k < 6 * columns; ++k) to[k] = __builtin_nan("");
-        if constexpr (Family::by_signs) {
+        if constexpr (branches_have_signs<Family>()) {
             const Seen<Block> seen = to_frame_1(spread<Block>(goal_of(batch.T + 16 * i)), arm.ideal);
             for (int first = 0; first < 8; first += BLOCK) {
-                const Branch at = branches_from<Family>(arm, seen, first);
+                const Branch<Block> at = branches_from<Family>(arm, seen, first);
                 for (int j = 0; j < 6; ++j) {
                     const Block q = wrap(angle(at.turn[j]) - arm.ideal.offset[j]);
                     for (int l = 0; l < BLOCK; ++l) to[6 * (first + l) + j] = q[l];

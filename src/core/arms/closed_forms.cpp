@@ -1,8 +1,33 @@
 // Closed forms of arms with six joints, and arms near their families, from named values.
+#include <cmath>
+
 #include "arms/elimination.hpp"
 #include "arms/solver.hpp"
 
 namespace urdf_ik {
+
+constexpr const char* SHOULDERS[] = {"2||3", "1x2", "1||2", "general"};
+constexpr const char* HANDS[] = {"5x6", "general"};
+constexpr const char* LAST_AXES[] = {"5x6", "5||6", "4x5", "4||5", "general"};
+constexpr const char* LAST_PAIRS[] = {"5x6", "5||6", "general"};
+
+// The index of the word "variant" in a list in the order of the family's enum.
+template <int count> int variant_of(const Values& v, const char* const (&names)[count]) {
+    const std::string variant = v.word("variant");
+    for (int k = 0; k < count; ++k) {
+        if (variant == names[k]) return k;
+    }
+    throw v.error("variant", "no solver is called '" + variant + "'");
+}
+
+// Bounds of the errors of a closed form's margins and angles, for Clear: `first`, `links` and `wrist` are the greatest factors by
+// which an arm's own numbers enlarge the errors of the step of joint 1, of a planar arm's law of cosines and of a wrist. The rest
+// follows from the derivatives of each step for vectors no longer than the arm's size: 4 for a swing, 8 for the law of cosines, 10
+// for a wrist that three turns precede; doubled, for terms of second order.
+static double together(double first, double links, double wrist) {
+    const double error = TARGET_ROUNDING * (8.0 * first) * (16.0 * links) * (20.0 * wrist);
+    return error * error;
+}
 
 void read(const Values& v, ParallelShoulderArm& to) { read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written); }
 
@@ -16,12 +41,31 @@ void read(const Values& v, SphericalWristArm& to) {
     v.read("centre", to.centre), v.read("rho", to.rho), v.read("cos_phi", to.cos_phi), v.read("sin_phi", to.sin_phi);
     v.read("height", to.height), v.read("bend_offset", to.bend_offset), v.read("swing", to.swing);
     v.read("square_wrist", to.square_wrist);
+    const double *s = to.ideal.sin_alpha, size = to.ideal.size, steep = 1.0 / std::fabs(s[0]), wrist = 1.0 / (s[3] * s[4]);
+    const double links = size * size / (2.0 * to.ideal.a[1] * to.rho), swing = std::fabs(to.swing[0]) * size;
+    switch (static_cast<Shoulder>(variant_of(v, SHOULDERS))) {
+        case Shoulder::parallel_23:
+            to.ideal.together = together(steep, links, wrist * wrist);
+            break;
+        case Shoulder::intersecting_12:
+            to.ideal.together = together(swing * size, steep, wrist * wrist);
+            break;
+        case Shoulder::parallel_12:
+            to.ideal.together = together(swing, size / (2.0 * to.ideal.a[0]), wrist * wrist);
+            break;
+        case Shoulder::general:
+            break;
+    }
 }
 
 void read(const Values& v, ThreeParallelArm& to) {
     read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written);
     v.read("along", to.along), v.read("turn_3", to.turn_3), v.read("turn_4", to.turn_4);
     v.read("cos_first", to.cos_first), v.read("sin_first", to.sin_first), v.read("square_wrist", to.square_wrist);
+    const auto& ideal = to.ideal;
+    const double wrist = 1.0 / (to.sin_first * ideal.sin_alpha[4]),
+                 links = ideal.size * ideal.size / (2.0 * ideal.a[1] * ideal.a[2]);
+    to.ideal.together = together(1.0 / std::fabs(ideal.sin_alpha[0]), links, wrist * wrist);
 }
 
 template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
@@ -36,15 +80,6 @@ template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
     arm.loose.written.tolerances.continuum = almost * almost;
 }
 
-// The index of the word "variant" in a list in the order of the family's enum.
-template <int count> int variant_of(const Values& v, const char* const (&names)[count]) {
-    const std::string variant = v.word("variant");
-    for (int k = 0; k < count; ++k) {
-        if (variant == names[k]) return k;
-    }
-    throw v.error("variant", "no solver is called '" + variant + "'");
-}
-
 // Add a family to `makers`, and the solvers of arms near it to `imperfect`.
 template <class Arm, int count>
 void add(Makers& makers, Makers& imperfect, const char* kind, const char* const (&names)[count],
@@ -56,11 +91,6 @@ void add(Makers& makers, Makers& imperfect, const char* kind, const char* const 
     };
     imperfect[kind] = [&](const Values& v) { return maker(near[variant_of(*v.group("family"), names)], 6, 16)(v); };
 }
-
-constexpr const char* SHOULDERS[] = {"2||3", "1x2", "1||2", "general"};
-constexpr const char* HANDS[] = {"5x6", "general"};
-constexpr const char* LAST_AXES[] = {"5x6", "5||6", "4x5", "4||5", "general"};
-constexpr const char* LAST_PAIRS[] = {"5x6", "5||6", "general"};
 
 void add_closed_forms(Makers& makers) {
     const LevelTable& of = level();

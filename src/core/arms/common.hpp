@@ -39,11 +39,16 @@ inline void read(const Values& v, Ends& to) {
     v.read("tool_rotation", to.tool_rotation), v.read("tool_point", to.tool_point);
 }
 
+inline void read(const Values& v, Displacement& to) {
+    v.read("turn", to.turn), v.read("shift", to.shift), v.read("length", to.length);
+}
+
 inline void read(const Values& v, IdealFrames& to) {
     read(v, static_cast<Ends&>(to));
     v.read("cos_alpha", to.cos_alpha), v.read("sin_alpha", to.sin_alpha), v.read("a", to.a), v.read("d", to.d);
     v.read("offset", to.offset), v.read("size", to.size), v.read("clamp", to.clamp);
     v.read("imperfection", to.imperfection), v.read("signs", to.signs);
+    read(*v.group("displacement"), to.displacement);
 }
 
 }  // namespace urdf_ik

@@ -45,6 +45,16 @@ struct Ends {
     double tool_rotation[3][3], tool_point[3];   // rotation transposed; the solved point, in the tip
 };
 
+// Bounds on the motion between the tips of two arms at the same joint vector. Entry k: by the steps from k on, which joint k moves;
+// entry 0: by all. turn [rad]; shift [m]; length: of the steps [m]. Derived in ik/families/parts/displacement.py.
+struct Displacement {
+    double turn[7], shift[7], length[7];
+};
+
+// Rounding of a closed form's targets [rad, share of size]: twelve operations on each number in to_frame_1(), and seven rotations
+// whose cosines and sines are rounded, two each; 26 times 2^-52.
+inline constexpr double TARGET_ROUNDING = 6e-15;
+
 // The nearest arm that has its family's structure exactly, by Craig's Denavit-Hartenberg parameters:
 // T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
 struct IdealFrames : Ends {
@@ -52,6 +62,8 @@ struct IdealFrames : Ends {
     double clamp;         // a branch is given up if a margin is below -clamp
     double imperfection;  // distance of its poses from those of the arm as written [rad, share of size]; 0: exact
     double signs[3][8];   // of shoulder, elbow and wrist, by branch
+    double together;      // see Clear in answers/branch.hpp
+    Displacement displacement;  // from the arm as written
 };
 
 // One call's poses and answers. q: (m, columns, joints), flags: (m, columns).

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.cell import without_pinocchio
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support.text import quoted
 
@@ -53,9 +54,11 @@ class Cell:
 
     @cached_property
     def collisions(self) -> CollisionModel:
-        """Collision and distance of the links through Pinocchio and coal."""
+        """Collision and distance of the links through Pinocchio and coal; where these are not installed, none."""
         if self.changed is not None:
             return self.changed
+        if not without_pinocchio.installed():
+            return without_pinocchio.unchecked()
         from urdf_ik.cell.collision_model import CollisionModel
 
         model, chain = self.model, self.chain
@@ -63,7 +66,13 @@ class Cell:
 
     @cached_property
     def reference(self) -> Reference:
-        """Pinocchio's model of the whole URDF, built from the file itself."""
+        """Pinocchio's model of the whole URDF, built from the file itself.
+
+        Raises:
+            MissingPackage: Pinocchio is not installed.
+        """
+        if not without_pinocchio.installed():
+            raise without_pinocchio.needed("comparisons with the reference")
         from urdf_ik.cell.pinocchio_reference import Reference
 
         return Reference(self.model, self.chain.base, self.chain.tip, locked=dict(self.chain.locked))

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from urdf_ik.cell import coal_shapes
 from urdf_ik.cell.bodies import Bodies
-from urdf_ik.cell.distance_bounds import DistanceBounds
+from urdf_ik.cell.distance_bounds import QUERY_ERROR, DistanceBounds
 from urdf_ik.cell.obstacles.index import index_of
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.support.tolerances import LARGEST
@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Indices = NDArray[np.intp]
     Pair = tuple[str, str]
-
-QUERY_ERROR = 1e-5
-"""Bound on the error of coal's distances [m]: its iterations stop at 1e-6."""
-
 
 REACH = 0.1
 """First radius [m] of the search for an obstacle near an arm without pairs of links; each further search takes four

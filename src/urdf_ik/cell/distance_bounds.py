@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
+QUERY_ERROR = 1e-5
+"""Bound on the error of coal's distances [m]: its iterations stop at 1e-6."""
+
 CHUNK = 128
 """Joint vectors per block of bounds: few enough for the processor's cache."""
 

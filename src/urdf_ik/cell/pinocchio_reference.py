@@ -7,7 +7,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pinocchio as pin
+
+from urdf_ik.cell import without_pinocchio
+
+try:
+    import pinocchio as pin
+except ModuleNotFoundError:
+    raise without_pinocchio.needed("comparisons with the reference") from None
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
 from urdf_ik.model import urdf

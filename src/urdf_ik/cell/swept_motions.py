@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.cell.coal_check import QUERY_ERROR
+from urdf_ik.cell.distance_bounds import QUERY_ERROR
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
 

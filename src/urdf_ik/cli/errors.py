@@ -12,6 +12,7 @@ from enum import IntEnum
 import typer
 
 from urdf_ik import errors
+from urdf_ik.cell import without_pinocchio
 from urdf_ik.errors import MOST_OF_A_NAME, message, printable
 
 _QUOTE = re.compile(rf"'[^']{{{MOST_OF_A_NAME + 1},}}'")
@@ -39,6 +40,8 @@ def status_of(error: errors.UrdfIkError) -> Status:
 
 def unloaded(error: ImportError) -> str:
     """Message for a package that is installed and cannot be loaded: pin's wheels need a library of the system."""
+    if isinstance(error, ModuleNotFoundError) and error.name in without_pinocchio.PACKAGES:
+        return str(without_pinocchio.needed("checks"))
     hint = "; on Debian and Ubuntu: apt install libgomp1" if "libgomp" in str(error) else ""
     return f"a package that urdf-ik needs cannot be loaded: {printable(str(error))}{hint}"
 

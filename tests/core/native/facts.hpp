@@ -22,3 +22,4 @@ inline bool near(double a, double b, double within) { return std::fabs(a - b) <=
 void test_trig();
 void test_polynomials();
 void test_subproblems();
+void test_balls();

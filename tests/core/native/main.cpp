@@ -5,6 +5,7 @@ int main() {
     test_trig();
     test_polynomials();
     test_subproblems();
+    test_balls();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;
 }

@@ -70,11 +70,11 @@ STEP WristEnds<V> wrist_ends(const IdealFrames& arm, const Height<V>& at, const 
         const Bend<V> b = swing_to_tilt<V>(h, ca5, sa5, ca3 * ca4, sa3 * sa3, front);
         const Vec<V> v = seen_from_5(arm, h, b.turn);
         const V s4 = (at.level - d5 * v.z - a5 * v.x) * (1.0 / (a4 * sa3)), margin = (1.0 - s4) * (1.0 + s4);
-        return {unit<V>(flip * margin_root(margin), s4), b.turn, b.margin, margin};
+        return {unit(flip * margin_root(margin), s4), b.turn, b.margin, margin};
     } else {
         const Vec<V> v = seen_from_5(arm, h, root);
         const V c4 = (ca3 * ca4 - v.z) * (1.0 / (sa3 * sa4)), s4 = (at.level - d5 * v.z - a5 * v.x) * (1.0 / (a4 * sa3));
-        return {unit<V>(c4, s4), root, V(1.0), V(1.0)};
+        return {unit(c4, s4), root, V(1.0), V(1.0)};
     }
 }
 
@@ -200,23 +200,22 @@ template <LastAxes kind> struct ParallelShoulder {
                   doubt);
     }
 
-    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0];
-        const Height<Block> at = height_of(ideal, seen);
-        const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, signs.shoulder, signs.wrist, {});
-        const MiddleTurn<Block> middle = middle_turn(ideal, at, ends.t4, ends.t6);
-        const Hand<Block> hand = hand_at(ideal, ends.t4);
-        const Turn<Block> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
-        const Plane<Block> u = rest_across<Block>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
-        const Elbow<Block> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
-        const Block arm6 = at.h.x * at.h.x + at.h.y * at.h.y, arm1 = (u.x * u.x + u.y * u.y) * scale;
-        const Block ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
-        const Turn<Block> t2 = unit(e.bend.c, e.bend.s);
-        Turn<Block> t3 = psi;
-        unturn(t3.c, t3.s, e.second), unturn(t3.c, t3.s, Turn<Block>{t2.c, side * t2.s});
-        t3.s = same_sense(ideal) * t3.s;
-        return {{e.second, t2, t3, ends.t4, middle.t5, ends.t6},
+        const Height<V> at = height_of(ideal, seen);
+        const WristEnds<V> ends = wrist_ends<kind, V>(ideal, at, signs.shoulder, signs.wrist, {});
+        const MiddleTurn<V> middle = middle_turn(ideal, at, ends.t4, ends.t6);
+        const Hand<V> hand = hand_at(ideal, ends.t4);
+        const Turn<V> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
+        const Plane<V> u = rest_across<V>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
+        const Elbow<V> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
+        const V arm6 = at.h.x * at.h.x + at.h.y * at.h.y, arm1 = (u.x * u.x + u.y * u.y) * scale;
+        const V ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
+        const Turn<V> t2 = unit(e.bend.c, e.bend.s);
+        Turn<V> t3 = psi;
+        unturn(t3.c, t3.s, e.second), unturn(t3.c, t3.s, Turn<V>{t2.c, side * t2.s});
+        return {{e.second, t2, unit(t3.c, same_sense(ideal) * t3.s), ends.t4, middle.t5, ends.t6},
                 ends.first,
                 e.margin,
                 ends.second,

@@ -85,7 +85,7 @@ template <LastPair kind, class V> STEP LastTurns<V> last_turns(const SphericalMi
             ex = (square + gz * gz - a5 * a5 - rr - u.z * u.z) * (0.5 / a5), fx = ex + a5;
         }
     }
-    const Turn<V> t5 = unit<V>(gx * fx + gy * fy, gy * fx - gx * fy), t6 = unit<V>(ex * u.x + ey * u.y, ey * u.x - ex * u.y);
+    const Turn<V> t5 = unit(gx * fx + gy * fy, gy * fx - gx * fy), t6 = unit(ex * u.x + ey * u.y, ey * u.x - ex * u.y);
     Vec<V> e = {t5.c * gx + t5.s * gy - a5, t5.c * gy - t5.s * gx, V(gz)};
     unturn(e.y, e.z, Turn<double>{ca5, sa5}), unturn(e.x, e.y, t6);
     const Vec<V> off = e - u;
@@ -154,17 +154,17 @@ template <LastPair kind> struct SphericalMiddle {
                   lost, doubt);
     }
 
-    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
-        const FirstTurn<Block> first = first_turn<kind, Block>(arm, seen, signs.shoulder);
-        const Vec<Block> u = centre_seen_from_6(arm, seen, first.t1);
-        const LastTurns<Block> last = last_turns<kind, Block>(arm, u, signs.elbow);
-        const Rot<Block> M = middle_rotation(ideal, seen.R, first.t1, last.t5, last.t6);
-        const Bend<Block> bend = wrist_bend(M.z, t, signs.wrist);
-        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
-        const Block arm6 = (u.x * u.x + u.y * u.y) * (1.0 / (ideal.size * ideal.size));
-        const Block outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
+        const FirstTurn<V> first = first_turn<kind, V>(arm, seen, signs.shoulder);
+        const Vec<V> u = centre_seen_from_6(arm, seen, first.t1);
+        const LastTurns<V> last = last_turns<kind, V>(arm, u, signs.elbow);
+        const Rot<V> M = middle_rotation(ideal, seen.R, first.t1, last.t5, last.t6);
+        const Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
+        const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
+        const V arm6 = (u.x * u.x + u.y * u.y) * (1.0 / (ideal.size * ideal.size));
+        const V outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
         return {{first.t1, turns.first, bend.turn, unit(turns.last.c, turns.last.s), last.t5, last.t6},
                 first.margin,
                 last.margin,

@@ -33,6 +33,7 @@ template <Shoulder kind> struct SphericalWrist {
     // Margins and squared arms of a place of the first three joints, and the squared error of its position.
     struct Margins {
         Block shoulder, elbow, arms, error;
+        Clear<Block> clear;
     };
     static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20,
                          SIXTH_FLIPPED = 24;
@@ -76,7 +77,8 @@ template <Shoulder kind> struct SphericalWrist {
         const Block along = ideal.a[1] + arm.rho * c;
         const Block c_even = f.wx * front.ux, c_odd = f.wy * front.uy, s_even = f.wx * front.uy, s_odd = f.wy * front.ux;
         const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * size2;
-        Margins margins = {front.margin, f.margin, min(arm1, arm2), 0.0};
+        Margins margins = {front.margin, f.margin, min(arm1, arm2), 0.0,
+                           Clear<Block>::first(front.margin, arm1).then(f.margin, arm2)};
         for (int e = 0; e < 2; ++e) {
             const int pair = 2 * outer + e;
             const double up = ideal.signs[1][2 * pair];
@@ -115,7 +117,8 @@ template <Shoulder kind> struct SphericalWrist {
             const int pair = 2 * inner + outer;
             const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[0][2 * pair], {});
             at.set(FIRST + pair, place.t1), at.set(SECOND + pair, place.t2);
-            const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error};
+            const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error,
+                                     Clear<Block>::first(place.margin2, 1.0).then(place.margin1, place.arm1 * place.arm2)};
             state[pair] = wrists<square>(arm, wrist_rotation(seen.R, arm.ideal, place), margins, pair, at);
         }
     }
@@ -144,7 +147,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
         const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
                           ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
-        return {lost, doubt};
+        return {lost, doubt, place.clear.is_close(margin, ideal.together)};
     }
 
     // Joint values from the angles, less the offsets.
@@ -174,17 +177,18 @@ template <Shoulder kind> struct SphericalWrist {
             }
             found.set(2 * pair, q, state[pair].lost, state[pair].doubt);
             found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt);
+            found.unproven |= bits(state[pair].close);
         }
     }
 
-    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        const Place<Block> at = position<kind, Block>(arm, seen.p, signs.shoulder, signs.elbow, {});
-        const Rot<Block> M = wrist_rotation(seen.R, ideal, at);
-        const Bend<Block> bend = wrist_bend(M.z, t, signs.wrist);
-        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
-        const Block arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
+        const Place<V> at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, {});
+        const Rot<V> M = wrist_rotation(seen.R, ideal, at);
+        const Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
+        const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
+        const V arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
         return {{at.t1, at.t2, unit(at.t3.c, at.t3.s), turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
                 at.margin1,
                 at.margin2,

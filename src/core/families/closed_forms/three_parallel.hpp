@@ -88,6 +88,7 @@ template <Hand kind> struct ThreeParallel {
     // Margins, squared arms and error of the steps before the elbow.
     struct Upstream {
         Block margin1, margin5, arm1, fixed, error;
+        Clear<Block> clear;
     };
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
@@ -115,7 +116,13 @@ template <Hand kind> struct ThreeParallel {
         const Block high = (from.p.z - arm.along) * (1.0 / ideal.size), arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
         at.set(FIRST + shoulder, first.turn);
         const auto elbows = [&](const Turn<Block>& bend, const Block& margin, const WristTurns<Block>& turns, int flip) {
-            const Upstream up = {first.margin * scale, margin, arm1, turns.fixed, turns.error + high * high};
+            const Block margin1 = first.margin * scale;
+            const Upstream up = {margin1,
+                                 margin,
+                                 arm1,
+                                 turns.fixed,
+                                 turns.error + high * high,
+                                 Clear<Block>::first(margin1, arm1).then(margin, turns.fixed)};
             state[2 * shoulder + flip] =
                 both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
         };
@@ -153,7 +160,7 @@ template <Hand kind> struct ThreeParallel {
                           ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
-        return {lost, doubt};
+        return {lost, doubt, up.clear.is_close(f.margin, ideal.together)};
     }
 
     // Joint values from the angles, less the offsets.
@@ -167,6 +174,7 @@ template <Hand kind> struct ThreeParallel {
         Block phi = angle[(flip && !square ? PHI_FLIPPED : PHI) + shoulder];
         Block q6 = wrap(angle[(flip && !square ? SIXTH_FLIPPED : SIXTH) + shoulder] - offset[5]);
         if (flip && square) phi = half_turn_from(phi), q6 = half_turn_from(q6);
+        found.unproven |= bits(state.close);
         for (int down = 0; down < 2; ++down) {
             const Block t2 = angle[SECOND + 2 * k + down], t3 = down ? -angle[BEND + k] : angle[BEND + k];
             const Block t4 = arm.turn_4 * (phi - (t2 + arm.turn_3 * t3));
@@ -176,24 +184,27 @@ template <Hand kind> struct ThreeParallel {
         }
     }
 
-    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        const Swing<Block> first = face(arm, seen.p, signs.shoulder);
-        const Seen<Block> from = seen_along(arm, seen, first.turn);
-        const Bend<Block> bend = wrist_bend(from.R.z, t, signs.wrist);
-        const WristTurns<Block> turns = wrist_turns(from.R, bend.turn, t);
-        const Across<Block> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
-        const Elbow<Block> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
-        const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
-        const Block margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
-        const Block arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
-        const Turn<Block> t3 = unit(e.bend.c, e.bend.s);
-        Turn<Block> t4 = turns.first;
-        unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<Block>{t3.c, arm.turn_3 * t3.s});
-        t4.s = arm.turn_4 * t4.s;
-        return {{first.turn, e.second, t3, t4, bend.turn, unit(turns.last.c, turns.last.s)}, margin1, e.margin, bend.margin, arms};
+        const Swing<V> first = face(arm, seen.p, signs.shoulder);
+        const Seen<V> from = seen_along(arm, seen, first.turn);
+        const Bend<V> bend = wrist_bend(from.R.z, t, signs.wrist);
+        const WristTurns<V> turns = wrist_turns(from.R, bend.turn, t);
+        const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
+        const Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
+        const V arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
+        const V margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
+        const V arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
+        const Turn<V> t3 = unit(e.bend.c, e.bend.s);
+        Turn<V> t4 = turns.first;
+        unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<V>{t3.c, arm.turn_3 * t3.s});
+        return {{first.turn, e.second, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)},
+                margin1,
+                e.margin,
+                bend.margin,
+                arms};
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,

@@ -47,7 +47,7 @@ template <class Family> struct Imperfect {
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
-        const Branch at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
+        const Branch<Block> at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
         for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
         store(at.shoulder, to.margin[0] + first), store(at.elbow, to.margin[1] + first), store(at.wrist, to.margin[2] + first);
         store(at.arms, to.arms + first);
@@ -73,7 +73,7 @@ template <class Family> struct Imperfect {
         const double off = arm.family.ideal.imperfection;
         if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
-        if (!complete(arm.elimination, goal, columns)) {
+        if (complete(arm.elimination, goal, columns) != Status::complete) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
             set_status(columns.flags[0], Status::incomplete);

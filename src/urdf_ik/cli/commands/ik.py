@@ -171,6 +171,8 @@ def command(
         console.write(tables.text_of(answer, angles, target.note, to_file=output is not None), output)
     else:
         console.write(checked.DATA[chosen_format](answer, angles), output)
+        if answer.unmeasured:
+            typer.echo(f"errors and contacts were not checked: {answer.unmeasured}", err=True)
     if unsolved := int((answer.counts == 0).sum()):
         if chosen_format is not Format.TABLE:
             typer.echo(f"{unsolved} of {len(answer.counts)} poses have no solution", err=True)

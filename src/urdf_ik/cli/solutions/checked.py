@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.cell import without_pinocchio
 from urdf_ik.cli import console
 from urdf_ik.cli.solutions import redundancy as parameters
 from urdf_ik.ik.solutions import IKSolutions, Singular
@@ -39,6 +40,7 @@ class CheckedSolutions:
         free: (N, B) bool, free of self-collision.
         hits: the pairs of links that collide, by pose and column.
         unchecked: reason why self-collision could not be checked, '' where it was or need not be.
+        unmeasured: reason why the errors could not be measured, '' where they were or need not be.
         position_error: (N, B) m, as Pinocchio measures it, NaN where there is no solution.
         rotation_error: (N, B) rad, likewise.
     """
@@ -54,6 +56,7 @@ class CheckedSolutions:
     unchecked: str
     position_error: NDArray[np.float64] | None
     rotation_error: NDArray[np.float64] | None
+    unmeasured: str = ""
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
@@ -104,10 +107,9 @@ def solve(
     hits: dict[tuple[int, int], Sequence[tuple[str, str]]] = {}
     unchecked = ""
     todo = np.argwhere(valid)
-    if errors:
-        from urdf_ik.cell.pinocchio_reference import Reference
-
-        reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
+    unmeasured = "" if not errors or without_pinocchio.installed() else without_pinocchio.UNCHECKED
+    if errors and not unmeasured:
+        reference = arm.cell.reference
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _BATCH):
             i, b = todo[start : start + _BATCH].T
@@ -128,7 +130,7 @@ def solve(
                     hits[int(i), int(b)] = body.colliding_pairs(q[i, b])
                 tick(done + 1, len(todo))
     return CheckedSolutions(
-        arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation
+        arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation, unmeasured
     )
 
 

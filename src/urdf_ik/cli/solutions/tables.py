@@ -28,6 +28,8 @@ def text_of(answer: CheckedSolutions, angles: Angles, note: str, *, to_file: boo
         head += tables.folded("", f"redundancy: {arm.redundancy}".split(" "), " ")
     if answer.unchecked:
         head += tables.folded("", f"self-collision was not checked: {answer.unchecked}".split(" "), " ")
+    if answer.unmeasured:
+        head += tables.folded("", f"errors were not measured: {answer.unmeasured}".split(" "), " ")
     if len(answer.poses) > SUMMARY_ABOVE:
         return tables.render(*head, "", *summary(answer, angles), to_file=to_file)
     parts: list[Table | str] = [*head, legend(answer, angles)]

@@ -80,7 +80,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     directions, parallel = straightened(structure, chain.H)
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
-    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    ideal = ideal_arm(frames, error, SIGNS, chain)
     solver = Solver(ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain)))
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     return FamilyMember(

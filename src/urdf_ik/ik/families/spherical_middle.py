@@ -77,7 +77,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     if middle is not None and middle.point is not None:
         points[1:4] = middle.point
     frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
-    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    ideal = ideal_arm(frames, error, SIGNS, chain)
     a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
     arm = SphericalMiddleArm(
         variant=wrist,

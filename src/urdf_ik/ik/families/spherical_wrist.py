@@ -107,7 +107,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
-    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    ideal = ideal_arm(frames, error, SIGNS, chain)
     arm = _arm(chain, ideal, shoulder, _front(chain, frames, points[3]))
     if arm is None:
         return None

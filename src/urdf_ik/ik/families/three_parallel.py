@@ -76,7 +76,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     directions[1:4] = mean_direction(directions[1:4])
     meet = [False, False, False, False, crossing]
     frames, error = ideal_frames(chain, directions, points, [False, True, True, False, False], meet)
-    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    ideal = ideal_arm(frames, error, SIGNS, chain)
     ca, sa, d = ideal.cos_alpha, ideal.sin_alpha, ideal.d
     turn_3, turn_4 = float(ca[1]), float(ca[1] * ca[2])
     arm = ThreeParallelArm(

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.assembly import Refined, add_margins, cut_coarse, made, not_found, priced
+from urdf_ik.paths.planner.closed_waypoints import FINEST, closed_waypoint, grid_values, is_closed
 from urdf_ik.paths.planner.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing
 from urdf_ik.paths.planner.limit_windows import narrow
 from urdf_ik.paths.planner.search import Search
@@ -34,7 +34,7 @@ FEWEST, MOST, WANTED = 48, 768, 250
 where the limits leave few, the grid is finer, so that a step to the next value is small beside the joints' way."""
 APART_TURN, APART_MOVE = 0.2, 0.06
 """rad and share of the arm's size between these waypoints."""
-GRIDS = (64, 128, 256)
+GRIDS = (64, 128, FINEST)
 """Values of grids at every waypoint, tried one after the other where the grid at some of them led to no plan."""
 LOOSE = (0.25, 1.0)
 """See ``graph.MISMATCH``, on grids that only guide: from one of their values to the next a motion strays far."""
@@ -95,7 +95,8 @@ class Guide(NamedTuple):
 def plan(settings: CheckedSettings, path: Array) -> Plan:
     """The plan of an arm with a redundancy parameter.
 
-    Obstacles make no way cheaper: where the best way without them is clear, it is the best with them.
+    Obstacles make no way cheaper: where the best way without them is clear, it is the best with them. Where it touches,
+    its waypoints are looked at first: one at which every solution touches ends every way.
     """
     obstacles = settings.obstacles
     if obstacles is not None and not settings.reconfigure:
@@ -103,6 +104,8 @@ def plan(settings: CheckedSettings, path: Array) -> Plan:
         q = alone.motion
         if alone.found and obstacles.free(q).all() and obstacles.motions_free(q[:-1], q[1:]).all():
             return replace(alone, obstacles=obstacles, others=lambda: _searched(settings, path).alternatives)
+        if alone.found and (stop := closed_waypoint(settings, path, alone.q)) is not None:
+            return not_found(settings, path, [stop])
     return _searched(settings, path)
 
 
@@ -179,11 +182,7 @@ def _closed(settings: CheckedSettings, refined: Refined, search: Search) -> bool
     layers = search.graph.layers
     hits = np.bincount(layers.at[search.hits], minlength=len(layers.T))
     touching = np.flatnonzero((hits == np.diff(layers.first)) & (hits > 0))
-    if not len(touching):
-        return False
-    at = touching[:1]
-    grid = _grid(settings, refined, GRIDS[-1])[at]
-    return not search.obstacles.free(node_sets.solved(settings.solver, settings.joints, refined.T, at, grid).q).any()
+    return len(touching) > 0 and is_closed(settings, refined.T[touching[0]], FINEST)
 
 
 def _some(settings: CheckedSettings, refined: Refined) -> Refined:
@@ -209,11 +208,7 @@ def _values(settings: CheckedSettings, refined: Refined) -> int:
 
 def _grid(settings: CheckedSettings, refined: Refined, count: int) -> Array:
     """The same values at every waypoint, (m, count)."""
-    parameter = settings.solver.parameter
-    assert parameter is not None  # only such arms are planned for here
-    low, high = span(settings.solver, parameter, refined.T)
-    values = np.linspace(low, high, count, endpoint=not parameter.round)
-    return np.broadcast_to(values, (len(refined.T), count))
+    return np.broadcast_to(grid_values(settings, refined.T, count), (len(refined.T), count))
 
 
 def _nodes(settings: CheckedSettings, refined: Refined, count: int, *, closely: bool = False) -> tuple[Nodes, float]:

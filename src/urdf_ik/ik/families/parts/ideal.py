@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.families.parts.displacement import Displacement, displacement
 from urdf_ik.kinematics.dh.frames import denavit_hartenberg
 from urdf_ik.support.tolerances import DEFAULT
 
@@ -63,6 +64,7 @@ class IdealFrames(Ends):
         clamp: how far below zero a margin may fall before its branch is given up.
         imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
         signs: (3, 8) of the roots of shoulder, elbow and wrist, by branch.
+        displacement: bounds on the motion between its tip and that of the arm as written.
     """
 
     cos_alpha: Array
@@ -75,6 +77,7 @@ class IdealFrames(Ends):
     clamp: float
     imperfection: float
     signs: Array
+    displacement: Displacement
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,14 +116,14 @@ def ideal_frames(
     return frames, float(np.abs(apart).max())
 
 
-def ideal_arm(frames: DHFrames, error: float, signs: Array, size: float) -> IdealFrames:
+def ideal_arm(frames: DHFrames, error: float, signs: Array, chain: Chain) -> IdealFrames:
     """The ideal arm for its family's solver.
 
     Args:
         frames: its DH frames.
         error: how far its poses are from those of the arm as written [rad, share of size].
         signs: (3, 8) of the roots of shoulder, elbow and wrist, by branch.
-        size: m, the arm's.
+        chain: the arm as written.
     """
     base, tool = frames.base, frames.tool
     exact = error <= DEFAULT.exact_structure
@@ -135,10 +138,11 @@ def ideal_arm(frames: DHFrames, error: float, signs: Array, size: float) -> Idea
         d=np.array(frames.d[:4], dtype=np.float64),
         offset=np.array(frames.offset, dtype=np.float64),
         steps=np.ascontiguousarray(np.array(frames.steps())[:, :3]),
-        size=size,
+        size=chain.size,
         clamp=100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         imperfection=0.0 if exact else error,
         signs=signs,
+        displacement=displacement(frames, chain),
     )
 
 

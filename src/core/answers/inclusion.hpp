@@ -1,0 +1,149 @@
+// Interval inclusion through a closed form: boxes that hold every real solution of a pose.
+//
+// The ideal arm's closed form runs on balls (arithmetic/ball.hpp) that hold every target of a set: all targets D T, where D is any
+// displacement between the ideal arm and the arm as written, rounding included. Each branch takes one sign of every root, so each
+// gives one box: an arc for every joint. A margin below zero in the whole ball empties the box. Each real solution of the arm as
+// written is a solution of the ideal arm for one of these targets, so it lies in a box:
+//   empty   no solution
+//   sure    every margin is above zero and every lever arm above its error: there is a solution for every target, which moves
+//           continuously with the target. If D is the same for all joint vectors, as it is up to rounding for an exact arm, the
+//           box holds exactly one solution, since the signs of the roots tell the branches apart
+//   free    a lever arm does not exceed its error: a joint's arc is the whole circle
+//   other   a margin may have either sign: two solutions, one double root or none
+#pragma once
+
+#include "answers/answer.hpp"
+#include "answers/branch.hpp"
+#include "arithmetic/ball.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Two solutions that differ in the sign of a root stand as one if the root's square is below TINY_MARGIN, and two joint vectors if
+// each joint's angles are closer than NEARER_THAN_ROUNDING [rad]. Half way between them, where the root is zero, the pose error is
+// about the margin, or an eighth of the squared distance: what lies there would be verified as a solution too
+// (Tolerances::reach, 1e-10).
+inline constexpr double TINY_MARGIN = 1e-11;
+inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
+
+// Whether three signs tell a family's branches apart.
+template <class Family> constexpr bool branches_have_signs() {
+    return requires { requires Family::by_signs; };
+}
+
+// Branches from `first` on, one per lane, each for its own target.
+template <class Family, class V> STEP Branch<V> branches_from(const typename Family::Arm& arm, const Seen<V>& seen, int first) {
+    const auto& of = arm.ideal.signs;
+    const auto signs = [&](int k) { return V(load<Block>(of[k] + first)); };
+    return Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
+}
+
+// The boxes of one pose, by branch: centres and chords of the arcs of the joints' angles, offsets included. A whole circle has its
+// centre at the origin and a chord of 1.
+struct Boxes {
+    double c[6][8], s[6][8], chord[6][8];
+    // By margin (shoulder, elbow, wrist): it may have either sign, it is at most TINY_MARGIN.
+    unsigned open[3] = {}, tiny[3] = {}, empty = 0, free = 0;
+
+    STEP unsigned sure() const { return ~(open[0] | open[1] | open[2]) & 255u; }
+};
+
+// The boxes of a block of branches from `first` on, each for targets within `turn` [rad] and `shift` [m] of its own.
+template <class Family>
+PART void include(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
+                  Boxes& to) {
+    using Number = Ball<Block>;
+    const auto within = [](const Vec<Block>& a, const Block& radius) {
+        return Vec<Number>{{a.x, radius}, {a.y, radius}, {a.z, radius}};
+    };
+    const Seen<Number> seen = {{within(target.R.x, turn), within(target.R.y, turn), within(target.R.z, turn)},
+                               within(target.p, shift)};
+    const Branch<Number> at = branches_from<Family, Number>(arm, seen, first);
+    const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
+    for (int k = 0; k < 3; ++k) {
+        const Block most = margins[k]->greatest();
+        const unsigned below = bits(most < Block(0.0)), above = bits(margins[k]->least() > Block(0.0));
+        to.empty |= below << first, to.open[k] |= (~above & ((1u << BLOCK) - 1)) << first;
+        to.tiny[k] |= bits(most <= Block(TINY_MARGIN)) << first;
+    }
+    for (int j = 0; j < 6; ++j) {
+        const Turn<Number>& t = at.turn[j];
+        store(t.c.mid, to.c[j] + first), store(t.s.mid, to.s[j] + first), store(t.c.rad, to.chord[j] + first);
+        to.free |= bits(!(t.c.mid * t.c.mid + t.s.mid * t.s.mid > Block(0.5))) << first;
+    }
+}
+
+// The boxes that hold a joint vector, given by the points of its joints' angles (offsets included) on the circle, or are so near to
+// it that what they hold stands as one with it.
+PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
+    unsigned out = 0;
+    for (int first = 0; first < 8; first += BLOCK) {
+        Block beyond = -1.0;
+        for (int j = 0; j < 6; ++j) {
+            const Block c = load<Block>(boxes.c[j] + first) - at[j].c, s = load<Block>(boxes.s[j] + first) - at[j].s;
+            beyond = max(beyond, root(c * c + s * s) - load<Block>(boxes.chord[j] + first));
+        }
+        out |= bits(beyond <= Block(NEARER_THAN_ROUNDING)) << first;
+    }
+    return out;
+}
+
+// The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
+// the branches apart: a solution of its own decides it. A box without one is decided if each of its open roots is tiny and one of
+// its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes
+// it.
+template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
+    unsigned owned = 0, met = 0;  // by branch
+    const unsigned there = ~boxes.empty & 255u;
+    for (int k = 0; k < columns.many; ++k) {
+        if (!columns.valid(k)) continue;
+        Row<8> angles = 0.0;
+        for (int j = 0; j < 6; ++j) angles.set(j, columns.row(k)[j] + arm.ideal.offset[j]);
+        const Turn<Row<8>> points = cos_sin_of_any(angles);
+        Turn<double> at[6];
+        for (int j = 0; j < 6; ++j) at[j] = {points.c[j], points.s[j]};
+        const unsigned in = inside(boxes, at) & there;
+        if (!in) return Status::incomplete;
+        met |= in;
+        // One column owns one box: a sure one rather than another.
+        unsigned alone = in & ~boxes.free & ~owned;
+        if (alone & boxes.sure()) alone &= boxes.sure();
+        owned |= alone & -alone;
+    }
+    Status status = Status::complete;
+    for (int b = 0; b < 8; ++b) {
+        const unsigned bit = 1u << b;
+        if (!(there & ~owned & bit)) continue;
+        if (boxes.free & bit) {
+            if (!(met & bit)) return Status::incomplete;
+            status = Status::continuum;
+            continue;
+        }
+        unsigned tiny = 0, twins = bit;
+        for (int j = 0; j < 6; ++j) {
+            if (boxes.chord[j][b] > BESIDE) return Status::incomplete;
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (boxes.open[k] & ~boxes.tiny[k] & bit) return Status::incomplete;
+            if (boxes.tiny[k] & bit) tiny |= 4u >> k;
+        }
+        for (int c = 0; c < 8; ++c) twins |= unsigned(!(unsigned(b ^ c) & ~tiny)) << c;
+        if (!(twins & owned)) return Status::incomplete;
+        if (status == Status::complete) status = Status::clustered;
+    }
+    return status;
+}
+
+// The status of one pose of an exact arm whose solutions are in the columns; seen: its target, whose rotation is a rotation.
+template <class Family>
+PART Status status_by_inclusion(const typename Family::Arm& arm, const Seen<double>& seen, const Columns<6>& columns) {
+    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    const auto& [turn, shift, length] = arm.ideal.displacement;
+    const double far = arm.ideal.size + sqrt(dot(seen.p, seen.p));
+    Boxes boxes;
+    for (int first = 0; first < 8; first += BLOCK) {
+        include<Family>(arm, {target.R, target.p}, turn[0] + TARGET_ROUNDING, shift[0] + TARGET_ROUNDING * far, first, boxes);
+    }
+    return decided(arm, boxes, columns);
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

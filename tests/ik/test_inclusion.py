@@ -1,0 +1,128 @@
+"""Interval inclusion through the closed forms: what the status of an exact arm's pose says.
+
+The planted joint vector is a solution by construction: an answer that says that it is complete has it.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from arms import random_arm
+from cases import Case, described
+from numpy.typing import NDArray
+from oracle import angle_distance
+
+Array = NDArray[np.float64]
+
+KINDS = ("wrist, 2||3", "wrist, 2||3, 1x2", "wrist, 1x2", "wrist, 1||2", "2||3||4, 5x6", "2||3||4, 1x2, 5x6")
+DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0)
+
+
+@lru_cache
+def exact(kind: str, seed: int = 0) -> Case:
+    """Load a random member of a family."""
+    return described(random_arm(kind, seed))
+
+
+def singular_vectors(case: Case, count: int, rng: np.random.Generator) -> Array:
+    """Joint vectors at which the Jacobian's determinant changes its sign along one joint."""
+    q = rng.uniform(-np.pi, np.pi, (64 * count, 6))
+    j = rng.integers(1, 5, len(q))
+    other = q.copy()
+    other[np.arange(len(q)), j] += 0.3
+
+    def sign(at: Array) -> Array:
+        return np.sign(np.linalg.det(case.arm.jacobian(at)))
+
+    low, high = q, other
+    crosses = sign(low) * sign(high) < 0.0
+    low, high = low[crosses][:count], high[crosses][:count]
+    of_low = sign(low)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        below = (sign(middle) == of_low)[:, None]
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return low
+
+
+def near_singular(case: Case, count: int) -> Array:
+    """Joint vectors at all distances from singular ones."""
+    rng = np.random.default_rng(5)
+    at = singular_vectors(case, count, rng)
+    away = rng.normal(size=at.shape)
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    return np.concatenate([at + distance * away for distance in DISTANCES])
+
+
+def round_vectors(count: int) -> Array:
+    """Multiples of a right angle."""
+    return np.random.default_rng(6).choice([-0.5 * np.pi, 0.0, 0.5 * np.pi, np.pi], (count, 6))
+
+
+def lacks(case: Case, q: Array) -> NDArray[np.bool_]:
+    """Poses that say that no solution is missing and lack the planted vector.
+
+    A solution stands for it if half way between the two the arm keeps the pose to 1e-10 m and rad.
+    """
+    T = case.oracle.poses(q)
+    s = case.arm.ik(T)
+    apart = np.where(s.valid, angle_distance(s.q, q[:, None]), np.inf)
+    nearest = s.q[np.arange(len(q)), apart.argmin(axis=1)]
+    middle = q + 0.5 * np.nan_to_num(np.remainder(nearest - q + np.pi, 2.0 * np.pi) - np.pi)
+    error = np.abs(case.oracle.poses(middle) - T).max(axis=(1, 2))
+    return s.certain & ((apart.min(axis=1) > 1e-3) | (error > 1e-10))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_random_poses_are_proven(kind: str) -> None:
+    """Of an exact arm all but one in a thousand are complete, and have what was planted."""
+    case = exact(kind)
+    q = case.oracle.draw(np.random.default_rng(1), 4000)
+    s = case.arm.ik(case.oracle.poses(q))
+    assert not lacks(case, q).any()
+    assert np.mean(s.status == "complete") >= 0.999
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_singular_poses_are_decided(kind: str) -> None:
+    """Nearly all have a status; those that say complete or clustered have what was planted, or stand for it."""
+    case = exact(kind)
+    q = near_singular(case, 60)
+    s = case.arm.ik(case.oracle.poses(q))
+    assert not lacks(case, q).any(), q[lacks(case, q)]
+    assert np.mean(s.status == "incomplete") <= 0.1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_round_poses_do_not_lie(kind: str) -> None:
+    """Right angles leave joints free, and bring folds together."""
+    case = exact(kind)
+    q = round_vectors(300)
+    assert not lacks(case, q).any(), q[lacks(case, q)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_fast_path_claims_no_more_than_inclusion(kind: str) -> None:
+    """A rotation that is off by 2e-12 takes the pose to the inclusion, which proves whatever the margins proved."""
+    case = exact(kind, 1)
+    q = np.concatenate([case.oracle.draw(np.random.default_rng(2), 2000), near_singular(case, 40)])
+    T = case.oracle.poses(q)
+    off = T.copy()
+    off[:, :3, :3] *= 1.0 + 2e-12
+    margins, inclusion = case.arm.ik(T), case.arm.ik(off)
+    proven = (inclusion.status == "complete") | (inclusion.status == "clustered")
+    assert not ((margins.status == "complete") & ~proven & (margins.count == inclusion.count)).any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_out_of_reach_is_proven(kind: str) -> None:
+    """A pose that the links cannot reach has no solution, and says so; one at the very end of reach does not lie."""
+    case = exact(kind)
+    q = case.oracle.draw(np.random.default_rng(3), 50)
+    T = case.oracle.poses(q)
+    T[:, :3, 3] += 9.0 * np.array([0.6, 0.64, 0.48])
+    s = case.arm.ik(T)
+    assert not s.valid.any()
+    assert (s.status == "complete").all()
