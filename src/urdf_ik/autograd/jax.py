@@ -25,6 +25,10 @@ class Branches(NamedTuple):
     Attributes:
         q: (..., B, n) array, rad or m, NaN where there is no solution.
         valid: (..., B) array of truth values.
+
+    Example:
+        >>> Branches(q=0.5, valid=True).valid
+        True
     """
 
     q: Any
@@ -37,6 +41,11 @@ def geometry(arm: Arm) -> Any:
     Raises:
         MissingPackage: jax is not installed.
         ArgumentError: jax computes with 32 bits.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.jax.geometry(urdf_ik.load("planar_2r")).shape  # doctest: +SKIP
+        (26,)
     """
     return _jax().numpy.asarray(Differentiable(arm, "nan").geometry.values)
 
@@ -64,6 +73,14 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         ArgumentError: jax computes with 32 bits, a solution is singular, or an argument does not fit.
         PoseError: a pose is none. Under ``jit`` jax raises an error of its own that holds the message.
         UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
+
+    Example:
+        >>> import jax  # doctest: +SKIP
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+        >>> jax.jacfwd(lambda T: urdf_ik.jax.ik(arm, T).q)(T).shape  # doctest: +SKIP
+        (8, 6, 4, 4)
     """
     jnp = _jax().numpy
     T = jnp.asarray(T, dtype=jnp.float64)

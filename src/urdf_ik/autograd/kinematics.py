@@ -22,6 +22,14 @@ def residual(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q:
 
     The rotation counts by the skew part of R R_T^T. It is zero at the rotation nearest to R_T, so that entries of a
     target may change one by one.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik.kinematics.derivatives import written
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> geometry, q = written(arm.chain), np.array([[0.1, 0.2]])
+        >>> bool(abs(residual(np, np.asarray, geometry, q, geometry.values, arm.fk(q[0]))).max() < 1e-12)
+        True
     """
     R, p = fk(xp, constant, geometry, q, values)
     target = T[..., None, :3, :3]
@@ -36,7 +44,15 @@ def residual(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q:
 
 
 def fk(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, values: Any) -> tuple[Any, Any]:
-    """Rotations (..., 3, 3) and positions (..., 3) of the tip at joint vectors (..., n), by numbers (p,) of a URDF."""
+    """Rotations (..., 3, 3) and positions (..., 3) of the tip at joint vectors (..., n), by numbers (p,) of a URDF.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik.kinematics.derivatives import written
+        >>> geometry = written(urdf_ik.load("planar_2r").chain)
+        >>> fk(np, np.asarray, geometry, np.zeros(2), geometry.values)[1].round(6).tolist()
+        [0.196, 0.0, 0.0]
+    """
     one, zero = constant(1.0), constant(0.0)
     eye, cross = constant(_UNITS), constant(np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1))
     R, p = eye, constant(np.zeros(3))

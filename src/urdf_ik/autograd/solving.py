@@ -34,6 +34,10 @@ class Answers(NamedTuple):
         q: (..., B, n) rad or m, zeros where there is no solution.
         inverse: (..., B, n, 6 + k) joints by the target's twist and by redundancy parameters, zeros likewise.
         valid: (..., B) whether there is a solution.
+
+    Example:
+        >>> Answers(np.zeros((8, 6)), np.zeros((8, 6, 6)), np.zeros(8, dtype=bool)).q.shape
+        (8, 6)
     """
 
     q: Array
@@ -48,6 +52,11 @@ class Differentiable:
         geometry: the chain by the numbers of its URDF.
         held: indices of the joints that are redundancy parameters.
         branches: number of columns.
+
+    Example:
+        >>> import urdf_ik
+        >>> Differentiable(urdf_ik.load("zyyzyz_6r"), "raise").branches
+        8
     """
 
     def __init__(self, arm: Arm, at_folds: str) -> None:
@@ -86,6 +95,12 @@ class Differentiable:
             PoseError: a pose is none.
             ArgumentError: a solution is singular, and ``at_folds`` is 'raise'.
             UnsupportedArm: the changed arm has other branches.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> Differentiable(arm, "raise").answers(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).inverse.shape
+            (8, 6, 6)
         """
         solver = self._solver if values is None else self._changed(np.asarray(values, dtype=np.float64))
         poses = np.ascontiguousarray(T, dtype=np.float64)

@@ -22,6 +22,10 @@ class Branches(NamedTuple):
     Attributes:
         q: (..., B, n) tensor, rad or m, NaN where there is no solution.
         valid: (..., B) tensor of truth values.
+
+    Example:
+        >>> Branches(q=0.5, valid=True).valid
+        True
     """
 
     q: Any
@@ -33,6 +37,11 @@ def geometry(arm: Arm) -> Any:
 
     Raises:
         MissingPackage: torch is not installed.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.torch.geometry(urdf_ik.load("planar_2r")).shape  # doctest: +SKIP
+        torch.Size([26])
     """
     return _torch().tensor(Differentiable(arm, "nan").geometry.values.copy())
 
@@ -61,6 +70,13 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         PoseError: a pose is none.
         ArgumentError: a solution is singular, or an argument does not fit.
         UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
+
+    Example:
+        >>> import torch  # doctest: +SKIP
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> T = torch.tensor(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), requires_grad=True)  # doctest: +SKIP
+        >>> urdf_ik.torch.ik(arm, T).q.sum().backward()  # doctest: +SKIP
     """
     torch = _torch()
     function = Differentiable(arm, at_folds)
