@@ -28,6 +28,7 @@ import numpy as np
 from seven_joints import IIWA, PANDA
 
 import urdf_ik
+from urdf_ik.verify.judging import peers
 
 try:
     import frankik
@@ -72,9 +73,6 @@ def ways(
         values = np.linspace(*arm.redundancy.range, count, endpoint=not arm.redundancy.round)
         return lambda T: [bool(arm.ik(pose, redundancy=values).within_limits().count.any()) for pose in T]
 
-    def sampled(T: np.ndarray) -> list[bool]:
-        return [bool(frankik.ik_sample_q7(pose, None, False, 60, 332.0, True)) for pose in T @ at_hand]
-
     found: dict[str, Callable[[np.ndarray], list[bool]]] = {
         "urdf-ik, intervals": lambda T: (arm.intervals(T).count > 0).tolist(),
         "urdf-ik, grid of 16": grid(16),
@@ -82,9 +80,8 @@ def ways(
         "urdf-ik, grid of 4096": grid(4096),
     }
     if robot == PANDA.name and frankik is not None:
-        # Its end effector is the hand's, 0.1034 m beyond the flange.
-        at_hand = np.linalg.inv(arm.fk(np.zeros(7))) @ frankik.fk(np.zeros(7))
-        found[f"frankik {frankik.__version__}, 60 values"] = sampled
+        sampled = peers.frankik(arm)
+        found[f"frankik {frankik.__version__}, 60 values"] = lambda T: [len(sampled(pose)) > 0 for pose in T]
     try:
         import ssik
     except ImportError:

@@ -6,21 +6,17 @@ its own documentation gives. Whatever a peer wants prepared (a pose object, anot
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
-import subprocess
 import sys
-import tempfile
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from robots import Robot
 
-BUILD_TIME = 120.0  # s, after which a build counts as failed
-GENERAL_BUILD_TIME = 900.0  # the same for a general arm, which takes minutes
+import urdf_ik
+from urdf_ik.verify.judging import peers as adapters
 
 
 class Unavailable(Exception):  # noqa: N818 - it is an answer, not a failure
@@ -75,8 +71,6 @@ class UrdfIk(Peer):
 
     def __init__(self, robot: Robot) -> None:
         """Load the arm from its URDF text."""
-        import urdf_ik
-
         self.arm = urdf_ik.load(robot.urdf, base="base", tip="tool")
 
     def solve(self, prepared: Any) -> np.ndarray:
@@ -202,102 +196,108 @@ class Opw(Peer):
         return self.bot.reach(prepared, threads=threads).joints
 
 
-class Ssik(Peer):
+class Adapted(Peer):
+    """A solver that takes a pose as it is, by the adapter with which ``urdf-ik judge`` judges it."""
+
+    package: str
+    note = ""
+
+    def __init__(self, robot: Robot) -> None:
+        """Build it from the arm; some derive a module first, for minutes where the arm is general."""
+        if robot.structure == "general":
+            print(f"{self.name}: preparing {robot.name}, minutes ...", file=sys.stderr, flush=True)
+        try:
+            arm = urdf_ik.load(robot.urdf, base="base", tip="tool")
+            self.call = self.adapter(arm, robot)
+        except urdf_ik.MissingPackage as error:
+            raise Unavailable("not installed") from error
+        except urdf_ik.UrdfIkError as error:
+            raise Unavailable(str(error)) from error
+        self.name = f"{self.name} {version(self.package)}{self.note}"
+        self.solve(self.prepare(arm.fk(np.full(arm.dof, 0.3))))  # what is derived at the first call is not timed
+
+    @abstractmethod
+    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
+        """Its function for an arm."""
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        found: np.ndarray = self.call(prepared)
+        return found
+
+
+class Ssik(Adapted):
     """ssik's general entry point, which needs no build."""
 
-    name = "ssik"
+    name = package = "ssik"
     single_call = "np.array([s.q for s in bot.solve(T, respect_limits=False)])"
 
-    def __init__(self, robot: Robot) -> None:
-        """Read the URDF from a temporary file, since it takes no text."""
-        try:
-            import ssik
-        except ImportError as error:
-            raise Unavailable("not installed") from error
-        self.name = f"ssik {version('ssik')}"
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "arm.urdf")
-            path.write_text(robot.urdf)
-            self.bot = ssik.Manipulator.from_urdf(path, base="base", ee="tool")
-        if robot.structure == "general":
-            print(
-                f"{self.name} derives its solver for {robot.name}: minutes, once on this machine ...",
-                file=sys.stderr,
-                flush=True,
-            )
-            self.solve(robot.reference.pose(np.full(6, 0.3)))
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        return np.array([s.q for s in self.bot.solve(prepared, respect_limits=False)])
+    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
+        """From the URDF."""
+        return adapters.ssik(arm)
 
 
-class SsikBuilt(Peer):
+class SsikBuilt(Adapted):
     """The module that ``ssik build`` generates for the arm: a second's work, minutes for a general arm."""
 
-    name = "ssik, built"
+    name = package = "ssik"
     single_call = "np.array([s.q for s in arm_ik.solve(T, respect_limits=False)])"
+    note = ", built"
 
-    def __init__(self, robot: Robot) -> None:
-        """Generate the module in a temporary folder and import it."""
-        if importlib.util.find_spec("ssik") is None:
-            raise Unavailable("not installed")
-        general = robot.structure == "general"
-        if general:
-            print(f"ssik builds a module for {robot.name}: minutes ...", file=sys.stderr, flush=True)
-        self.name = f"ssik {version('ssik')}, built"
-        with tempfile.TemporaryDirectory() as folder:
-            urdf, out = Path(folder, "arm.urdf"), Path(folder, "arm_ik.py")
-            urdf.write_text(robot.urdf)
-            build = "import sys, ssik.cli; sys.exit(ssik.cli.main(sys.argv[1:]))"
-            options = ["--base", "base", "--ee", "tool", "--out", str(out), "--no-validate"]
-            command = [sys.executable, "-c", build, "build", str(urdf), *options]
-            patience = GENERAL_BUILD_TIME if general else BUILD_TIME
-            try:
-                subprocess.run(command, check=True, capture_output=True, timeout=patience)
-            except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
-                raise Unavailable(f"no module built ({type(error).__name__})") from error
-            spec = importlib.util.spec_from_file_location("arm_ik", out)
-            if spec is None or spec.loader is None:
-                raise Unavailable("no module built")
-            self.module: Any = importlib.util.module_from_spec(spec)
-            try:
-                spec.loader.exec_module(self.module)
-            except ImportError as error:
-                raise Unavailable(f"the module built does not import ({error})") from error
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        return np.array([s.q for s in self.module.solve(prepared, respect_limits=False)])
+    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
+        """Built first."""
+        return adapters.ssik_built(arm)
 
 
-class SsikPrebuilt(Peer):
+class SsikPrebuilt(Adapted):
     """The module that ssik ships for an arm of a maker: no build, and the arm's own numbers in it."""
 
-    name = "ssik, prebuilt"
+    name = package = "ssik"
     single_call = "np.array([s.q for s in arm_ik.solve(T, respect_limits=False, enumerate_windings=False)])"
+    note = ", prebuilt"
 
-    def __init__(self, robot: Robot) -> None:
-        """Import it, and hold it to the arm: the same joint vector must have the same pose but for fixed frames."""
-        if importlib.util.find_spec("ssik") is None:
-            raise Unavailable("not installed")
-        which = PREBUILT.get(robot.name)
-        if which is None:
+    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
+        """Its tip is another frame of the same link, which is prepared off the clock."""
+        if robot.name not in PREBUILT:
             raise Unavailable("ships no module for this arm")
-        self.name = f"ssik {version('ssik')}, prebuilt"
-        self.module: Any = importlib.import_module(f"ssik.prebuilt.{which}_ik")
-        q = np.full(6, 0.3)
-        found = self.solve(robot.reference.pose(q)).reshape(-1, 6)
-        if not len(found) or np.abs(robot.reference.pose(found[0]) - robot.reference.pose(q)).max() > 1e-6:
-            raise Unavailable("ships a module with other frames")
+        which, name, tip = PREBUILT[robot.name]
+        its = urdf_ik.load(name, tip=tip)
+        q = np.random.default_rng(0).uniform(-1.0, 1.0, (9, 6))
+        between = np.linalg.inv(arm.fk(q)) @ its.fk(q)
+        if np.ptp(between, axis=0).max() > 1e-9:
+            raise Unavailable("ships a module with other lengths")
+        self.between = between[0]
+        return adapters.ssik_prebuilt(its, which)
 
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        found = self.module.solve(prepared, respect_limits=False, enumerate_windings=False)
-        return np.array([s.q for s in found])
+    def prepare(self, target: np.ndarray) -> Any:
+        """The pose of its tip."""
+        return target @ self.between
 
 
-PREBUILT = {"UR5": "universal_robots.ur5"}
-"""Modules of ``ssik.prebuilt`` by the name of the benchmark's arm."""
+class Toolbox(Adapted):
+    """The Robotics Toolbox's analytic solver, in Python."""
 
-PEERS: tuple[type[Peer], ...] = (UrdfIk, Eaik, IkGeo, Opw, SsikPrebuilt, SsikBuilt, Ssik)
+    name, package = "Robotics Toolbox", "roboticstoolbox-python"
+    single_call = "ik.solve(T, joint_limits=False).q"
+    note = ", Python"
+
+    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
+        """Derived from a table of Denavit-Hartenberg parameters."""
+        return adapters.toolbox(arm)
+
+
+class ToolboxInC(Toolbox):
+    """The C that the Robotics Toolbox writes for the arm, called through ctypes."""
+
+    single_call = "ikine(T, tol, q, n) in C through ctypes, and a copy of q"
+    note = ", C"
+
+    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
+        """Derived, written as C and compiled."""
+        return adapters.toolbox(arm, "c")
+
+
+PREBUILT = {"UR5": ("universal_robots.ur5", "ur5", "ee_link")}
+"""Modules of ``ssik.prebuilt`` by the name of the benchmark's arm, and the catalogue's arm and tip that they are of."""
+
+PEERS: tuple[type[Peer], ...] = (UrdfIk, Eaik, IkGeo, Opw, SsikPrebuilt, SsikBuilt, Ssik, ToolboxInC, Toolbox)

@@ -25,7 +25,7 @@ PAGES = {
     ),
     "paths": ("Paths", ("line", "arc", "polyline", "read_waypoints", "Plan")),
     "redundancy": ("Redundancy", ("Interval", "Intervals", "Region")),
-    "tables": ("Tables and comparisons", ("DHTable", "compare", "compare_many", "Comparison", "freeze")),
+    "tables": ("Tables and comparisons", ("DHTable", "compare", "compare_many", "Comparison", "freeze", "compile")),
     "calibrations": ("Calibration", ("calibrate", "Calibration")),
 }
 ROOMS = {
@@ -37,6 +37,7 @@ ROOMS = {
     "maps.workspaces": "Workspaces",
     "maps.datasets": "Data sets",
     "maps.placements": "Base positions",
+    "export": "Outside Python",
     "verify.baselines": "Lock files",
     "verify.comparison": "Arms compared",
     "verify.judging": "Other solvers judged",

@@ -204,7 +204,7 @@ class Soak:
 
     @staticmethod
     def _start(*words: str, **options: object) -> subprocess.Popen[bytes]:
-        command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", *words]
+        command = [sys.executable, "-X", "faulthandler", "-c", "from urdf_ik.cli import main; main()", *words]
         return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **options)  # type: ignore[call-overload,no-any-return]
 
     def _run(self, *words: str) -> None:

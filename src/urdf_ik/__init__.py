@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         UrdfError,
         UrdfIkError,
     )
+    from urdf_ik.export import compile
     from urdf_ik.ik.redundancy import Interval, Intervals, Region
     from urdf_ik.ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.kinematics.chain import Chain
@@ -74,6 +75,7 @@ __all__ = [
     "calibrate",
     "compare",
     "compare_many",
+    "compile",
     "freeze",
     "line",
     "load",
@@ -117,6 +119,7 @@ _MODULE = {
     "calibrate": "calibration",
     "compare": "verify.comparison",
     "compare_many": "verify.comparison",
+    "compile": "export",
     "freeze": "verify.baselines",
     "line": "paths",
     "load": "arm",

@@ -24,6 +24,11 @@ class Answer:
 
     step: types.MemberDescriptorType = ...
 
+def prepared(call: object) -> object:
+    """
+    What a function without arguments returns. Meanwhile this thread computes forward kinematics alike on every processor.
+    """
+
 class Chain:
     """
     Forward kinematics of a chain of joints; immutable. Angles may be of any size.
@@ -175,7 +180,13 @@ class Solver:
 
     def many(self, kind: object, arm: object, branches: object, T: object, q_ref: object | None, values: object | None, threads: int, out: object | None) -> object: ...
 
+    def image(self) -> bytes:
+        """The bytes of the struct with the arm's numbers."""
+
     def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
         """Of axes, for explanations [m]: up to four, NaN where there is none."""
+
+    def prove(self, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> object:
+        """What is proven about a pose's solutions; None: nothing."""
 
     def solve(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, threads: int = 1, beyond: bool = False) -> int: ...

@@ -5,6 +5,7 @@ from __future__ import annotations
 import email.parser
 import json
 import os
+import re
 import site
 import subprocess
 import sys
@@ -75,19 +76,24 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     place = tmp_path_factory.mktemp("wheel")
     sdist = built("sdist", ROOT, place)
     wheel = built("wheel", ROOT, place, "build-dir=build/{wheel_tag}")
-    environment = place / "environment"
-    venv.create(environment, with_pip=False)
+    environment = with_dependencies(place / "environment")
     pip = (sys.executable, "-m", "pip", "--python", str(environment), "--disable-pip-version-check")
     succeed(*pip, "install", "--no-index", "--no-deps", str(wheel), cwd=place)
+    elsewhere = place / "elsewhere"
+    elsewhere.mkdir()
+    return Installed(wheel, sdist, environment, elsewhere)
+
+
+def with_dependencies(environment: Path, *, with_pip: bool = False) -> Path:
+    """A new environment that finds the packages of this one, but not this project."""
+    venv.create(environment, with_pip=with_pip)
     own = sysconfig.get_path("purelib", "venv", vars={"base": str(environment), "platbase": str(environment)})
     # addsitedir, since some dependencies (Pinocchio) are found by .pth files of their own; not that of this project's
     # editable install, whose finder would come first.
     lines = [f"import site; site.addsitedir({folder!r})" for folder in site.getsitepackages()]
     lines.append("import sys; sys.meta_path[:] = [f for f in sys.meta_path if not hasattr(f, 'known_wheel_files')]")
     (Path(own) / "zz_dependencies.pth").write_text("\n".join(lines) + "\n")
-    elsewhere = place / "elsewhere"
-    elsewhere.mkdir()
-    return Installed(wheel, sdist, environment, elsewhere)
+    return environment
 
 
 def test_sdist_holds_all_that_a_build_reads(installed: Installed, tmp_path: Path) -> None:
@@ -174,3 +180,41 @@ def test_installed_command_knows_the_bundled_arms(installed: Installed, name: st
     assert done.returncode == 0, done.stderr
     assert all(joint in done.stdout for joint in urdf_ik.load(name).joint_names)
     assert "Traceback" not in done.stderr
+
+
+def test_the_steps_of_the_page_about_ci_run_where_the_wheel_is_all_there_is(
+    installed: Installed, tmp_path: Path
+) -> None:
+    """In an empty environment, each line of the workflow in turn: status 0; an axis negated, the lock says no.
+
+    pip finds the dependencies and pytest where this environment has them, so nothing is fetched.
+    """
+    page = ROOT.joinpath("docs/how-to/ci.md").read_text()
+    install, *steps = re.findall(r"- run: (.*)", page)
+    assert len(steps) == 4 and install.startswith("pip install")
+    programs = with_dependencies(tmp_path / "environment", with_pip=True) / "bin"
+    pytest_of_this = programs / "pytest"
+    pytest_of_this.write_text(f"#!{programs / 'python'}\nimport sys, pytest\nsys.exit(pytest.console_main())\n")
+    pytest_of_this.chmod(0o755)
+    folder = tmp_path / "project"
+    (folder / "wheels").mkdir(parents=True)
+    (folder / "wheels" / installed.wheel.name).symlink_to(installed.wheel)
+    arm = catalogue.resolve("zyyzyz_6r").path.read_text()
+    (folder / "my_arm.urdf").write_text(arm)
+
+    def step(line: str) -> subprocess.CompletedProcess[str]:
+        quick = line.replace("-n 500", "-n 5") + (" --urdf-poses 5" if line.startswith("pytest") else "")
+        path = f"{programs}:/usr/bin:/bin"
+        return run("/bin/sh", "-c", quick, cwd=folder, PATH=path, PIP_NO_INDEX="1", PIP_DISABLE_PIP_VERSION_CHECK="1")
+
+    (freeze,) = re.findall(r"^pytest .*--urdf-freeze", page, re.MULTILINE)
+    for line in (install, freeze, *steps):
+        done = step(line)
+        assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+    where = step("python -c 'import urdf_ik, urdf_ik_pytest; print(urdf_ik.__file__, urdf_ik_pytest.__file__)'")
+    assert all(Path(file).is_relative_to(programs.parent.resolve()) for file in where.stdout.split()), where
+    axis = '<axis xyz="0 1 0"/>'
+    (folder / "my_arm.urdf").write_text(arm.replace(axis, axis.replace("1", "-1"), 1))
+    status = {line: step(line) for line in steps if "doctor" not in line}
+    assert [done.returncode for done in status.values()] == [1, 0, 1]
+    assert all("joint_2" in done.stdout for done in status.values() if done.returncode)

@@ -45,7 +45,7 @@ def succeed(*args: str, given: str | bytes | None = None, **env: str) -> str:
 
 def start(*args: str, **options: Any) -> subprocess.Popen[bytes]:
     """Start the command as a program of its own."""
-    command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", *args]
+    command = [sys.executable, "-X", "faulthandler", "-c", "from urdf_ik.cli import main; main()", *args]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
 
 

@@ -18,6 +18,7 @@ template <int N> void read(const Values& v, Coupled<N>& to) {
 template <int N> class CoupledSolver : public Solver {
 public:
     CoupledArm<N> arm{};
+    std::string_view image() const override { return image_of(arm); }
     long solve(const Batch& batch) const override {
         // Allocated once per batch. Uninitialised: pages that the search does not touch cost nothing.
         const std::unique_ptr<double[]> scratch(new double[N * SCRATCH]);

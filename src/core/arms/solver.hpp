@@ -1,12 +1,15 @@
 // The solver of one arm: its numbers, and the functions for this processor's instruction set.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
+#include <string_view>
 #include <type_traits>
 
 #include "arms/common.hpp"
+#include "certificate/proof.hpp"
 #include "levels.hpp"
 
 namespace urdf_ik {
@@ -21,11 +24,29 @@ public:
     virtual void distances(const double*, double (&out)[4]) const {
         for (double& each : out) each = __builtin_nan("");
     }
+    // The values (parameters) of the redundancy parameters for which solve() gives the joint vector q for the pose T; `reached` is
+    // the tip's pose at q. Poses are row by row.
+    virtual void redundancy_of(const double* /*q*/, const double* /*T*/, const double* /*reached*/, double* /*values*/) const {}
+
+    // The bytes of the struct with the arm's numbers, as they are in memory; of an arm that is solved by another solver, of its own
+    // numbers alone.
+    virtual std::string_view image() const { return {}; }
+
+    // What is proven about the solutions of a pose T; false if the solver proves nothing, or T is no rigid motion.
+    virtual bool prove(const double*, Proof&) const { return false; }
 
     int joints = 6, branches = 8;
     int numbers = 16;    // of a target; a pose has sixteen
     int parameters = 0;  // redundancy parameters of each target
 };
+
+// A redundancy parameter's value: an angle in (-pi, pi]; one that is there already keeps its digits.
+inline double parameter_value(double value, bool turns) {
+    constexpr double pi = 3.141592653589793, turn = 6.283185307179586;
+    if (!turns || std::fabs(value) < pi) return value;
+    const double past = std::fmod(pi - value, turn);
+    return pi - (past < 0.0 ? past + turn : past);
+}
 
 using SolverPointer = std::shared_ptr<const Solver>;
 
@@ -36,12 +57,19 @@ SolverPointer make_solver(const Values& values);
 using Maker = std::function<SolverPointer(const Values&)>;
 using Makers = std::map<std::string, Maker>;
 
+// See Solver::image.
+template <class Arm> std::string_view image_of(const Arm& arm) {
+    static_assert(std::is_trivially_copyable_v<Arm>);
+    return {reinterpret_cast<const char*>(&arm), sizeof arm};
+}
+
 // A solver made of an arm's numbers and two functions.
 template <class Arm> class SolverOf : public Solver {
 public:
     SolverOf(SolveArm<Arm> function, DistancesOf<Arm> distances_of) : function_(function), distances_of_(distances_of) {}
     Arm arm{};
     long solve(const Batch& batch) const override { return function_(arm, batch); }
+    std::string_view image() const override { return image_of(arm); }
     void distances(const double* seen, double (&out)[4]) const override {
         if (distances_of_) distances_of_(arm, seen, out);
         else Solver::distances(seen, out);

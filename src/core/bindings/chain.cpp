@@ -7,6 +7,7 @@
 #include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
 #include "bindings/signals.hpp"
+#include "preparation.hpp"
 
 namespace urdf_ik {
 
@@ -46,6 +47,20 @@ Motion between(const Motion& a, const Motion& b) {
 }
 
 }  // namespace
+
+// Whether this thread prepares an arm: then forward kinematics is computed alike on every processor.
+static thread_local bool preparing = false;
+
+static const ChainFunctions& chain_functions() { return *(preparing ? preparation().chain : level().chain); }
+
+static nb::object prepared(nb::handle call) {
+    struct Preparing {
+        const bool before = preparing;
+        Preparing() { preparing = true; }
+        ~Preparing() { preparing = before; }
+    } const now;
+    return nb::borrow<nb::callable>(call)();
+}
 
 // Directions H (n, 3) of the axes; steps P (n + 1, 3) from the base through a point on each axis to the tip; rotation R_tip (3, 3)
 // of the tip: all at q = 0 and in the base. slides (n).
@@ -145,17 +160,20 @@ struct PyChain {
 };
 
 void bind_chain(nb::module_& m) {
+    m.def("prepared", &prepared, nb::arg("call"),
+          "What a function without arguments returns. Meanwhile this thread computes forward kinematics alike on every processor.");
     nb::class_<PyChain>(m, "Chain", "Forward kinematics of a chain of joints; immutable. Angles may be of any size.")
         .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
         .def_prop_ro("steps", &PyChain::steps)
         .def("__reduce__",
              [](nb::handle self) { return nb::make_tuple(nb::type<PyChain>(), nb::cast<const PyChain&>(self).made_from); })
         .def(
-            "fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); }, nb::arg().none())
+            "fk", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().poses, 4, 4); }, nb::arg().none())
         .def(
-            "jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); },
+            "jacobian",
+            [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().jacobians, 6, self.arm.joints); },
             nb::arg().none())
-        .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->axes, 6, self.arm.joints); })
+        .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().axes, 6, self.arm.joints); })
         .def(
             "inverse",
             [](const PyChain& self, nb::handle q, nb::handle row, double size, double singular) {

@@ -6,6 +6,7 @@
 #include "arms/elimination.hpp"
 #include "bindings/module.hpp"
 #include "bindings/python_values.hpp"
+#include "preparation.hpp"
 
 namespace urdf_ik {
 
@@ -26,7 +27,7 @@ static void try_elimination(nb::object object, nb::object variants_object, const
     read_common(values, *arm);
     for (int v = 0; v < variants; ++v) read_variant(rows, variants, v, all[v]);
     nb::gil_scoped_release release;
-    level().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
+    preparation().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
 }
 
 // A copy of the numbers in an array owned by Python.
@@ -45,7 +46,8 @@ static nb::dict known_poses(nb::object written, const JointVectors& q, bool near
     const auto found = std::make_unique<Continuation>();
     {
         nb::gil_scoped_release release;
-        level().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near, *found);
+        preparation().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near,
+                                                    *found);
     }
     std::vector<double> turn, point, solution;
     for (int i = 0; i < found->poses; ++i) {

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+from urdf_ik.arm import compiled
 from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.cell.cell import Cell
 from urdf_ik.errors import ArgumentError, ChainError
@@ -37,7 +38,8 @@ def load(
     Args:
         source: a path, XML text, an open file, or a name such as 'zyyzyz_6r', 'ur5' or 'ur10e_description'. Names are
             those of the catalogue and of robot_descriptions, which downloads a model at its first use. A file may be
-            compressed by gzip, a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``.
+            compressed by gzip, a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``. A file whose name ends
+            in ``.json``, or JSON text, is a compiled arm, which :func:`urdf_ik.compile` made with all its settings.
         base: base link; default: the root.
         tip: tip link; default: the tool frame of the longest chain, if there is only one (see
             :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
@@ -70,6 +72,11 @@ def load(
         >>> load("zyyzyz_6r")
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
+    if compiled.is_compiled(source):
+        settings = {"base": base, "tip": tip, "chain": chain, "srdf": srdf, "locked": locked, "redundancy": redundancy}
+        if extra := [name for name, value in settings.items() if value not in (None, ())]:
+            raise ArgumentError(f"{extra[0]}={quoted(settings[extra[0]])} given; a compiled arm has its settings")
+        return compiled.load(source)  # type: ignore[arg-type]
     model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
     disabled = () if srdf is None else disabled_pairs(srdf, model.links, strict=strict)
     groups = {} if srdf is None or tip is not None else dict(chain_groups(srdf, model.links))

@@ -63,7 +63,8 @@ def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: lis
             etree.SubElement(etree.SubElement(part, "geometry"), tag, attributes)
     roots = tuple(dict.fromkeys((*model.mesh_roots, *folders)))
     read = urdf.read(etree.tostring(robot, encoding="utf-8"), mesh_roots=roots)
-    return replace(read, source=model.source, path=model.path, warnings=(*model.warnings, *read.warnings))
+    warnings = (*model.warnings, *read.warnings)
+    return replace(read, source=model.source, path=model.path, warnings=warnings, sha256=model.sha256)
 
 
 def _geometry(shape: Shape, folders: list[Path]) -> tuple[str, dict[str, str]]:

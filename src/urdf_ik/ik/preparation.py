@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik import families
 from urdf_ik.ik.explanation import why_none
@@ -53,7 +54,23 @@ def prepare(
             or the tip cannot turn about ``free_axis``.
         UnsupportedArm: no solver takes this arm with these settings.
     """
-    given = check_given(name, chain, given)
+    made: Any = _core.prepared(
+        lambda: _prepare(name, chain, velocity_limits, contacts, task, free_axis, check_given(name, chain, given))
+    )
+    solver: Solver = made
+    return solver
+
+
+def _prepare(
+    name: str,
+    chain: Chain,
+    velocity_limits: NDArray[np.float64],
+    contacts: Contacts,
+    task: str,
+    free_axis: FreeAxis | None,
+    given: tuple[str, ...],
+) -> Solver:
+    """See :func:`prepare`."""
     control, structure = control_of(chain), analyse(chain)
     targets = None if check_task(task) == "pose" else Targets(name, chain, control, task)
     member = targets.plan(structure) if targets else families.choose(structure, chain, given)

@@ -299,10 +299,11 @@ def test_buttons_hold_names_and_marks() -> None:
 
 
 def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
-    """As a frame with the page's true address, of the height that was asked for."""
-    pytest.importorskip("IPython")
-    assert f'src="{viewer.url}"' in viewer._repr_html_()
+    """As an object with the page's true address, of the height that was asked for, that holds a picture."""
+    assert f'data="{viewer.url}"' in viewer._repr_html_()
     assert 'height="300"' in viewer.show(300)._repr_html_()
+    figures = viewer._repr_html_().count("<polyline")
+    assert figures == len(viewer.state.ghosts) + 1 and viewer.state.arm.name in viewer._repr_html_()
 
 
 def test_another_arm_takes_the_place(viewer: Viewer) -> None:

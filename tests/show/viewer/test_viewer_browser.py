@@ -283,13 +283,25 @@ def served(text: str) -> Iterator[str]:
 
 
 def test_a_notebook_holds_the_page(seen: Seen) -> None:
-    """The frame that a notebook is given draws the arm and its panel within another page."""
+    """What a notebook is given draws the arm and its panel within another page."""
     text = f"<html><body>{seen.viewer._repr_html_()}</body></html>"
     with served(text) as address, seen.away() as page:
         page.goto(address)
-        page.frame_locator("iframe").get_by_text("8 solutions").wait_for()
+        seen.wait(lambda: len(page.frames) == 2, "the page holds the viewer's")
+        page.frames[1].get_by_text("8 solutions").wait_for()
         drawn = seen.pixels()
     assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
+
+
+def test_a_notebook_without_its_viewer_holds_a_picture(seen: Seen) -> None:
+    """Where the address does not answer, the arm and its solutions are drawn in the page's place."""
+    shown = seen.viewer._repr_html_().replace(f":{seen.viewer.port}/", ":9/")  # a port that nobody listens on
+    with served(f"<html><body>{shown}</body></html>") as address, seen.away() as page:
+        page.goto(address)
+        page.get_by_text("The page itself needs the viewer").wait_for()
+        assert page.locator("object polyline").count() == len(seen.viewer.state.ghosts) + 1
+        box = page.locator("object svg").bounding_box()
+    assert box is not None and box["width"] > 100 and box["height"] > 100
 
 
 def test_a_target_out_of_reach_says_why(seen: Seen) -> None:

@@ -89,7 +89,7 @@ template <class Family> struct Imperfect {
         }
         if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
-        const bool counted = complete(arm.elimination, goal, columns);
+        const bool counted = complete(arm.elimination, goal, columns) == Status::complete;
         if (!counted) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);

@@ -42,9 +42,19 @@ template <class Family, SolveArm<SrsArm> solve> long solve_srs(const SrsArm& arm
     return -1;
 }
 
+// The swivel angle of a joint vector.
+double swivel_of(const SrsArm& arm, const double (&q)[7]) {
+    double wrapped[7];
+    for (int j = 0; j < 7; ++j) wrapped[j] = on_circle(q[j]);
+    const Posture<7, double> at = place(arm.written, wrapped);
+    const Line<double> line = line_to_wrist(to_frame_1(at.tip, arm.ideal).p);
+    const Vec<double> axis = times(arm.ideal.base_rotation, at.joint[3].R.z);
+    return atan2(dot(line.across, axis), dot(line.normal, axis));
+}
+
 }  // namespace
 
 extern const SrsSolvers srs_solvers;
-const SrsSolvers srs_solvers = {solve_srs<Srs, solve_closed_form<Srs>>, solve_srs<SrsNear, solve_singly<SrsNear>>};
+const SrsSolvers srs_solvers = {solve_srs<Srs, solve_closed_form<Srs>>, solve_srs<SrsNear, solve_singly<SrsNear>>, swivel_of};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -27,6 +27,7 @@ struct SrsArm {
 
 struct SrsSolvers {
     SolveArm<SrsArm> exact, near;
+    double (*swivel_of)(const SrsArm&, const double (&q)[7]);
 };
 
 }  // namespace urdf_ik

@@ -26,6 +26,7 @@ GROUPS = {
         "calibrate": "fitted.calibrate",
         "placement": "maps.placement",
         "dataset": "maps.dataset",
+        "compile": "outside.compile",
     },
     "Show": {
         "view": "show.view",

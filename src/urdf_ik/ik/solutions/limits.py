@@ -296,7 +296,7 @@ def _combinations(q: Array, first: Array, last: Array) -> Iterator[tuple[float, 
 def _outwards(first: float, last: float, value: float) -> Iterator[float]:
     """Whole numbers first..last, the one nearest to zero first; of k and -k the one that takes ``value`` to zero."""
     k = max(first, min(0.0, last))
-    towards = -1.0 if value > 0.0 else 1.0
+    towards = 1.0 if value < 0.0 else -1.0
     size = abs(k)
     while size <= max(abs(first), abs(last)):
         for candidate in (size * towards, -size * towards) if size else (0.0,):

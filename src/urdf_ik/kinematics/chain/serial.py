@@ -318,8 +318,10 @@ class Chain(Frozen):
             [[0.0, 0.0, 0.0], [0.066, 0.0, 0.0]]
         """
         q = self.check(q)
-        axes = self.motion.axes(q)
-        return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
+        # Such a place becomes geometry: its numbers must be the same on every processor.
+        placed: Any = _core.prepared(lambda: (self.motion.axes(q), self.motion.fk(q)))
+        axes, tip = placed
+        return axes[3:].T.copy(), axes[:3].T.copy(), tip
 
     def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Pose of every link of the URDF in the base link's frame.

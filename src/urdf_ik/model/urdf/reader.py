@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -87,6 +88,7 @@ def read(
         root=root,
         mesh_roots=folders,
         warnings=tuple(defects.found),
+        sha256=hashlib.sha256(opened.text.encode()).hexdigest(),
     )
 
 

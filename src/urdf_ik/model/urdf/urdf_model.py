@@ -41,6 +41,7 @@ class UrdfModel:
         mesh_roots: folders that meshes may come from, besides the URDF's own.
         warnings: defects in parts that a chain need not use, and how they were read. ``xml`` is without these
             defects, so Pinocchio and yourdfpy read what is read here.
+        sha256: SHA-256 of the text that was read, tools apart; of a xacro or MJCF, of the URDF made from it.
         robot: yourdfpy's model of ``xml``, without meshes and without a scene.
 
     Example:
@@ -59,6 +60,7 @@ class UrdfModel:
     root: str
     mesh_roots: tuple[Path, ...] = ()
     warnings: tuple[UrdfWarning, ...] = field(repr=False, default=())
+    sha256: str = field(repr=False, default="")
 
     @cached_property
     def robot(self) -> Any:
@@ -270,7 +272,8 @@ class UrdfModel:
             >>> joint.name, multiplier, offset
             ('joint_1', 1.0, 0.0)
         """
-        inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
+        if not isinstance(joint, Joint):
+            inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
         if joint.mimic is None:
             return joint, 1.0, 0.0
         multiplier, offset = 1.0, 0.0

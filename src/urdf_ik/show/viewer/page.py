@@ -17,6 +17,7 @@ from urdf_ik.model import catalogue
 from urdf_ik.model.poses import pose
 from urdf_ik.show.viewer import address, guard, playback
 from urdf_ik.show.viewer import state as states
+from urdf_ik.show.viewer.embedding import Embedded, picture
 from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.support import inputs
 
@@ -160,22 +161,16 @@ class Viewer:
         with guard.quiet():
             self.server.stop()
 
-    def show(self, height: int = 640) -> Any:
+    def show(self, height: int = 640) -> Embedded:
         """The page inside a notebook, ``height`` pixels high; a viewer that ends a cell shows itself so, too.
 
         The browser must reach the address of the page: where the notebook runs on another machine, forward its port.
-
-        Raises:
-            MissingPackage: there is no notebook, as IPython is not installed.
+        Where it does not answer, as in an exported notebook, the cell holds a picture of the arm and its solutions.
         """
-        try:
-            from IPython.display import IFrame
-        except ImportError:
-            raise MissingPackage("a page in a notebook needs IPython: pip install 'urdf-ik[notebooks]'") from None
-        return IFrame(self.url, "100%", height)
+        return Embedded(self.url, height, picture(self.state))
 
     def _repr_html_(self) -> str:
-        return str(self.show()._repr_html_())
+        return self.show()._repr_html_()
 
     def wait(self) -> None:
         """Wait until the program is interrupted (Ctrl-C), then stop the server."""

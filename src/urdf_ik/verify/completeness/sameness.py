@@ -138,11 +138,20 @@ class Unmatched:
 
 
 class Sameness:
-    """Decides whether joint vectors are one solution; lengths are shares of the arm's size."""
+    """Decides whether joint vectors are one solution; lengths are shares of the arm's size.
 
-    def __init__(self, chain: Chain, reference: Reference) -> None:
+    Args:
+        chain: the arm's chain.
+        reference: Pinocchio's model of it.
+        fold: pose error up to which the arm counts as in the pose, between two roots and along a continuum.
+    """
+
+    def __init__(self, chain: Chain, reference: Reference, fold: float = DEFAULT.fold) -> None:
         self.reference = reference
+        self.singular = max(DEFAULT.singular, fold / STEP)
+        """Smallest singular value below which a solution may be one of a continuum."""
         self._chain = chain
+        self._fold = fold
 
     def unmatched(self, T: Array, planted: Array, first: Array, second: Array) -> Unmatched:
         """Compare two answers (k, 6), (m, 6) to the pose T (4, 4), made of a planted joint vector (6,)."""
@@ -181,11 +190,11 @@ class Sameness:
         if (far <= tolerance).any():
             return True
         near = others[far < NEIGHBOURS]
-        if any(self._error(T, q + 0.5 * shortest(other - q)) <= DEFAULT.fold for other in near):
+        if any(self._error(T, q + 0.5 * shortest(other - q)) <= self._fold for other in near):
             if count is not None:
                 count.double_roots += 1
             return True
-        if self.sigma_min(q) > DEFAULT.singular or not len(others):
+        if self.sigma_min(q) > self.singular or not len(others):
             return False
         if self._on_one_continuum(T, q, others):
             if count is not None:
@@ -215,7 +224,7 @@ class Sameness:
         start = q.copy()
         for _ in range(8):
             (e,), (error,) = errors(self._chain, T, q[None])
-            if error <= DEFAULT.fold:
+            if error <= self._fold:
                 return bool(np.abs(q - start).max() < 0.25 * STEP)
             # The correction leaves out the Jacobian's null direction.
             q += np.linalg.pinv(self._jacobian(q), rcond=10.0 * DEFAULT.singular) @ e

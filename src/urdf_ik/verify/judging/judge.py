@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 Solve = Callable[[Any], Any]
-"""A solver: a pose (4, 4) [m] of the tip in the base in, joint vectors (k, n) [rad or m] out."""
+"""A solver: a pose (4, 4) [m] of the tip in the base in, joint vectors (k, n) [rad or m] out; or these and flags (k,)
+that are true for those that the solver itself calls approximate."""
 
 KINDS = ("random", "round", "tool down", "near singularity", "at singularity")
 TOLERANCE = 1e-7
@@ -40,6 +41,7 @@ TWICE = 1e-6
 """Two joint vectors closer than this in every joint [rad or m] are one solution, unless the pose has two there."""
 
 _NEAR = 1e-5
+_SINGULAR = 1e-5  # smallest singular value, lengths as shares of the arm's size: below it branches meet
 _ALONG = np.linspace(0.0, 1.0, 9)[1:-1, None]  # places on the way from one solution to another
 _FAR = 0.05  # rad or m: solutions further apart are two, however near a singularity
 
@@ -57,13 +59,24 @@ def judge(
 ) -> Judgement:
     """Hold a solver to an arm: is each of its solutions one, and does it have all of them, once?
 
-    Pinocchio measures every solution. The solutions that a pose has are those of this package, which Pinocchio has
-    measured, too; of an arm with more than six joints a pose has infinitely many, and the solver has to have one.
+    The rules:
+
+    - A returned joint vector is *wrong* if Pinocchio's pose for it misses the target by more than the tolerance. One
+      that the solver flags as approximate is no claim: it is not wrong, and it counts where it reaches the target.
+    - The solutions of a pose are those of this package, which Pinocchio has measured, and the joint vector that the
+      pose was made of. One is *missing* if the solver returned no vector of the same connected set of solutions: a
+      regular solution is a set of its own; two values of a double root, or two vectors between which the arm can move
+      without leaving the pose by more than the tolerance, are one set.
+    - A solution is *doubled* if it is regular and returned more than once. At a singular one branches meet, and one
+      vector a branch is no fault.
+    - With more than six joints a pose has infinitely many solutions, and the solver has to have one.
+    - Solutions outside the limits are counted; they are faults only of a solver that is to stay within.
 
     Args:
         arm: the arm.
         solve: the solver: takes a pose (4, 4) of the tip in the base [m], returns joint vectors (k, n) [rad or m] in
-            the order of ``arm.joint_names``; none: an empty array. Rows of NaN are no solutions.
+            the order of ``arm.joint_names``; none: an empty array. Rows of NaN are no solutions. Or a tuple of these
+            and flags (k,), true for approximate ones.
         n: poses of each of five kinds: random, joints at round angles, tool down, 1e-2 to 1e-4 from a singularity, and
             at one.
         seed: the same seed gives the same poses.
@@ -96,9 +109,10 @@ def judge(
     judged = _Judged(arm, reference, tolerance, within_limits)
     index = 0
     for kind in KINDS:
-        T, values = _poses(arm, reference, kind, n, seed)
+        T, q, values = _poses(arm, reference, kind, n, seed)
         for k in range(len(T)):
-            judged.take(kind, index, T[k], None if values is None else values[k], solve)
+            made_of = None if q is None else q[k]
+            judged.take(kind, index, T[k], made_of, None if values is None else values[k], solve)
             index += 1
             if progress is not None:
                 progress(index, n * len(KINDS))
@@ -134,8 +148,10 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> Array:
     return T
 
 
-def _poses(arm: Arm, reference: Reference, kind: str, n: int, seed: int) -> tuple[Array, Array | None]:
-    """Poses (n, 4, 4) of a kind, and the redundancy parameters at which they are solved here."""
+def _poses(
+    arm: Arm, reference: Reference, kind: str, n: int, seed: int
+) -> tuple[Array, Array | None, Array | None]:
+    """Poses (n, 4, 4) of a kind, the joint vectors that they were made of, and the redundancy parameters of these."""
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     lower, upper = reference.ranges.T
     q = rng.uniform(lower, upper, (n, reference.dof))
@@ -147,14 +163,14 @@ def _poses(arm: Arm, reference: Reference, kind: str, n: int, seed: int) -> tupl
         q = near_singularity(arm, reference, rng, n, away=False)
     T = reference.pose(q)
     if kind != "tool down" or arm.task != "pose" or reference.dof < 6:
-        return T, arms.redundancy_at(arm, q)
+        return T, q, arms.redundancy_at(arm, q)
     down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     angle = rng.uniform(-np.pi, np.pi, n)
     turn = np.zeros((n, 3, 3))
     turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
     turn[:, 1, 0], turn[:, 0, 1], turn[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
     T[:, :3, :3] = turn @ down
-    return T, None
+    return T, None, None
 
 
 class _Judged:
@@ -166,19 +182,23 @@ class _Judged:
         self._arm, self._reference = arm, reference
         self._tolerance, self._within = tolerance, within_limits
         six = arm.dof == 6 and arm.structure.is_6r
-        self._sameness = Sameness(arm.chain, reference) if six else None
+        self._sameness = Sameness(arm.chain, reference, tolerance) if six else None
 
-    def take(self, kind: str, index: int, T: Array, value: Any, solve: Solve) -> None:
-        """Judge one pose (4, 4)."""
+    def take(self, kind: str, index: int, T: Array, made_of: Array | None, value: Any, solve: Solve) -> None:
+        """Judge one pose (4, 4), made of a joint vector (n,) where there is one."""
         counts = self.counts[kind]
         counts[0] += 1
         own = arms.solutions_of(self._arm, T[None], None if value is None else np.asarray(value)[None])
         if self._within:
             own = own.within_limits()
         expected = own.q[0, own.valid[0]]
+        if made_of is not None and self._arm.redundancy is None and not self._has(T, made_of, expected):
+            expected = np.vstack([expected, made_of])
+            counts[8] += 1
         counts[1] += len(expected)
         try:
-            found = _read(solve(T.copy()), self._arm.dof)
+            found, approximate = _read(solve(T.copy()), self._arm.dof)
+            found = found[~approximate | (self._errors(found, T) <= self._tolerance)]
         except Exception as error:  # whatever a foreign solver raises is its fault
             counts[7] += 1
             self.faults.append(Fault(FAILED, kind, index, (), printable(f"{type(error).__name__}: {error}", 300)))
@@ -202,16 +222,21 @@ class _Judged:
 
     def _right(self, kind: str, index: int, T: Array, found: Array) -> Array:
         """Those (m, n) that reach the pose."""
-        if not len(found):
-            return found
-        finite: NDArray[np.bool_] = np.asarray(np.isfinite(found).all(axis=1))
-        T_found = self._reference.pose(np.where(finite[:, None], found, 0.0))
-        errors = self._misses(T_found, T)
-        right = np.array([known and error <= self._tolerance for known, error in zip(finite, errors, strict=True)])
-        for q, error, known in zip(found[~right], errors[~right], finite[~right], strict=True):
+        errors = self._errors(found, T)
+        right = errors <= self._tolerance
+        for q, error in zip(found[~right], errors[~right], strict=True):
+            known = np.isfinite(error)
             words = f"misses the pose by {error:.2g} (m, rad)" if known else "is infinite, or not a number in part"
             self._add(WRONG, 3, kind, index, q, words)
         out: Array = found[right]
+        return out
+
+    def _errors(self, found: Array, T: Array) -> Array:
+        """By how much joint vectors (k, n) miss T (4, 4) [m; rad]; infinite where they are not finite."""
+        out = np.full(len(found), np.inf)
+        finite = np.isfinite(found).all(axis=1)
+        if finite.any():
+            out[finite] = self._misses(self._reference.pose(found[finite]), T)
         return out
 
     def _misses(self, found: Array, T: Array) -> Array:
@@ -226,7 +251,10 @@ class _Judged:
         return out
 
     def _doubled(self, kind: str, index: int, good: Array, expected: Array) -> None:
+        sigma = least_singular_value(self._arm, good)
         for k in range(1, len(good)):
+            if sigma[k] < _SINGULAR:
+                continue
             # A solution a turn away is another joint vector; beside a fold there are two so near to each other.
             alike = int((np.abs(good[: k + 1] - good[k]).max(axis=1) < TWICE).sum())
             there = int((self._gaps(good[k], expected) < 2.0 * TWICE).sum()) if len(expected) else 0
@@ -291,12 +319,24 @@ class _Judged:
         self.faults.append(Fault(fault, kind, index, tuple(float(each) for each in q), words))
 
 
-def _read(answer: Any, n: int) -> Array:
-    """A solver's answer as joint vectors (k, n); rows that are NaN throughout are left out.
+def _read(answer: Any, n: int) -> tuple[Array, NDArray[np.bool_]]:
+    """A solver's answer as joint vectors (k, n) and flags (k,); rows that are NaN throughout are left out.
 
     Raises:
         ArgumentError: it is something else.
     """
+    flags: Any = None
+    if isinstance(answer, tuple) and len(answer) == 2 and np.asarray(answer[1]).dtype == np.bool_:
+        answer, flags = answer
+    q = _vectors(answer, n)
+    approximate = np.zeros(len(q), dtype=np.bool_) if flags is None else np.asarray(flags)
+    if approximate.shape != (len(q),):
+        raise ArgumentError(f"the solver returned {len(q)} joint vectors and flags of shape {approximate.shape}")
+    known = ~np.isnan(q).all(axis=1)
+    return q[known], approximate[known]
+
+
+def _vectors(answer: Any, n: int) -> Array:
     if answer is None:
         return np.zeros((0, n))
     try:
@@ -307,5 +347,4 @@ def _read(answer: Any, n: int) -> Array:
         return np.zeros((0, n))
     if q.ndim == 0 or q.shape[-1] != n:
         raise ArgumentError(f"the solver returned an array of shape {q.shape}; joint vectors (k, {n}) are needed")
-    q = q.reshape(-1, n)
-    return q[~np.isnan(q).all(axis=1)]
+    return q.reshape(-1, n)

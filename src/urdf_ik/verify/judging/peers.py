@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, printable
+from urdf_ik.model.poses import pose
 from urdf_ik.support.text import quoted
+from urdf_ik.verify.judging.toolbox import in_c, in_python
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,11 +52,9 @@ def eaik(arm: Arm) -> Solve:
     if not robot.hasKnownDecomposition():  # asked first: without one, it raises or ends the process
         raise UnsupportedArm(f"{arm.name}: EAIK has no decomposition for this arm")
 
-    def solve(T: Array) -> Array:
+    def solve(T: Array) -> tuple[Array, NDArray[np.bool_]]:
         answer = robot.IK(T)
-        # What it flags as least squares it does not call a solution.
-        good: Array = np.array(answer.Q).reshape(-1, 6)[~np.array(answer.is_LS, dtype=bool)]
-        return good
+        return np.array(answer.Q).reshape(-1, 6), np.array(answer.is_LS, dtype=np.bool_)
 
     return _named("EAIK", solve)
 
@@ -75,23 +75,30 @@ def ik_geo(arm: Arm) -> Solve:
     family, kind = arm.structure.family or "", "gen_six_dof"
     if "spherical wrist" in family and "2||3" in family:
         kind = "spherical_two_parallel"
-        # It wants the points of axes 4, 5 and 6 in the wrist's centre.
-        points = np.cumsum(offsets, axis=0)
         centre = next(np.array(each.point) for each in arm.structure.triples if each.first == 4)
-        points[3:6] = centre
-        offsets = np.diff(np.vstack([np.zeros(3), points]), axis=0)
+        offsets = _through(offsets, slice(3, 6), centre)
     elif "2||3||4" in family and "5x6" in family:
         kind = "three_parallel_two_intersecting"
+        points = np.cumsum(offsets, axis=0)
+        # Where axes 5 and 6 meet: a point on axis 5 whose distance to axis 6 is least.
+        along = np.linalg.lstsq(np.stack([axes[4], -axes[5]], axis=1), points[5] - points[4], rcond=None)[0]
+        offsets = _through(offsets, slice(4, 6), points[4] + along[0] * axes[4])
     robot = getattr(package.Robot, kind)(axes, offsets)
 
-    def solve(T: Array) -> Array:
+    def solve(T: Array) -> tuple[Array, NDArray[np.bool_]]:
         # Version 1.0.3 reads a rotation that is an array by columns; its poses carry no home rotation.
         R = np.ascontiguousarray((T[:3, :3] @ home.T).T)
         answer = robot.get_ik(R, np.ascontiguousarray(T[:3, 3]))
-        # The flag says that it is a least-squares answer, no solution.
-        return np.array([q for q, flag in answer if not flag])
+        return np.array([q for q, _ in answer]).reshape(-1, 6), np.array([flag for _, flag in answer], dtype=np.bool_)
 
     return _named("ik-geo", solve)
+
+
+def _through(offsets: Array, which: slice, point: Array) -> Array:
+    """Offsets (n + 1, 3) [m] with the points of some axes at the one in which they meet, as ik-geo wants them."""
+    points = np.cumsum(offsets, axis=0)
+    points[which] = point
+    return np.diff(np.vstack([np.zeros(3), points]), axis=0)
 
 
 def ssik(arm: Arm) -> Solve:
@@ -190,6 +197,44 @@ def py_opw(arm: Arm) -> Solve:
     return _named("py-opw", lambda T: np.array(robot.inverse(opw.RigidTransform.from_matrix(T))))
 
 
+def frankik(arm: Arm) -> Solve:
+    """Frankik (He and Liu 2021), for Franka's Panda and FR3, at 60 values of joint 7, inside the joint limits.
+
+    Raises:
+        MissingPackage: it is not installed.
+        UnsupportedArm: the arm is neither of the two.
+    """
+    try:
+        package = _package("frankik")
+    except ImportError:
+        raise missing("frankik", "frankik") from None
+    if arm.dof != 7:
+        raise UnsupportedArm(f"{arm.name}: frankik takes the Panda and the FR3")
+    q = np.array([0.1, -0.2, 0.3, -1.4, 0.5, 1.6, 0.7])
+    forward = np.linalg.inv(arm.fk(np.zeros(7))) @ package.fk(np.zeros(7))
+    if np.abs(arm.fk(q) @ forward - package.fk(q)).max() > 1e-6:
+        raise UnsupportedArm(f"{arm.name}: frankik takes the Panda and the FR3, whose kinematics this arm has not")
+    # Its inverse takes the flange: 45 degrees and 103.4 mm before the frame of its forward kinematics.
+    flange = forward @ pose([0.0, 0.0, -0.1034], rpy=[0.0, 0.0, np.pi / 4])
+    highest = arm.limits[:, 1]
+    is_fr3 = bool(np.abs(highest - package.q_max_fr3).max() < np.abs(highest - package.q_max_panda).max())
+    return _named("frankik", lambda T: np.array(package.ik_sample_q7(T @ flange, None, is_fr3, 60, 332.0, True)))
+
+
+def toolbox(arm: Arm, language: str = "python") -> Solve:
+    """The Robotics Toolbox's analytic solver, in 'python', or in the 'c' that it writes.
+
+    Raises:
+        MissingPackage: it is not installed, or there is no C compiler.
+        UnsupportedArm: it derives no solver for the arm.
+        ArgumentError: there is no such language.
+    """
+    makers = {"python": in_python, "c": in_c}
+    if language not in makers:
+        raise ArgumentError(f"the Robotics Toolbox in {quoted(language)}; roboticstoolbox:python or :c is needed")
+    return _named(f"Robotics Toolbox, {'C' if language == 'c' else 'Python'}", makers[language](arm))
+
+
 def _package(name: str) -> Any:
     """A package that need not be installed."""
     return importlib.import_module(name)
@@ -209,7 +254,9 @@ def _named(name: str, solve: Solve) -> Solve:
 PEERS: dict[str, Callable[..., Solve]] = {
     "eaik": eaik,
     "ik-geo": ik_geo,
+    "frankik": frankik,
     "py-opw": py_opw,
+    "roboticstoolbox": toolbox,
     "ssik": ssik,
     "ssik-built": ssik_built,
     "ssik-prebuilt": ssik_prebuilt,

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 FORMS = (
     "module:function, file.py:function, process:COMMAND, ikfast:LIBRARY.so, or the name of a peer: "
-    "eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM"
+    "eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM, frankik, roboticstoolbox:python, "
+    "roboticstoolbox:c"
 )
 TIMEOUT = 60.0
 """Seconds that a process may take for a pose."""
@@ -97,7 +98,8 @@ class SolverProcess:
     r"""A process that reads poses and writes joint vectors, a line of JSON each.
 
     It reads ``{"T": [[...], [...], [...], [...]]}`` and answers ``{"q": [[...], ...]}``, or ``{"error": "why"}``, in
-    one line, and flushes it. Its standard input ends when there are no more poses.
+    one line, and flushes it. ``"approximate": [false, ...]`` beside ``"q"`` says which of them only come near. Its
+    standard input ends when there are no more poses.
 
     Example:
         >>> import sys
@@ -144,7 +146,7 @@ class SolverProcess:
         if not isinstance(answer, dict) or "q" not in answer:
             why = answer.get("error", answer) if isinstance(answer, dict) else answer
             raise ArgumentError(f"the process answered {quoted(why)}; an object with 'q' is needed")
-        return answer["q"]
+        return (answer["q"], np.array(answer["approximate"])) if "approximate" in answer else answer["q"]
 
     def _line(self) -> bytes:
         stdout = self._process.stdout

@@ -1,0 +1,17 @@
+// The functions that prepare an arm: its numbers must not depend on the processor. They are compiled once, in the namespace plain,
+// without fused multiply-add and for no more than every processor has.
+#pragma once
+
+#include "chain_arm.hpp"
+#include "families/general/elimination_arm.hpp"
+
+namespace urdf_ik {
+
+struct PreparationTable {
+    const ChainFunctions* chain;
+    const EliminationPreparation* elimination;
+};
+
+const PreparationTable& preparation();
+
+}  // namespace urdf_ik

@@ -1,0 +1,146 @@
+"""Compiled arms: the JSON text of an arm, which C++ and Python solve from.
+
+The text holds what the compiled solver is made from, the chain, its limits and names, and the part of the URDF that the
+chain uses. ``docs/_static/compiled-arm.schema.json`` describes it, and ``urdf_ik.export`` writes it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.arm.arm import assemble
+from urdf_ik.errors import UrdfError, printable
+from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.model import urdf
+from urdf_ik.model.xml import TEXT
+from urdf_ik.support import files
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from urdf_ik.arm.arm import Arm
+
+FORMAT, VERSION = "urdf-ik compiled arm", 1
+MOST_BYTES = 2**26
+"""Bytes of a compiled arm at most."""
+_AGAIN = "urdf-ik compile writes one"
+
+
+def is_compiled(source: object) -> bool:
+    """Whether a source is a compiled arm: the path of a ``.json`` file, or its text.
+
+    Example:
+        >>> is_compiled("arm.json"), is_compiled("arm.urdf"), is_compiled('{"format": "urdf-ik compiled arm"}')
+        (True, False, True)
+    """
+    if isinstance(source, os.PathLike):
+        return Path(source).suffix.lower() == ".json"
+    return isinstance(source, str) and (source.lstrip()[:1] == "{" or source.lower().endswith(".json"))
+
+
+def load(source: str | os.PathLike[str]) -> Arm:
+    """The arm of a compiled arm's file or text.
+
+    It solves with the numbers of the file. Its URDF is the part that the chain uses, without shapes.
+
+    Raises:
+        UrdfError: it cannot be read, is no compiled arm, or one of another version.
+
+    Example:
+        >>> import urdf_ik
+        >>> text = urdf_ik.compile(urdf_ik.load("planar_2r"))
+        >>> load(text)
+        <Arm 'planar_2r': base_link to tool0, ...>
+    """
+    if isinstance(source, str) and source.lstrip()[:1] == "{":
+        return _arm_of(document_of(source, TEXT), TEXT)
+    return _arm_of(read(source), files.name_of(source))
+
+
+def read(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The values of a compiled arm's file.
+
+    Raises:
+        UrdfError: it cannot be read, is no compiled arm, or one of another version.
+    """
+    data = files.read(path, MOST_BYTES, lambda problem: UrdfError(problem, hint=_AGAIN))
+    return document_of(data.decode("utf-8", "replace"), files.name_of(path))
+
+
+def document_of(text: str, source: str) -> dict[str, Any]:
+    """The values of a compiled arm's text.
+
+    Raises:
+        UrdfError: it is no JSON, no compiled arm, or one of another version.
+
+    Example:
+        >>> document_of('{"format": "urdf-ik compiled arm", "version": 0}', "arm.json")
+        Traceback (most recent call last):
+        urdf_ik.errors.UrdfError: arm.json: a compiled arm of version 0; this release reads version 1 ...
+    """
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise UrdfError(f"no compiled arm: {printable(error, 200)}", source=source, hint=_AGAIN) from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise UrdfError(f'no compiled arm: it has no "format": "{FORMAT}"', source=source, hint=_AGAIN)
+    if data.get("version") != VERSION:
+        raise UrdfError(
+            f"a compiled arm of version {quoted(data.get('version'))}; this release reads version {VERSION}",
+            source=source,
+            hint=f"{_AGAIN} anew",
+        )
+    return data
+
+
+def _arm_of(data: dict[str, Any], source: str) -> Arm:
+    """The arm of a compiled arm's values, which messages call ``source``.
+
+    Raises:
+        UrdfError: they are damaged.
+    """
+    try:
+        arm = _assembled(data, source)
+        core = Solver(_namespace(data["solver"]))
+        if (core.joints, core.branches) != (arm.dof, len(data["branches"])):
+            raise ValueError(f"solver: {core.joints} joints and {core.branches} branches")
+        for each in data["checks"]:
+            off = np.abs(arm.fk(each["q"]) - np.array(each["T"], dtype=np.float64)).max()
+            if not off <= 1e-9 * max(1.0, arm.chain.size):
+                raise ValueError(f"checks: the chain leads {off:g} elsewhere")
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        missing = f"{error.args[0]} is missing" if isinstance(error, KeyError) else str(error)
+        raise UrdfError(f"a damaged compiled arm: {printable(missing, 200)}", source=source, hint=_AGAIN) from None
+    solver = arm.solver
+    member = replace(solver.require_member(), solver=core)
+    return replace(arm, solver=replace(solver, member=member, core=core, single=core, by_task={}))
+
+
+def _assembled(data: dict[str, Any], source: str) -> Arm:
+    """The arm of the file's part of a URDF."""
+    model = urdf.read(str(data["urdf"]["chain"]))
+    model = replace(model, source=source, sha256=str(data["urdf"]["sha256"]))
+    chain = from_urdf(model, data["base"], data["tip"]).lock(data["locked"])
+    axis = data["free_axis"]
+    free = None if axis is None else FreeAxis(_three(axis["direction"]), _three(axis["at"]))
+    return assemble(model, chain, free_axis=free, given=tuple(data["given"]))
+
+
+def _three(numbers: Any) -> tuple[float, float, float]:
+    x, y, z = (float(each) for each in numbers)
+    return x, y, z
+
+
+def _namespace(value: Any) -> Any:
+    """Values of a JSON text as the compiled core reads them: groups with attributes, lists of numbers as arrays."""
+    if isinstance(value, dict):
+        return SimpleNamespace(**{name: _namespace(each) for name, each in value.items()})
+    return np.array(value, dtype=np.float64) if isinstance(value, list) else value

@@ -1,0 +1,1 @@
+"""Commands that take an arm out of Python."""
