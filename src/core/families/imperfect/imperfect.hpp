@@ -71,7 +71,8 @@ template <class Family> struct Imperfect {
         const bool close = off < CLOSE_BY;
         if constexpr (!by_quartic) {
             Known known;
-            if (close) known = certify_all(arm.family.written, arm.family.ideal, goal, seen, {&arm.family, include_branches});
+            if (close)
+                known = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, {&arm.family, include_branches});
             proven = !known.open;
             if (!proven) known = decide_all(arm.both, seen, {&arm.family, answer}, known);
             open = known.open;
