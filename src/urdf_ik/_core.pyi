@@ -186,4 +186,7 @@ class Solver:
     def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
         """Of axes, for explanations [m]: up to four, NaN where there is none."""
 
+    def prove(self, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> object:
+        """What is proven about a pose's solutions; None: nothing."""
+
     def solve(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, threads: int = 1, beyond: bool = False) -> int: ...

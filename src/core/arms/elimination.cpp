@@ -47,6 +47,22 @@ void read(const Values& values, EliminationArm& to) {
     read_variant(*values.group("variant"), 1, 0, to.variant);
 }
 
-void add_elimination(Makers& makers) { makers["elimination"] = maker(level().elimination->solve, 6, 16); }
+namespace {
+
+class EliminationSolver : public SolverOf<EliminationArm> {
+public:
+    EliminationSolver() : SolverOf(level().elimination->solve, nullptr) { joints = 6, branches = 16; }
+    bool prove(const double* T, Proof& out) const override { return level().elimination->prove(arm, T, out); }
+};
+
+}  // namespace
+
+void add_elimination(Makers& makers) {
+    makers["elimination"] = [](const Values& v) {
+        auto made = std::make_shared<EliminationSolver>();
+        read(v, made->arm);
+        return made;
+    };
+}
 
 }  // namespace urdf_ik

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "arms/common.hpp"
+#include "certificate/proof.hpp"
 #include "levels.hpp"
 
 namespace urdf_ik {
@@ -30,6 +31,9 @@ public:
     // The bytes of the struct with the arm's numbers, as they are in memory; of an arm that is solved by another solver, of its own
     // numbers alone.
     virtual std::string_view image() const { return {}; }
+
+    // What is proven about the solutions of a pose T; false if the solver proves nothing, or T is no rigid motion.
+    virtual bool prove(const double*, Proof&) const { return false; }
 
     int joints = 6, branches = 8;
     int numbers = 16;    // of a target; a pose has sixteen

@@ -2,6 +2,8 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -45,6 +47,33 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
     const Batch batch = {T.data(),     long(m), q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr, q.data(),
                          flags.data(), beyond};
     return without_gil([&](const Stop& stop) { return solve_shared(solver, batch, threads, stop); });
+}
+
+// The fields of Proof in Python; complex numbers as pairs.
+static nb::object prove(const PySolver& self, const Seen& T) {
+    const auto proof = std::make_unique<Proof>();
+    if (!self.solver->prove(T.data(), *proof)) return nb::none();
+    const auto array = [](const double* from, std::initializer_list<std::size_t> shape) {
+        std::size_t size = 1;
+        for (const std::size_t each : shape) size *= each;
+        auto* copy = new double[size];
+        std::copy(from, from + size, copy);
+        const nb::capsule owner(copy, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+        return nb::cast(nb::ndarray<nb::numpy, double>(copy, shape, owner));
+    };
+    const std::size_t roots = proof->roots;
+    nb::list real, clusters;
+    for (std::size_t i = 0; i < roots; ++i) real.append(proof->real[i]);
+    for (int i = 0; i < proof->clusters; ++i) {
+        const ProvenCluster& each = proof->cluster[i];
+        clusters.append(nb::make_tuple(array(&each.centre[0][0], {6, 2}), array(&each.directions[0][0][0], {6, 6, 2}), each.across,
+                                       each.along, each.lost));
+    }
+    nb::dict out;
+    out["expected"] = proof->expected.many, out["why"] = int(proof->expected.why), out["status"] = int(proof->status);
+    out["roots"] = array(&proof->root[0][0][0], {roots, 6, 2}), out["real"] = real, out["clusters"] = clusters;
+    out["inner"] = array(proof->inner, {roots}), out["outer"] = array(proof->outer, {roots});
+    return out;
 }
 
 }  // namespace urdf_ik
@@ -99,6 +128,7 @@ NB_MODULE(_core, m) {
             "image", [](const PySolver& s) { return nb::bytes(s.solver->image().data(), s.solver->image().size()); },
             "The bytes of the struct with the arm's numbers.")
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
+        .def("prove", &prove, nb::arg("T").noconvert(), "What is proven about a pose's solutions; None: nothing.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1,
              nb::arg("beyond") = false);

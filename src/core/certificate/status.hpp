@@ -12,13 +12,13 @@ namespace urdf_ik {
 //   continuum   a curve of solutions keeps the pose; its representatives are there, and isolated solutions may be missing
 //   incomplete  solutions may be missing
 enum class Status : std::uint8_t { complete = 0, incomplete = UNCERTAIN, clustered = 64, continuum = 64 | UNCERTAIN };
-inline constexpr std::uint8_t STATUS = 64 | UNCERTAIN;
+inline constexpr std::uint8_t STATUS_BITS = 64 | UNCERTAIN;
 
-inline Status status_of(std::uint8_t first_flags) { return static_cast<Status>(first_flags & STATUS); }
+inline Status status_of(std::uint8_t first_flags) { return static_cast<Status>(first_flags & STATUS_BITS); }
 
 // Replaces the status of a pose. It is set last: sorting the columns would move it.
 inline void set_status(std::uint8_t& first_flags, Status status) {
-    first_flags = std::uint8_t((first_flags & ~STATUS) | static_cast<std::uint8_t>(status));
+    first_flags = std::uint8_t((first_flags & ~STATUS_BITS) | static_cast<std::uint8_t>(status));
 }
 
 // Why there are no more isolated complex solutions than Expected::many, counted by multiplicity: nothing is proven; six turning

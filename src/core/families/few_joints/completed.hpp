@@ -35,7 +35,7 @@ PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& si
         for (int b = 0; b < six.columns; ++b) {
             const int flags = six.flags[six.columns * i + b];
             if (!(flags & VALID)) continue;
-            free |= (flags & ~STATUS) != VALID;
+            free |= (flags & ~STATUS_BITS) != VALID;
             double q[5];
             for (int j = 0; j < 5; ++j) q[j] = six.q[6 * (six.columns * i + b) + arm.at + j];
             polish_and_keep(arm.written, goal, q, Origin::computed, arm.written.tolerances.reach, columns);

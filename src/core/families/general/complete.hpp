@@ -6,7 +6,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Adds to the columns (16) the solutions of one pose that they lack. Returns whether they are certain to be all.
-bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns);
+// Adds to the columns (16) the solutions of one pose that they lack. `complete` is proven for six turning joints whose known
+// poses have all sixteen solutions; for arms near a special one it is a count that leaves out solutions far from real.
+Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -5,12 +5,10 @@
 #pragma once
 
 #include "answers/answer.hpp"
-#include "arithmetic/complex.hpp"
+#include "certificate/loop.hpp"
 #include "families/general/continuation_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
-
-using CBlock = Complexes<Block>;
 
 // A step whose correction exceeds either bound is rejected: an absolute one [rad, sizes], and a share of the step. A
 // path that jumps to another path is noticed at the end, where the two meet.

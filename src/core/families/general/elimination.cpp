@@ -4,6 +4,6 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const EliminationSolvers elimination_solvers;
-const EliminationSolvers elimination_solvers = {solve_singly<General6>};
+const EliminationSolvers elimination_solvers = {solve_singly<General6>, prove};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

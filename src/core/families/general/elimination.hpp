@@ -8,8 +8,9 @@
 #pragma once
 
 #include "answers/beside.hpp"
-#include "answers/blocks.hpp"
+#include "families/general/collecting.hpp"
 #include "families/general/complete.hpp"
+#include "families/general/complex_roots.hpp"
 #include "families/general/continuation.hpp"
 #include "families/general/hidden_joint.hpp"
 
@@ -29,93 +30,14 @@ inline constexpr double LARGEST_NOISE = 1e-7;
 inline constexpr double OWN_ROOT = 1e-3;
 // The same for arms near special ones, whose roots form clusters.
 inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
+// A root with a squared length this much below one is off the circle: the determinant's rounding at simple roots is smaller.
+inline constexpr double ON_CIRCLE = 1e-7;
 // The end of a path is not real if an angle's imaginary part is above this: at regular ends, and at singular ends.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
 // Attempts at continuation, each from another known pose; and starts all over the joint space if none of them decides.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
-
-// The state of solving one pose.
-struct SearchState {
-    Columns<6> columns;
-    double enough;  // a candidate with at most this error is a solution
-    double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
-    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
-};
-
-// A block of joint vectors, and a bit for each lane in use.
-struct Candidates {
-    Block q[6];
-    unsigned lanes;
-};
-
-STEP MaskOf<Block> mask_of(unsigned lanes) {
-    double x[BLOCK];
-    for (int l = 0; l < BLOCK; ++l) x[l] = lanes >> l & 1;
-    return load<Block>(x) > Block(0.0);
-}
-STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
-    for (int j = 0; j < 6; ++j) out[j] = q[j][l];
-}
-
-// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known
-// solutions: the paths of the others are too far from real to be followed. These come near real only where the special
-// arm is singular.
-STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
-
-// ---- collecting ------------------------------------------------------------------------------------------------------
-
-// The column of q, which is kept if it is new; -1 if all columns are taken. least: a lower bound on the smallest singular value of
-// its Jacobian.
-PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, const double (&q)[6], double least) {
-    const Columns<6>& columns = search.columns;
-    if (is_new(arm.written, goal, columns, q)) {
-        for (int b = 0; b < columns.many; ++b) {
-            if (columns.valid(b)) continue;
-            keep(columns, b, q, least < NEAR_FOLD ? singular_marks(arm.written, goal, q, 0) : 0);
-            return b;
-        }
-        return -1;
-    }
-    int nearest = -1;
-    double least_gap = __builtin_inf();
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        double most = 0.0;
-        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
-        if (most < least_gap) least_gap = most, nearest = b;
-    }
-    // Next to a singularity, keep only the most accurate approximation of the root.
-    double known[6];
-    for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
-    if (least_gap > arm.written.tolerances.duplicate &&
-        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
-        const int marks = columns.flags[nearest] & ~VALID;
-        columns.clear(nearest);
-        if (!is_new(arm.written, goal, columns, q)) return column_of(arm, goal, search, q, least);
-        keep(columns, nearest, q, marks);
-    }
-    return nearest;
-}
-
-// The columns of the solutions that Newton's method reaches from the starts; -1 for starts that reach no solution.
-template <bool damped>
-PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts, int rounds,
-                       int (&column)[BLOCK]) {
-    const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
-    const Polished<Block> out =
-        polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
-    const unsigned good = bits(out.error <= Block(search.enough)) & starts.lanes;
-    for (int l = 0; l < BLOCK; ++l) {
-        double q[6];
-        lane_of(starts.q, l, q);
-        column[l] = good >> l & 1 ? column_of(arm, goal, search, q, out.least[l]) : -1;
-        if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
-        search.error = out.error[l];
-        for (int j = 0; j < 6; ++j) search.best[j] = q[j];
-    }
-}
 
 // ---- one variant of the elimination ------------------------------------------------------------------------------------
 
@@ -134,9 +56,7 @@ struct RealRoots {
     int many;
 };
 
-STEP RealRoots real_roots(const Complex (&coefficients)[2 * DEGREE + 1], bool hides_slide) {
-    Complex z[2 * DEGREE];
-    self_inversive_roots<2 * DEGREE>(coefficients, z);
+STEP RealRoots real_roots(const Complex (&z)[2 * DEGREE], bool hides_slide) {
     RealRoots out = {};
     // |log |z|| < d, by the squares.
     const double near = __builtin_exp(2.0 * NEAR_CIRCLE);
@@ -168,8 +88,28 @@ PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Sea
     if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
 }
 
-// Adds the solutions that one variant finds. Returns whether they are certain to be all: each root that may be real led
-// to a different solution, and no other solution is known. At least one solution has to confirm the determinant.
+// Accounts for the determinant's roots off the unit circle, one of each pair.
+PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Equations& A,
+                       const Frame<double>& G, const Complex (&z)[2 * DEGREE], SearchState& search) {
+    double re[2 * DEGREE], im[2 * DEGREE];
+    int many = 0;
+    for (const Complex& each : z) {
+        if (each.re * each.re + each.im * each.im < 1.0 - ON_CIRCLE) re[many] = each.re, im[many++] = each.im;
+    }
+    for (int k = many; k < 2 * DEGREE; ++k) re[k] = re[0], im[k] = im[0];
+    for (int from = 0; from < many; from += BLOCK) {
+        const CBlock hidden = {load<Block>(re + from), load<Block>(im + from)};
+        const int rest = many - from;
+        CBlock x[SIZE], joints[6];
+        null_vectors(A, turn_of(hidden), x);
+        complex_joints(variant, G, x, hidden, joints);
+        account_for(arm, goal, search, joints, rest >= BLOCK ? (1u << BLOCK) - 1 : (1u << rest) - 1);
+    }
+}
+
+// Adds the solutions that one variant finds. Returns whether they are certain to be all. Of an arm whose roots are counted: they
+// are proven to be. Else: each root that may be real led to a different solution, and no other solution is known; at least one
+// solution has to confirm the determinant.
 PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, SearchState& search) {
     Equations A;
     double D[SAMPLES];
@@ -179,7 +119,9 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     determinants(A, D);
     const bool noisy = !(harmonics(D, coefficients) < LARGEST_NOISE);
     if (noisy && all_known(arm)) return false;
-    RealRoots roots = real_roots(coefficients, variant.slides[(variant.first + 5) % 6]);
+    Complex z[2 * DEGREE];
+    self_inversive_roots<2 * DEGREE>(coefficients, z);
+    RealRoots roots = real_roots(z, variant.slides[(variant.first + 5) % 6]);
     for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
     const double own = all_known(arm) ? OWN_ROOT : OWN_ROOT_NEAR_SPECIAL;
     unsigned owned = 0;
@@ -208,6 +150,10 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
             if (dc * dc + ds * ds > own * own) continue;
             owned |= 1u << column[l], ++settled;
         }
+    }
+    if (search.provable) {
+        gather_pairs(arm, variant, goal, A, G, z, search);
+        return search.account.all();
     }
     return !noisy && settled > 0 && settled == roots.many && settled == search.columns.count();
 }
@@ -242,6 +188,20 @@ STEP bool is_stranger(const Columns<6>& columns, unsigned owned) {
         if (columns.valid(b) && !(owned >> b & 1) && !(columns.flags[b] & SINGULAR)) return true;
     }
     return false;
+}
+
+// Adds the complex ends of all paths to the account.
+PART void account_for_ends(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, const PathEnds& ends) {
+    for (int from = 0; from < ends.many; from += BLOCK) {
+        CBlock z[6];
+        unsigned lanes = 0;
+        for (int l = 0; l < BLOCK; ++l) {
+            const int i = from + l < ends.many ? from + l : from;
+            for (int k = 0; k < 6; ++k) z[k].re.set(l, ends.q[i].z[k][0]), z[k].im.set(l, ends.q[i].z[k][1]);
+            lanes |= unsigned(from + l < ends.many && imaginary_part(arm.written, ends.q[i]) > 0.0) << l;
+        }
+        if (lanes) account_for(arm, goal, search, z, lanes);
+    }
 }
 
 // Adds the real ends of all paths to the goal, regular ones first: the members of a continuum may fill the other
@@ -282,6 +242,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
             }
         }
     }
+    if (search.provable) account_for_ends(arm, goal, search, ends);
     search.all_known &= distant == 0;
     if (shared || is_stranger(search.columns, owned)) return Arrived::lost;
     // Solutions that are not real come in pairs: an odd number lacks one.
@@ -313,10 +274,12 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     // An arm without known poses is singular everywhere, and its determinant means nothing.
     if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;
+    if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
         // A result with singular ends needs a second attempt that agrees.
+        if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
         if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
         settled |= all == Arrived::settled;
     }
@@ -324,13 +287,19 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     return false;
 }
 
-bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+// The same with the account; see complete.hpp.
+PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, Account& account) {
     // The rounding of a slide far out moves the tip, so the accepted error grows with the distance of the goal, up to
     // the tolerance.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
-    SearchState search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
-    search.all_known = all_known(arm);
+    SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     bool certain = find_all(arm, goal, search);
+    const Status proven = search.provable ? count_clusters(arm, goal, search) : Status::incomplete;
+    account = search.account;
+    if (proven != Status::incomplete) {
+        keep_accounted(arm, goal, search);
+        return proven;
+    }
     // If no candidate converged, the best may be a double root. Without the damping HELD, rounding would move the arm
     // along its singular direction.
     if (columns.count() == 0 && search.error < NEARLY) {
@@ -346,18 +315,41 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
-    return certain;
+    if (search.provable && holds_curve(arm, goal, columns)) return Status::continuum;
+    return certain && !search.provable && !arm.any_slide ? Status::complete : Status::incomplete;
+}
+
+Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    Account account;
+    return complete(arm, goal, columns, account);
 }
 
 struct General6 {
     using Arm = EliminationArm;
     static constexpr int branches = 16;
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
-        const bool certain = complete(arm, goal, columns);
+        const Status status = complete(arm, goal, columns);
         sort(columns);
-        if (!certain) set_status(columns.flags[0], Status::incomplete);
+        set_status(columns.flags[0], status);
     }
 };
+
+// See EliminationSolvers.
+PART bool prove(const EliminationArm& arm, const double* T, Proof& out) {
+    double from[16], proper[16], q[6 * 16];
+    std::uint8_t flags[16];
+    for (int k = 0; k < 16; ++k) from[k] = T[k];
+    if (!(pose_defect<double>(from) <= arm.written.tolerances.rotation)) return false;
+    project_rotation(from, proper);
+    const Columns<6> columns = {q, flags, 16};
+    columns.clear();
+    Account account;
+    out = {};
+    out.status = complete(arm, goal_of(proper), columns, account);
+    as_data(account, out);
+    if (arm.any_slide || !all_known(arm)) out.expected.why = Why::unproven;
+    return true;
+}
 
 // See EliminationPreparation.
 PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
@@ -369,7 +361,7 @@ PART void try_variants(const EliminationArm& arm, const EliminationVariant* vari
             std::uint8_t flags[16];
             const Columns<6> columns = {q, flags, 16};
             columns.clear();
-            SearchState search = {columns, CONVERGED};
+            SearchState search = search_state(arm, goal, columns, CONVERGED);
             out.certain[m * v + i] = gather(arm, variants[v], goal, search);
             out.counts[m * v + i] = std::uint8_t(columns.count());
         }

@@ -1,6 +1,7 @@
 // An arm of six joints for the elimination.
 #pragma once
 
+#include "certificate/proof.hpp"
 #include "families/general/continuation_arm.hpp"
 #include "kinematics/arm.hpp"
 
@@ -40,6 +41,8 @@ struct EliminationTrial {
 
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
+    // What is proven about the solutions of the pose T. Returns whether T is a rigid motion.
+    bool (*prove)(const EliminationArm&, const double* T, Proof&);
 };
 
 // What preparing an arm needs.

@@ -73,7 +73,7 @@ template <class Family> struct Imperfect {
         const double off = arm.family.ideal.imperfection;
         if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
-        if (!complete(arm.elimination, goal, columns)) {
+        if (complete(arm.elimination, goal, columns) != Status::complete) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
             set_status(columns.flags[0], Status::incomplete);

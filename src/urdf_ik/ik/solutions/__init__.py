@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from urdf_ik.ik.solutions.ik_solutions import IKSolutions
+from urdf_ik.ik.solutions.proof import Cluster, Proof
 from urdf_ik.ik.solutions.solution import Singular, Solution, Step
 
-__all__ = ["IKSolutions", "Singular", "Solution", "Step"]
+__all__ = ["Cluster", "IKSolutions", "Proof", "Singular", "Solution", "Step"]

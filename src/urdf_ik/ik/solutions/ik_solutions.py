@@ -10,6 +10,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import distances, explanations, limits, tables
 from urdf_ik.ik.solutions.differentiable import DifferentiableSolutions
+from urdf_ik.ik.solutions.proof import Proof, proof_of
 from urdf_ik.ik.solutions.solution import Singular, Solution, Step
 from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
 from urdf_ik.kinematics import velocity
@@ -331,6 +332,27 @@ class IKSolutions(DifferentiableSolutions):
             return explanations.explanation(self)
         lost = [place for place in np.ndindex(self.shape) if not self._info[place].any()]
         return "\n".join(f"pose {list(place)}: {explanations.explanation(self[place])}" for place in lost)
+
+    @property
+    def proof(self) -> Proof | None:
+        """What is proven about a single pose's solutions, as data that others can check; None for solvers without.
+
+        The pose is solved again for it. General arms of six turning joints have it: those that are solved by
+        elimination.
+
+        Raises:
+            ArgumentError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).proof is None
+            True
+        """
+        if self.shape:
+            raise ArgumentError(f"proof needs a single pose, and these are {self.shape}: take one, s[i].proof")
+        data = None if self.solver.core is None else self.solver.core.prove(np.ascontiguousarray(self._poses))
+        return None if data is None else proof_of(data)
 
     def table(self, degrees: bool = False) -> str:
         """The solutions of a single pose as text, a line each; a batch in one sentence.

@@ -12,6 +12,7 @@ import numpy as np
 from urdf_ik._core import Answer
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import local_names
+from urdf_ik.ik.solutions.proof import WORDS
 from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.support import indices
 from urdf_ik.support.angles import TURN
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 # A pose's status stands in two bits of its first column's flags; the lower one says that solutions may be missing.
 _STATUS, _UNCERTAIN = np.uint8(5), np.uint8(32)
-_WORDS = np.array(["complete", "incomplete", "clustered", "continuum"])
+_WORDS = np.array([WORDS[32 * k] for k in range(4)])
 
 _Number = TypeVar("_Number", bound=np.generic)
 

@@ -1,0 +1,234 @@
+// The certified roots of one pose, counted against the number that there can be.
+//
+// If an arm has at most N isolated roots at every pose, N distinct regular ones are all, and there is no continuum beside them:
+// regular roots persist at all poses near by, and another root, isolated or not, has regular joint vectors near it, whose poses
+// would have N + 1 roots.
+#pragma once
+
+#include "certificate/proof.hpp"
+#include "certificate/single.hpp"
+#include "certificate/status.hpp"
+#include "certificate/svd.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A certified real root: joint values, radius of existence and of uniqueness, and a lower bound on its Jacobian's smallest
+// singular value.
+struct RealRoot {
+    double q[6], inner, outer, least;
+};
+// A certified root that is not real, as z = e^(i angle). Its conjugate is another one.
+struct PairOfRoots {
+    double z[6][2], inner, outer;
+};
+
+// A ball with 2^lost roots, counted by multiplicity; see cluster.hpp. Columns of V; the larger ball holds the same roots.
+struct Cluster {
+    Number q[6], direction[6][6];
+    double across, along, larger_across, larger_along;
+    int lost;
+    bool blurred;  // whether the roots are nearer to each other than rounding
+    int starts;    // joint vectors from which Newton's method leads to its real members, to first order
+    double start[2][6];
+};
+
+struct Account {
+    static constexpr int most = 16;
+    Expected expected = {most, Why::theorem};
+    RealRoot real[most];
+    PairOfRoots pair[most / 2];
+    Cluster cluster[ProvenCluster::most];
+    int reals = 0, pairs = 0, clusters = 0;
+
+    STEP int counted() const {
+        int sum = reals + 2 * pairs;
+        for (int i = 0; i < clusters; ++i) sum += 1 << cluster[i].lost;
+        return sum;
+    }
+    STEP bool all() const { return counted() == expected.many && expected.why != Why::unproven; }
+};
+
+// A lower bound on the greatest |difference| of two joints, whole turns aside: for x = |e^(i d) - 1| it is |d| >= x / (1 + x).
+STEP double apart_at_least(const double (&a)[6][2], const double (&b)[6][2]) {
+    double most = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        const double re = a[k][0] - b[k][0], im = a[k][1] - b[k][1];
+        const double share = (re * re + im * im) / (b[k][0] * b[k][0] + b[k][1] * b[k][1]);
+        most = max(most, share);
+    }
+    const double x = sqrt(most);
+    return x / (1.0 + x) * (1.0 - 1e-12);
+}
+// The conjugate angle has one over the conjugate of e^(i angle).
+STEP void conjugate(const double (&z)[6][2], double (&out)[6][2]) {
+    for (int k = 0; k < 6; ++k) {
+        const double w = 1.0 / (z[k][0] * z[k][0] + z[k][1] * z[k][1]);
+        out[k][0] = w * z[k][0], out[k][1] = w * z[k][1];
+    }
+}
+
+STEP void q_of(const double (&z)[6][2], Number (&q)[6]) {
+    for (int k = 0; k < 6; ++k) {
+        q[k] = {__builtin_atan2(z[k][1], z[k][0]), -0.5 * __builtin_log(z[k][0] * z[k][0] + z[k][1] * z[k][1])};
+    }
+}
+// How far joint values are from a cluster's centre, across and along its small directions, whole turns aside.
+struct FromCentre {
+    double across, along;
+};
+STEP FromCentre from_centre(const Cluster& cluster, const Number (&q)[6]) {
+    Number d[6];
+    double parts[2] = {0.0, 0.0};
+    for (int k = 0; k < 6; ++k) d[k] = {wrap(wrap(q[k].re) - wrap(cluster.q[k].re)), q[k].im - cluster.q[k].im};
+    for (int k = 0; k < 6; ++k) parts[k >= 6 - cluster.lost] += square(inner_product(cluster.direction[k], d));
+    return {sqrt(parts[0]), sqrt(parts[1])};
+}
+// Whether a ball (of each joint) lies outside of the cluster's. The root of six is from joints to the Euclidean norm.
+STEP bool is_outside(const Cluster& cluster, const Number (&q)[6], double radius) {
+    const FromCentre at = from_centre(cluster, q);
+    const double r = 2.45 * radius + 1e-14;
+    return at.across > cluster.across + r || at.along > cluster.along + r;
+}
+STEP bool is_inside_larger(const Cluster& cluster, const Number (&q)[6]) {
+    const FromCentre at = from_centre(cluster, q);
+    return at.across <= cluster.larger_across && at.along <= cluster.larger_along;
+}
+STEP double radius_of(const Cluster& c) { return sqrt(c.across * c.across + c.along * c.along); }
+// Adds a cluster unless its ball meets that of a known one. Roots that are not certainly outside of it count as its own.
+STEP bool add_cluster(Account& account, const Cluster& cluster) {
+    if (account.clusters == ProvenCluster::most) return false;
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& other = account.cluster[i];
+        double square_apart = 0.0;
+        for (int k = 0; k < 6; ++k) {
+            const double re = wrap(wrap(cluster.q[k].re) - wrap(other.q[k].re)), im = cluster.q[k].im - other.q[k].im;
+            square_apart += re * re + im * im;
+        }
+        if (!(sqrt(square_apart) > radius_of(cluster) + radius_of(other) + 1e-14)) return false;
+    }
+    account.cluster[account.clusters++] = cluster;
+    int kept = 0;
+    for (int i = 0; i < account.reals; ++i) {
+        Number q[6];
+        for (int k = 0; k < 6; ++k) q[k] = account.real[i].q[k];
+        if (is_outside(cluster, q, account.real[i].inner)) account.real[kept++] = account.real[i];
+    }
+    account.reals = kept, kept = 0;
+    for (int i = 0; i < account.pairs; ++i) {
+        Number q[6], other[6];
+        q_of(account.pair[i].z, q);
+        for (int k = 0; k < 6; ++k) other[k] = conj(q[k]);
+        const double r = account.pair[i].inner;
+        if (is_outside(cluster, q, r) && is_outside(cluster, other, r)) account.pair[kept++] = account.pair[i];
+    }
+    account.pairs = kept;
+    return true;
+}
+
+// Adds a root unless its ball meets that of a known one: then they may be the same.
+STEP bool add_real(Account& account, const RealRoot& root) {
+    if (account.reals == Account::most) return false;
+    Number own[6];
+    for (int k = 0; k < 6; ++k) own[k] = root.q[k];
+    for (int i = 0; i < account.clusters; ++i) {
+        if (!is_outside(account.cluster[i], own, root.inner)) return false;
+    }
+    for (int i = 0; i < account.reals; ++i) {
+        double most = 0.0;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(root.q[j] - account.real[i].q[j])));
+        if (!(most - 1e-15 > root.inner + account.real[i].inner)) return false;
+    }
+    account.real[account.reals++] = root;
+    return true;
+}
+// The same for a root that is not real: the imaginary part of a joint exceeds its ball.
+STEP bool add_pair(Account& account, const PairOfRoots& root) {
+    if (account.pairs == Account::most / 2) return false;
+    Number own[6], other_way[6];
+    q_of(root.z, own);
+    for (int k = 0; k < 6; ++k) other_way[k] = conj(own[k]);
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& each = account.cluster[i];
+        if (!is_outside(each, own, root.inner) || !is_outside(each, other_way, root.inner)) return false;
+    }
+    double conjugated[6][2];
+    conjugate(root.z, conjugated);
+    for (int i = 0; i < account.pairs; ++i) {
+        const PairOfRoots& other = account.pair[i];
+        const double sum = root.inner + other.inner;
+        if (!(apart_at_least(root.z, other.z) > sum) || !(apart_at_least(conjugated, other.z) > sum)) return false;
+    }
+    account.pair[account.pairs++] = root;
+    return true;
+}
+
+// The certificates of a block of real joint vectors.
+PART Certificate certify_real(const Loop& loop, const Block (&q)[6]) {
+    Turn<Block> turn[6];
+    turns_of(q, turn);
+    const LoopAt<Block> at = loop_at(loop, turn);
+    Orthogonal<Block> f;
+    make_orthogonal(at.twist, f);
+    return certify(loop, at, f, growth_of(q));
+}
+
+// Newton's method from a block of complex joints, until no lane in use moves by more than SETTLED or for `rounds` rounds, and the
+// certificates there. Steps are limited to half a radian.
+inline constexpr double SETTLED = 1e-7;
+PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lanes, int rounds, Growth& growth) {
+    Turn<CBlock> turn[6];
+    LoopAt<CBlock> at;
+    Orthogonal<CBlock> f;
+    for (int round = 0;; ++round) {
+        turns_of(z, turn);
+        at = loop_at(loop, turn);
+        make_orthogonal(at.twist, f);
+        const Six<CBlock> step = newton_step(f, at.error);
+        Block size = square(step[0]);
+        for (int k = 1; k < 6; ++k) size = max(size, square(step[k]));
+        if (round == rounds) break;
+        const Block shrink = min(Block(1.0), 0.5 / sqrt(size + TINY));
+        for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(scaled(shrink, step[k]));
+        // What this step leaves is of the order of its square.
+        if (!(bits(size > Block(SETTLED * SETTLED)) & lanes)) rounds = round + 1;
+    }
+    growth = growth_of(z);
+    return certify(loop, at, f, growth);
+}
+
+// The account as data: joint values instead of z, both of each pair.
+PART void as_data(const Account& account, Proof& out) {
+    out.expected = account.expected, out.roots = 0, out.clusters = account.clusters;
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& each = account.cluster[i];
+        ProvenCluster& to = out.cluster[i];
+        to.across = each.across, to.along = each.along, to.lost = each.lost;
+        for (int k = 0; k < 6; ++k) {
+            to.centre[k][0] = each.q[k].re, to.centre[k][1] = each.q[k].im;
+            for (int j = 0; j < 6; ++j) {
+                to.directions[k][j][0] = each.direction[k][j].re, to.directions[k][j][1] = -each.direction[k][j].im;
+            }
+        }
+    }
+    for (int i = 0; i < account.reals; ++i) {
+        const RealRoot& each = account.real[i];
+        const int to = out.roots++;
+        for (int k = 0; k < 6; ++k) out.root[to][k][0] = each.q[k], out.root[to][k][1] = 0.0;
+        out.inner[to] = each.inner, out.outer[to] = each.outer, out.real[to] = true;
+    }
+    for (int i = 0; i < account.pairs; ++i) {
+        const PairOfRoots& each = account.pair[i];
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const int to = out.roots++;
+            for (int k = 0; k < 6; ++k) {
+                const double square = each.z[k][0] * each.z[k][0] + each.z[k][1] * each.z[k][1];
+                out.root[to][k][0] = __builtin_atan2(each.z[k][1], each.z[k][0]);
+                out.root[to][k][1] = sign * 0.5 * __builtin_log(square);
+            }
+            // Rounding of the logarithm and the angle, in units of one.
+            out.inner[to] = each.inner + 8.0 * UNIT, out.outer[to] = each.outer - 8.0 * UNIT, out.real[to] = false;
+        }
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

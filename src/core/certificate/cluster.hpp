@@ -1,0 +1,453 @@
+// A proof that a ball holds exactly 2^r roots of the loop equation, counted by multiplicity, where the Jacobian all but loses r
+// ranks: rank reduction, then Rouche's theorem.
+//
+// f is the map of loop.hpp at the centre, J its derivative, U and V nearly unitary with U* J V = A, nearly diagonal. y are the
+// first 6 - r coordinates of V* d, those of the large singular values, t the other r; g = U* f = (g', g_t), H = U* f''. Where the
+// model (A_yy y, H_t,tt(t, t) / 2) exceeds what it leaves out, on the whole boundary of |y| <= across, |t| <= along, g has as many
+// zeros as the model, 2^r by Bezout's theorem if the r quadrics have no common zero but t = 0:
+//   |y| = across:  s' across > |g'| + |A_yt| along + |H'_tt| along^2 / 2 + |H'_ty| along across + |H'_yy| across^2 / 2 + third
+//   |t| = along:   m along^2 > |g_t| + |A_tt| along + |A_ty| across + |H_t,ty| along across + |H_t,yy| across^2 / 2 + third
+//   third = |T_ttt| along^3 + s^3 (3 along^2 across + 3 along across^2 + across^3) / 6 + (s D)^4 e^(s D) / 24,
+//   D^2 = along^2 + across^2,  s^2 = sum (|v_k|^2 + 2 |w_k|^2)
+// T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials.
+// m is the smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted
+// by the root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each
+// monomial of degree r - 1: the product with a unit vector's monomials has the length of the quadrics there. It is zero exactly
+// where they have a common zero.
+#pragma once
+
+#include "certificate/account.hpp"
+#include "certificate/svd.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Radii `along` that are tried, from the largest: quarter decades.
+inline constexpr double LARGEST_CLUSTER = 0.1, QUARTER_DECADE = 0.5623413251903491;
+inline constexpr int RADII = 27;
+// Ranks that may be lost.
+inline constexpr int MOST_LOST = 3;
+// A quadric's coefficients below this share of the largest are left out when the centre is improved; the centre moves by at most
+// LONGEST_MOVE in each of CENTRINGS rounds, and by FARTHEST_CENTRE in all [rad]. None of these decides what is proven.
+inline constexpr double WEAKEST_QUADRIC = 1e-6, LONGEST_MOVE = 0.05, FARTHEST_CENTRE = 0.3;
+inline constexpr int CENTRINGS = 12;
+// A rank counts as lost if its singular value is below WEAK, relative to the largest one. A ball is looked for where Newton's
+// method across the small directions moves by less than ACROSS [rad].
+// The centre is good enough if it would move by less than MIDDLE of the ball.
+inline constexpr double WEAK = 0.05, ACROSS = 1e-9, MIDDLE = 1e-3;
+// Imaginary parts below this may be those of a double root's rounding [rad].
+inline constexpr double ALMOST_REAL = 1e-3;
+// The roots of a cluster stand as one if its centre keeps the pose to this many times the rounding of the loop: where they are
+// farther apart, each has a certificate of its own, or has to be found.
+inline constexpr double BLURRED = 16.0;
+// Rounding of sums of products of six numbers in transformed derivatives, relative to their norms.
+inline constexpr double ROUNDING_OF_FORMS = 100.0 * UNIT;
+
+// The loop at one complex joint vector, in the directions of its singular values.
+struct Local {
+    Number q[6];                // joint values
+    Svd<6, 6> J;
+    Number g[6], A[6][6];       // A[k][i]: row i of column k
+    Number H[6][6][6];          // second derivatives: output, input, input
+    Six<Number> twist[6];
+    double rounding, spread;    // of f; s of the third derivatives
+    bool near;                  // whether X's trace is near 3
+};
+
+// f and J at q, without what clusters need beyond.
+STEP LoopAt<Number> loop_at(const Loop& loop, const Number (&q)[6]) {
+    Turn<Number> turn[6];
+    for (int k = 0; k < 6; ++k) {
+        // A real angle stays exactly real.
+        const Turn<double> t = exact_turn(q[k].re);
+        const double length = __builtin_exp(-q[k].im);
+        turn[k] = q[k].im == 0.0 ? Turn<Number>{t.c, t.s} : turn_of(Number(length * t.c, length * t.s));
+    }
+    return loop_at(loop, turn);
+}
+
+// The singular values of J: in real numbers at real joint vectors.
+PART void decompose(const LoopAt<Number>& at, Svd<6, 6>& out) {
+    Number columns[6][6];
+    double real[6][6], off = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        for (int i = 0; i < 6; ++i) columns[k][i] = at.twist[k][i], real[k][i] = columns[k][i].re, off += abs(columns[k][i].im);
+    }
+    if (off > 0.0) return svd(columns, out);
+    Svd<6, 6, double> found;
+    svd(real, found);
+    for (int k = 0; k < 6; ++k) {
+        for (int i = 0; i < 6; ++i) out.left[k][i] = found.left[k][i], out.right[k][i] = found.right[k][i];
+        out.s[k] = found.s[k];
+    }
+}
+
+// A step of Newton's method in the directions of the 6 - lost large singular values. Returns its length.
+STEP double step_across(const LoopAt<Number>& at, const Svd<6, 6>& J, int lost, Number (&q)[6]) {
+    Number x[6] = {};
+    for (int k = 0; k < 6 - lost; ++k) {
+        Number along = 0.0;
+        for (int i = 0; i < 6; ++i) along += conj(J.left[k][i]) * at.error[i];
+        for (int j = 0; j < 6; ++j) x[j] += (1.0 / J.s[k]) * along * J.right[k][j];
+    }
+    double size = 0.0;
+    for (const Number& each : x) size = max(size, sqrt(square(each)));
+    for (int j = 0; j < 6; ++j) q[j] = q[j] + min(1.0, FARTHEST_CENTRE / (size + TINY)) * x[j];
+    return size;
+}
+
+// The rest of the numbers at q; J is there.
+PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)[6], Local& out) {
+    double growth = 0.0, side[2] = {0.0, 0.0};
+    for (int k = 0; k < 6; ++k) {
+        growth += abs(q[k].im), side[k / 3] += abs(q[k].im), out.q[k] = q[k];
+        out.twist[k] = at.twist[k];
+    }
+    const double M = __builtin_exp(growth), m = __builtin_exp(max(side[0], side[1])), l = loop.length;
+    out.rounding = M * sqrt(ROUNDING_OF_ROTATION * ROUNDING_OF_ROTATION + loop.rounding * loop.rounding);
+    const double of_twist = ROUNDING_OF_TWIST * m * m * (2.0 * l + 1.0);
+    out.near = square(at.off) < SAME_BRANCH;
+    out.spread = 0.0;
+    Six<Number> raw[6][6];
+    for (int j = 0; j < 6; ++j) {
+        const Vec<Number> w = {at.twist[j][3], at.twist[j][4], at.twist[j][5]};
+        for (int i = 0; i < 3; ++i) out.spread += square(at.twist[j][i]) + 2.0 * square(at.twist[j][i + 3]);
+        for (int k = j; k < 6; ++k) {
+            const Vec<Number> a = cross(w, Vec<Number>{at.twist[k][0], at.twist[k][1], at.twist[k][2]});
+            const Vec<Number> b = cross(w, Vec<Number>{at.twist[k][3], at.twist[k][4], at.twist[k][5]});
+            raw[j][k] = raw[k][j] = {{a.x, a.y, a.z, 0.5 * b.x, 0.5 * b.y, 0.5 * b.z}};
+        }
+    }
+    out.spread = sqrt(out.spread) + 4.0 * of_twist;
+    for (int o = 0; o < 6; ++o) {
+        out.g[o] = 0.0;
+        for (int i = 0; i < 6; ++i) out.g[o] = out.g[o] - conj(out.J.left[o][i]) * at.error[i];
+        for (int k = 0; k < 6; ++k) {
+            out.A[k][o] = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                for (int i = 0; i < 6; ++i) out.A[k][o] += conj(out.J.left[o][i]) * at.twist[j][i] * out.J.right[k][j];
+            }
+        }
+        Number first[6][6], half[6][6];
+        for (int j = 0; j < 6; ++j) {
+            for (int k = 0; k < 6; ++k) {
+                first[j][k] = 0.0;
+                for (int i = 0; i < 6; ++i) first[j][k] += conj(out.J.left[o][i]) * raw[j][k][i];
+            }
+        }
+        for (int a = 0; a < 6; ++a) {
+            for (int k = 0; k < 6; ++k) {
+                half[a][k] = 0.0;
+                for (int j = 0; j < 6; ++j) half[a][k] += out.J.right[a][j] * first[j][k];
+            }
+        }
+        for (int a = 0; a < 6; ++a) {
+            for (int b = 0; b < 6; ++b) {
+                out.H[o][a][b] = 0.0;
+                for (int k = 0; k < 6; ++k) out.H[o][a][b] += half[a][k] * out.J.right[b][k];
+            }
+        }
+    }
+}
+
+// The Frobenius norm of a part of H: outputs from..to, inputs in two ranges.
+STEP double norm_of(const Local& at, int o0, int o1, int a0, int a1, int b0, int b1) {
+    double sum = 0.0;
+    for (int o = o0; o < o1; ++o) {
+        for (int a = a0; a < a1; ++a) {
+            for (int b = b0; b < b1; ++b) sum += square(at.H[o][a][b]);
+        }
+    }
+    return sqrt(sum) + ROUNDING_OF_FORMS * at.spread * at.spread;
+}
+// The same of A: columns, rows. `without`: the diagonal left out.
+STEP double norm_of(const Local& at, int k0, int k1, int o0, int o1, bool without = false) {
+    double sum = 0.0;
+    for (int k = k0; k < k1; ++k) {
+        for (int o = o0; o < o1; ++o) {
+            if (!(without && k == o)) sum += square(at.A[k][o]);
+        }
+    }
+    return sqrt(sum) + ROUNDING_OF_FORMS * at.spread;
+}
+
+// m for r = 1, 2, 3. The quadrics are H_t,tt / 2.
+PART double least_of_quadrics(const Local& at, int lost) {
+    const int n = 6 - lost;
+    const auto B = [&](int o, int a, int b) { return at.H[n + o][n + a][n + b]; };
+    const double off = ROUNDING_OF_FORMS * at.spread * at.spread;
+    if (lost == 1) return max(0.5 * sqrt(square(B(0, 0, 0))) - off, 0.0);
+    const double root2 = 1.4142135623730951, root3 = 1.7320508075688772;
+    if (lost == 2) {
+        // Monomials t1^3, t1^2 t2, t1 t2^2, t2^3 weighted by 1, root 3, root 3, 1.
+        Number M[4][4] = {};
+        for (int o = 0; o < 2; ++o) {
+            const Number a = 0.5 * B(o, 0, 0), b = B(o, 0, 1), c = 0.5 * B(o, 1, 1);
+            M[0][2 * o] = a, M[1][2 * o] = (1.0 / root3) * b, M[2][2 * o] = (1.0 / root3) * c;
+            M[1][2 * o + 1] = (1.0 / root3) * a, M[2][2 * o + 1] = (1.0 / root3) * b, M[3][2 * o + 1] = c;
+        }
+        Svd<4, 4> out;
+        svd(M, out);
+        return max(out.s[3] - 4.0 * off, 0.0);
+    }
+    // Exponents of degree 4 and 2 in three variables.
+    Number M[15][18] = {};
+    const auto column = [](int a, int b) {  // of t1^a t2^b t3^(4-a-b)
+        return (4 - a) * (5 - a) / 2 + (4 - a - b);
+    };
+    constexpr double factorial[5] = {1.0, 1.0, 2.0, 6.0, 24.0};
+    int row = 0;
+    for (int o = 0; o < 3; ++o) {
+        for (int a = 2; a >= 0; --a) {
+            for (int b = 2 - a; b >= 0; --b, ++row) {
+                const double weight = a == 2 || b == 2 || a + b == 0 ? 1.0 : root2;
+                for (int i = 0; i < 3; ++i) {
+                    for (int j = 0; j < 3; ++j) {
+                        const int x = a + (i == 0) + (j == 0), y = b + (i == 1) + (j == 1), z = 4 - x - y;
+                        const double all = sqrt(24.0 / (factorial[x] * factorial[y] * factorial[z]));
+                        M[column(x, y)][row] += (0.5 * weight / all) * B(o, i, j);
+                    }
+                }
+            }
+        }
+    }
+    Svd<18, 15> out;
+    svd(M, out);
+    return max(out.s[14] - 18.0 * off, 0.0);
+}
+
+// ---- terms of third order ------------------------------------------------------------------------------------------------
+
+// A product of matrices of twists, without its last row, which is zero.
+struct Twists {
+    Number R[3][3], p[3];
+};
+STEP Twists matrix_of(const Six<Number>& zeta) {
+    const Number &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
+    return {{{none, -z, y}, {z, none, -x}, {-y, x, none}}, {zeta[0], zeta[1], zeta[2]}};
+}
+STEP Twists times(const Twists& a, const Twists& b, double f) {
+    Twists out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = f * (a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j]);
+        out.p[i] = f * (a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2]);
+    }
+    return out;
+}
+STEP void add_scaled(Twists& to, const Number& f, const Twists& a) {
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) to.R[i][j] += f * a.R[i][j];
+        to.p[i] += f * a.p[i];
+    }
+}
+
+// Monomials of degree d in r variables have places 0 to COUNT[r - 1][d] - 1, by their exponents a of the first and b of the second.
+inline constexpr int COUNT[3][4] = {{1, 1, 1, 1}, {1, 2, 3, 4}, {1, 3, 6, 10}};
+STEP int place_of(int r, int d, int a, int b) { return r == 1 ? 0 : r == 2 ? d - a : (d - a) * (d - a + 1) / 2 + (d - a - b); }
+
+// The norms of T_ttt's coefficients, of the first 6 - r outputs and of the others. The coefficient of a monomial counts with one
+// over the root of the multinomial coefficient.
+struct ThirdOrder {
+    double y, t;
+};
+PART ThirdOrder third_order(const Local& at, int r) {
+    Twists P[4][10] = {};  // of the product so far: degree, monomial
+    const int n = 6 - r;
+    for (int k = 0; k < 6; ++k) {
+        const Twists one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
+        // The powers of the linear form, by its coefficients.
+        Number L[4][10] = {};
+        L[0][0] = 1.0;
+        const auto raised = [&](int d, const auto& f) {  // f(place in degree d, place in degree d + 1, variable)
+            for (int a = 0; a <= d; ++a) {
+                for (int b = 0; b <= (r == 1 ? 0 : d - a); ++b) {
+                    if ((r == 1 && a != d) || (r == 2 && a + b != d)) continue;
+                    for (int v = 0; v < r; ++v) f(place_of(r, d, a, b), place_of(r, d + 1, a + (v == 0), b + (v == 1)), v);
+                }
+            }
+        };
+        for (int d = 0; d < 3; ++d) {
+            raised(d, [&](int from, int to, int v) { L[d + 1][to] += at.J.right[n + v][k] * L[d][from]; });
+        }
+        // From the highest degree down: P_d gains P_(d-1) zeta L + P_(d-2) zeta^2 L^2 / 2 + zeta^3 L^3 / 6.
+        const auto by_form = [&](int d, const auto& of) {
+            raised(d, [&](int from, int to, int v) { of(from, to, at.J.right[n + v][k]); });
+        };
+        by_form(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
+        for (int i = 0; i < COUNT[r - 1][1]; ++i) {
+            // P_1's monomial i times L^2.
+            const Twists each = times(P[1][i], two, 1.0);
+            for (int a = 0; a <= 2; ++a) {
+                for (int b = 0; b <= (r == 1 ? 0 : 2 - a); ++b) {
+                    if ((r == 1 && a != 2) || (r == 2 && a + b != 2)) continue;
+                    add_scaled(P[3][place_of(r, 3, a + (i == 0), b + (i == 1))], L[2][place_of(r, 2, a, b)], each);
+                }
+            }
+        }
+        for (int i = 0; i < COUNT[r - 1][3]; ++i) add_scaled(P[3][i], L[3][i], three);
+        by_form(1, [&](int from, int to, const Number& c) { add_scaled(P[2][to], c, times(P[1][from], one, 1.0)); });
+        for (int i = 0; i < COUNT[r - 1][2]; ++i) add_scaled(P[2][i], L[2][i], two);
+        for (int i = 0; i < COUNT[r - 1][1]; ++i) add_scaled(P[1][i], L[1][i], one);
+    }
+    double sum[2] = {0.0, 0.0};
+    for (int a = 0; a <= 3; ++a) {
+        for (int b = 0; b <= (r == 1 ? 0 : 3 - a); ++b) {
+            if ((r == 1 && a != 3) || (r == 2 && a + b != 3)) continue;
+            constexpr double factorial[4] = {1.0, 1.0, 2.0, 6.0};
+            const double many = 6.0 / (factorial[a] * factorial[b] * factorial[3 - a - b]);
+            const Twists& c = P[3][place_of(r, 3, a, b)];
+            const Number V[6] = {c.p[0],
+                                 c.p[1],
+                                 c.p[2],
+                                 0.5 * (c.R[2][1] - c.R[1][2]),
+                                 0.5 * (c.R[0][2] - c.R[2][0]),
+                                 0.5 * (c.R[1][0] - c.R[0][1])};
+            for (int o = 0; o < 6; ++o) sum[o >= n] += square(inner_product(at.J.left[o], V)) / many;
+        }
+    }
+    const double off = ROUNDING_OF_FORMS * at.spread * at.spread * at.spread;
+    return {sqrt(sum[0]) + off, sqrt(sum[1]) + off};
+}
+
+// The smallest ball that is proven to hold 2^lost roots; along is 0 if none is. largest: the largest one.
+struct Region {
+    double across, along, largest_across, largest_along, m;
+    bool blurred;  // the roots are nearer to each other than rounding
+};
+PART Region ball_of(const Local& at, int lost) {
+    const int n = 6 - lost;
+    Region out = {0.0, 0.0, 0.0, 0.0, least_of_quadrics(at, lost), false};
+    if (!at.near || !(out.m > 0.0)) return out;
+    double f_y = 0.0, f_t = 0.0;
+    for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
+    const double size = sqrt(f_y + f_t);
+    f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
+    const double least = at.J.s[n - 1] - norm_of(at, 0, n, 0, n, true);
+    const double A_yt = norm_of(at, n, 6, 0, n), A_ty = norm_of(at, 0, n, n, 6), A_tt = norm_of(at, n, 6, n, 6);
+    const double y_tt = norm_of(at, 0, n, n, 6, n, 6), y_ty = norm_of(at, 0, n, 0, n, n, 6), y_yy = norm_of(at, 0, n, 0, n, 0, n);
+    const double t_ty = norm_of(at, n, 6, 0, n, n, 6), t_yy = norm_of(at, n, 6, 0, n, 0, n);
+    const ThirdOrder T = third_order(at, lost);
+    const double s = at.spread;
+    double R = LARGEST_CLUSTER;
+    for (int k = 0; k < RADII; ++k, R *= QUARTER_DECADE) {
+        const double base = f_y + A_yt * R + 0.5 * y_tt * R * R + T.y * R * R * R, slope = least - y_ty * R;
+        if (!(slope > 0.0)) continue;
+        // Any value may be tried: twice what the terms in t alone ask for.
+        const double rho = 2.0 * (base + s * R * s * R * s * R * s * R / 20.0) / slope, D = sqrt(R * R + rho * rho);
+        if (!(s * D < LARGEST_BALL)) continue;
+        const double mixed = s * s * s * rho * (3.0 * R * R + 3.0 * R * rho + rho * rho) / 6.0;
+        const double rest = mixed + s * D * s * D * s * D * s * D * GROWTH / 24.0;
+        const bool y = slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + rest);
+        const bool t = out.m * R * R > SLACK_OF_SUMS * (f_t + A_tt * R + A_ty * rho + t_ty * R * rho + 0.5 * t_yy * rho * rho +
+                                                        T.t * R * R * R + rest);
+        if (!y || !t) continue;
+        if (out.along == 0.0) out.largest_across = rho, out.largest_along = R;
+        out.across = rho, out.along = R;
+    }
+    out.blurred = size <= BLURRED * at.rounding && A_tt * out.along <= BLURRED * at.rounding;
+    return out;
+}
+
+// Towards the middle of the roots: to where A_tt vanishes, to first order and in the least-squares sense.
+template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
+    constexpr int n = 6 - r;
+    Number columns[r][r * r], wanted[r * r];
+    for (int i = 0; i < r; ++i) {
+        for (int o = 0; o < r; ++o) {
+            wanted[r * i + o] = at.A[n + i][n + o];
+            for (int k = 0; k < r; ++k) columns[k][r * i + o] = at.H[n + o][n + i][n + k];
+        }
+    }
+    Svd<r * r, r> B;
+    svd(columns, B);
+    Number d[6] = {};
+    double size = 0.0;
+    for (int k = 0; k < r; ++k) {
+        if (!(B.s[k] > WEAKEST_QUADRIC * B.s[0]) || !(B.s[k] > TINY)) continue;
+        const Number along = (-1.0 / B.s[k]) * inner_product(B.left[k], wanted);
+        for (int i = 0; i < r; ++i) {
+            for (int j = 0; j < 6; ++j) d[j] += along * B.right[k][i] * at.J.right[n + i][j];
+        }
+    }
+    for (const Number& each : d) size = max(size, sqrt(square(each)));
+    for (int j = 0; j < 6; ++j) q[j] = q[j] + min(1.0, LONGEST_MOVE / (size + TINY)) * d[j];
+    return size;
+}
+
+// A cluster of 2^lost roots near the candidate q. Returns whether one is proven.
+PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Cluster& out) {
+    Number q[6];
+    for (int k = 0; k < 6; ++k) q[k] = from[k];
+    const auto moved = [&] {
+        double most = 0.0;
+        for (int k = 0; k < 6; ++k) most = max(most, sqrt(square(q[k] - from[k])));
+        return most;
+    };
+    Local at;
+    Region ball = {};
+    bool near = false;
+    for (int round = 0; round < CENTRINGS; ++round) {
+        const LoopAt<Number> loop_here = loop_at(loop, q);
+        decompose(loop_here, at.J);
+        if (!(at.J.s[6 - lost] < WEAK * at.J.s[0])) return false;
+        Number next[6];
+        for (int k = 0; k < 6; ++k) next[k] = q[k];
+        const double step = step_across(loop_here, at.J, lost, next);
+        if (!(step < 1e3) || moved() > FARTHEST_CENTRE) return false;
+        // One more step than needed: quadratic convergence leaves rounding only.
+        if (!near) {
+            near = step <= ACROSS;
+            for (int k = 0; k < 6; ++k) q[k] = next[k];
+            continue;
+        }
+        localise(loop, loop_here, q, at);
+        ball = ball_of(at, lost);
+        if (!(ball.m > 0.0)) break;
+        const double size = lost == 1 ? recentred<1>(at, next) : lost == 2 ? recentred<2>(at, next) : recentred<3>(at, next);
+        // A ball about the middle of the roots is the smallest.
+        if (size < (ball.along > 0.0 ? MIDDLE * ball.along : 1e-13) || round + 3 > CENTRINGS) break;
+        for (int k = 0; k < 6; ++k) q[k] = next[k];
+        near = false;
+    }
+    if (!(ball.along > 0.0)) return false;
+    for (int k = 0; k < 6; ++k) {
+        out.q[k] = at.q[k];
+        for (int j = 0; j < 6; ++j) out.direction[k][j] = at.J.right[k][j];
+    }
+    // The two roots of g_t + A_tt t + H_t,tt t^2 / 2 = 0 lead to two real members.
+    const double A = at.A[5][5].re, H = at.H[5][5][5].re, square_root = A * A - 2.0 * H * at.g[5].re;
+    out.starts = lost == 1 && square_root > 0.0 ? 2 : 0;
+    for (int i = 0; i < out.starts; ++i) {
+        const double t = ((i ? -1.0 : 1.0) * sqrt(square_root) - A) / H;
+        for (int k = 0; k < 6; ++k) out.start[i][k] = wrap(wrap(at.q[k].re) + t * at.J.right[5][k].re);
+    }
+    out.across = ball.across, out.along = ball.along, out.lost = lost, out.blurred = ball.blurred;
+    out.larger_across = ball.largest_across, out.larger_along = ball.largest_along;
+    return true;
+}
+
+// Adds the cluster near an uncertified joint vector, if one is proven, and its conjugate if that is another one. A joint vector
+// that is almost real is tried as a real one: the cluster's centre is then real, too.
+PART bool add_cluster_near(const Loop& loop, Account& account, const Number (&from)[6]) {
+    Number q[6];
+    double off = 0.0;
+    for (int k = 0; k < 6; ++k) off = max(off, abs(from[k].im));
+    for (int k = 0; k < 6; ++k) q[k] = off < ALMOST_REAL ? Number(from[k].re) : from[k];
+    for (int i = 0; i < account.clusters; ++i) {
+        if (is_inside_larger(account.cluster[i], q)) return true;
+    }
+    for (int lost = 1; lost <= MOST_LOST; ++lost) {
+        Cluster found;
+        if (!cluster_near(loop, q, lost, found)) continue;
+        if (!add_cluster(account, found)) return false;
+        Cluster other = found;
+        for (int k = 0; k < 6; ++k) {
+            other.q[k] = conj(found.q[k]);
+            for (int j = 0; j < 6; ++j) other.direction[k][j] = conj(found.direction[k][j]);
+        }
+        add_cluster(account, other);
+        return true;
+    }
+    return false;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,174 @@
+// The loop equation of six turning joints, and what rounding makes of it.
+//
+// The joints are q, the steps between them S (arm.hpp), the target T, and Z_k turns about the z axis of joint k's frame by q_k.
+// In the frame of joint 4, with G = S_0^-1 T S_6^-1, a solution is a joint vector with
+//   X(q) = S_3^-1 Z_3^-1 S_2^-1 Z_2^-1 S_1^-1 Z_1^-1 G Z_6^-1 S_5^-1 Z_5^-1 S_4^-1 Z_4^-1 = 1.
+// There joint k has a twist zeta_k = (p x w, w), with its axis w through the point p, so that
+//   Y(d) = exp(zeta_1 d_1) ... exp(zeta_6 d_6) = X(q)     exactly where q + d is a solution.
+// Let V of a motion be its position and the vector of its rotation's skew part. The map f(d) = V(Y(d)) - V(X(q)) has at d = 0 the
+// value -V(X), the derivative (zeta_1 ... zeta_6) and the second derivatives (w_i x v_j, w_i x w_j / 2), i <= j, exactly. A zero of
+// f is a solution: two rotations with equal skew parts are equal if both traces are less than one away from 3, as the cosine of
+// the angle, (trace - 1) / 2, is a root of 1 - |skew part|^2 with a positive real part.
+//
+// In the middle of the loop no twist is a product of more than three turns. Angles may be complex; z = e^(i angle). Lengths are
+// shares of the arm's size.
+//
+// Rounding. u is the unit roundoff, M_k = e^|Im q_k| the 2-norm of a turn, M the product of all six. Errors are measured in the
+// Frobenius norm, which is at most sqrt(3) M for X's rotation.
+// - A cosine and a sine from z are off by 3 u M_k each; a product of complex numbers is off by sqrt(5) u at most. Turning two
+//   columns then adds (6 + sqrt(2) (sqrt(5) + 1)) u M_k < 10.6 u M_k times the norm.
+// - A step adds 3 u times the norms of the absolute values, which is at most 3 sqrt(3) u < 5.2 u times the norm.
+// - Six turns and six steps: sqrt(3) 6 (10.6 + 5.2) u M < 165 u M. G is a product of three rotations, 6 sqrt(3) sqrt(3) u, and
+//   they and the five steps are orthogonal to 4 u each: less than 50 u M. Together 215 u M.
+// - The skew part's vector is at most 1 / sqrt(2) of that, and is half a difference: less than 155 u M.
+// - The step behind k turns has a rotation that is off by less than (28 k + 50) u M so far, which turns its length; its product
+//   adds 3 sqrt(3) u, and six sums 6 u: the position is off by less than sum_k (28 k + 62) u M times the step's length.
+// - A twist's axis and point come from at most three of the turns, with norms up to m, the larger product of M_1 M_2 M_3 and
+//   M_4 M_5 M_6, and from lengths of sum l: its error is below 100 u m^2 (2 l + 1).
+#pragma once
+
+#include "arithmetic/complex.hpp"
+#include "kinematics/kinematics.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+using CBlock = Complexes<Block>;
+
+// The counts above, times u.
+inline constexpr double UNIT = 1.1102230246251565e-16;
+inline constexpr double ROUNDING_OF_ROTATION = 155.0 * UNIT, ROUNDING_OF_TWIST = 100.0 * UNIT;
+inline constexpr double ROUNDING_A_TURN = 28.0 * UNIT, ROUNDING_OF_STEP = 62.0 * UNIT;
+
+// Real and complex blocks alike: V is Block or CBlock.
+STEP Block conj(const Block& a) { return a; }
+STEP Block square(const Block& a) { return a * a; }
+STEP Block scaled(const Block& f, const Block& a) { return f * a; }
+// An upper bound on |a|, at most 8.3 % too large, without a root: the larger part, and tan(pi / 8) of the smaller.
+STEP Block above(const Block& a) { return abs(a); }
+STEP Block above(const CBlock& a) {
+    const Block x = abs(a.re), y = abs(a.im);
+    return max(x, y) + 0.41421357 * min(x, y);
+}
+
+// The loop of one pose: inverse steps, G, two of the steps themselves, l, and the rounding of X's position over M.
+struct Loop {
+    Motion third, second, first, goal, fifth, fourth, ahead[2];
+    double length, rounding;
+};
+
+STEP Motion inverse_of(const Motion& m, double inverse_size) {
+    Motion out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[j][i];
+        out.t[i] = -inverse_size * (m.R[0][i] * m.t[0] + m.R[1][i] * m.t[1] + m.R[2][i] * m.t[2]);
+    }
+    return out;
+}
+
+// The pose of frame 6 after its turn, in frame 1 before its turn.
+STEP Frame<double> inner_pose(const Written<6>& arm, const Frame<double>& goal) {
+    const auto &first = arm.step[0], &last = arm.step[6];
+    const auto rotated = [](const double (&R)[3][3], const Vec<double>& a) {  // by the transpose
+        return Vec<double>{R[0][0] * a.x + R[1][0] * a.y + R[2][0] * a.z, R[0][1] * a.x + R[1][1] * a.y + R[2][1] * a.z,
+                           R[0][2] * a.x + R[1][2] * a.y + R[2][2] * a.z};
+    };
+    const auto& L = last.R;
+    const auto& G = goal.R;
+    // The rotation of frame 6 is that of the goal times the last step's transpose.
+    const Rot<double> R = {combine(G, L[0][0], L[0][1], L[0][2]), combine(G, L[1][0], L[1][1], L[1][2]),
+                           combine(G, L[2][0], L[2][1], L[2][2])};
+    const Vec<double> p = goal.p - combine(R, last.t[0], last.t[1], last.t[2]) - vec<double>(first.t);
+    return {each(R, [&](const Vec<double>& a) { return rotated(first.R, a); }), rotated(first.R, p)};
+}
+
+PART Loop loop_of(const Written<6>& arm, const Frame<double>& goal) {
+    const double w = 1.0 / arm.size;
+    const Frame<double> G = inner_pose(arm, goal);
+    Loop loop = {inverse_of(arm.step[3], w),
+                 inverse_of(arm.step[2], w),
+                 inverse_of(arm.step[1], w),
+                 {{{G.R.x.x, G.R.y.x, G.R.z.x}, {G.R.x.y, G.R.y.y, G.R.z.y}, {G.R.x.z, G.R.y.z, G.R.z.z}},
+                  {w * G.p.x, w * G.p.y, w * G.p.z}},
+                 inverse_of(arm.step[5], w),
+                 inverse_of(arm.step[4], w),
+                 {arm.step[4], arm.step[5]},
+                 0.0,
+                 0.0};
+    for (Motion& each : loop.ahead) {
+        for (double& x : each.t) x *= w;
+    }
+    int turns = 0;
+    const auto add = [&](const Motion& m) {
+        const double length = sqrt(m.t[0] * m.t[0] + m.t[1] * m.t[1] + m.t[2] * m.t[2]);
+        loop.length += length, loop.rounding += (ROUNDING_OF_STEP + ROUNDING_A_TURN * turns++) * length;
+    };
+    add(loop.third), add(loop.second), add(loop.first), add(loop.goal), add(loop.fifth), add(loop.fourth);
+    return loop;
+}
+
+// The loop at q: twists, V(X), and the distance of X's trace from 3.
+template <class V> struct LoopAt {
+    Six<V> twist[6], error;
+    V off;
+};
+
+// The joint's twist: its axis is the z axis of the frame.
+template <class V> STEP Six<V> twist_of(const Frame<V>& at) {
+    const Vec<V>& w = at.R.z;
+    const Vec<V> v = cross(at.p, w);
+    return {{v.x, v.y, v.z, w.x, w.y, w.z}};
+}
+template <class V> STEP Turn<V> back(const Turn<V>& t) { return {t.c, -t.s}; }
+// The frame turned back about its z axis, then moved by a step.
+template <class V> STEP Frame<V> turned_back(const Frame<V>& at, const Turn<V>& t, const Motion& step) {
+    return beyond(turned(at, back(t)), step);
+}
+
+template <class V> STEP LoopAt<V> loop_at(const Loop& loop, const Turn<V> (&turn)[6]) {
+    LoopAt<V> out;
+    Frame<V> at = constant_frame<V>(loop.third);
+    out.twist[2] = twist_of(at);
+    at = turned_back(at, turn[2], loop.second);
+    out.twist[1] = twist_of(at);
+    at = turned_back(at, turn[1], loop.first);
+    out.twist[0] = twist_of(at);
+    at = turned_back(at, turn[0], loop.goal);
+    at = turned_back(at, turn[5], loop.fifth);
+    at = turned_back(at, turn[4], loop.fourth);
+    const Frame<V> X = turned(at, back(turn[3]));
+    // Joints 4, 5 and 6 from the other side.
+    const V zero = 0.0, one = 1.0;
+    Frame<V> side = {{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}}, {zero, zero, zero}};
+    out.twist[3] = {{zero, zero, zero, zero, zero, one}};
+    side = beyond(turned(side, turn[3]), loop.ahead[0]);
+    out.twist[4] = twist_of(side);
+    side = beyond(turned(side, turn[4]), loop.ahead[1]);
+    out.twist[5] = twist_of(side);
+    const Rot<V>& R = X.R;
+    out.error = {{X.p.x, X.p.y, X.p.z, 0.5 * (R.y.z - R.z.y), 0.5 * (R.z.x - R.x.z), 0.5 * (R.x.y - R.y.x)}};
+    out.off = R.x.x + R.y.y + R.z.z - V(3.0);
+    return out;
+}
+
+// Turns from complex numbers on the joints' circles, or from real angles.
+STEP void turns_of(const CBlock (&z)[6], Turn<CBlock> (&turn)[6]) {
+    for (int k = 0; k < 6; ++k) turn[k] = turn_of(z[k]);
+}
+STEP void turns_of(const Block (&q)[6], Turn<Block> (&turn)[6]) {
+    for (int k = 0; k < 6; ++k) turn[k] = cos_sin(q[k]);
+}
+// M and m of the rounding bounds, and |Im q| of the joint where it is largest, as a lower bound: 1 - 1 / e^|Im q|.
+struct Growth {
+    Block all, side, imaginary;
+};
+STEP Growth growth_of(const CBlock (&z)[6]) {
+    Block side[2] = {1.0, 1.0}, most = 1.0;
+    for (int k = 0; k < 6; ++k) {
+        const Block length = square(z[k]), each = max(length, 1.0 / (length + TINY));
+        side[k / 3] *= each, most = max(most, each);
+    }
+    return {sqrt(side[0] * side[1]), sqrt(max(side[0], side[1])), 1.0 - 1.0 / sqrt(most)};
+}
+STEP Growth growth_of(const Block (&)[6]) { return {1.0, 1.0, 0.0}; }
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,183 @@
+// A proof that Newton's method at a joint vector, real or complex, leads to a root of the loop equation: the affine-covariant
+// theorem of Kantorovich (Deuflhard, Newton Methods for Nonlinear Problems, 2004, theorem 2.1), with an approximate inverse.
+//
+// f is the map of loop.hpp at the joint vector, zeta its derivative, C an approximate inverse of zeta with rows C_i, |d| the
+// largest |d_k|. Then
+//   eta >= |C f|,  E >= |1 - C zeta|,
+//   K(r) >= |C (f'(a) - f'(b))| / |a - b| in the ball of radius r:  max_i (sum_j |C_i H_jj| + 2 sum_{j<k} |C_i H_jk|)
+//           + max_i |C_i|_2 S^3 r e^(S r),  S = sum_k sqrt(|v_k|^2 + 2 |w_k|^2) the Frobenius norms of the twists,
+// and if (1 - E)^2 >= 2 K(r) eta for r = 4 eta, there is one root within inner, and no other within outer,
+//   inner, outer = (1 - E -+ sqrt((1 - E)^2 - 2 K eta)) / K,  at most r.
+// The first bound that is tried leaves H out: |C_i H_jk| <= |C_i|_2 times the product of two twists' norms.
+#pragma once
+
+#include "certificate/loop.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The bounds hold for S r up to LARGEST_BALL, where e^(S r) is below GROWTH, and Y's trace stays within 0.7 of 3:
+// sqrt(3) (e^0.3 - 1) < 0.61.
+inline constexpr double LARGEST_BALL = 0.3, GROWTH = 1.35;
+// The squared distance of X's trace from 3, rounding included, stays below 1.
+inline constexpr double SAME_BRANCH = 0.9;
+// Sums of rounded products and roots of positive numbers are too small by less than this factor.
+inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
+
+// One lane per root. holds: whether there is a root within inner, and no other within outer.
+struct Certificate {
+    Block eta, E, K, inner, outer;
+    MaskOf<Block> holds;
+};
+
+// The triangular factor of the twists, and their inverse by modified Gram-Schmidt: rows C_i.
+template <class V> struct Inverse {
+    Six<V> row[6];
+};
+
+// a* b, the conjugates of a.
+template <class V> STEP V inner_product(const Six<V>& a, const Six<V>& b) {
+    V sum = conj(a[0]) * b[0];
+    for (int i = 1; i < 6; ++i) sum += conj(a[i]) * b[i];
+    return sum;
+}
+template <class V> STEP V product(const Six<V>& a, const Six<V>& b) {
+    V sum = a[0] * b[0];
+    for (int i = 1; i < 6; ++i) sum += a[i] * b[i];
+    return sum;
+}
+template <class V> STEP Block square_of(const Six<V>& a) {
+    Block sum = square(a[0]);
+    for (int i = 1; i < 6; ++i) sum += square(a[i]);
+    return sum;
+}
+
+// J = Q R; J becomes Q. weight: one over R's diagonal.
+template <class V> struct Orthogonal {
+    Six<V> column[6];
+    V R[6][6];
+    Block weight[6];
+};
+template <class V> STEP void make_orthogonal(const Six<V> (&J)[6], Orthogonal<V>& f) {
+    for (int k = 0; k < 6; ++k) f.column[k] = J[k];
+#pragma GCC unroll 1
+    for (int k = 0; k < 6; ++k) {
+        f.weight[k] = 1.0 / sqrt(square_of(f.column[k]) + TINY);
+        for (int i = 0; i < 6; ++i) f.column[k][i] = scaled(f.weight[k], f.column[k][i]);
+#pragma GCC unroll 1
+        for (int l = k + 1; l < 6; ++l) {
+            f.R[k][l] = inner_product(f.column[k], f.column[l]);
+            for (int i = 0; i < 6; ++i) f.column[l][i] = f.column[l][i] - f.R[k][l] * f.column[k][i];
+        }
+    }
+}
+
+// Newton's step: J x = e.
+template <class V> STEP Six<V> newton_step(const Orthogonal<V>& f, Six<V> e) {
+    Six<V> x;
+    for (int k = 0; k < 6; ++k) {
+        x[k] = inner_product(f.column[k], e);
+        for (int i = 0; i < 6; ++i) e[i] = e[i] - x[k] * f.column[k][i];
+    }
+    for (int k = 5; k >= 0; --k) {
+        for (int l = k + 1; l < 6; ++l) x[k] = x[k] - f.R[k][l] * x[l];
+        x[k] = scaled(f.weight[k], x[k]);
+    }
+    return x;
+}
+
+template <class V> STEP Inverse<V> inverse_of(const Orthogonal<V>& f) {
+    Inverse<V> C;
+#pragma GCC unroll 1
+    for (int k = 5; k >= 0; --k) {
+        for (int i = 0; i < 6; ++i) C.row[k][i] = conj(f.column[k][i]);
+#pragma GCC unroll 1
+        for (int l = k + 1; l < 6; ++l) {
+            for (int i = 0; i < 6; ++i) C.row[k][i] = C.row[k][i] - f.R[k][l] * C.row[l][i];
+        }
+        for (int i = 0; i < 6; ++i) C.row[k][i] = scaled(f.weight[k], C.row[k][i]);
+    }
+    return C;
+}
+
+// max_i (sum_j |C_i H_jj| + 2 sum_{j<k} |C_i H_jk|), without rounding.
+template <class V> PART Block second_derivatives(const Six<V> (&twist)[6], const Inverse<V>& C) {
+    Block sum[6];
+    for (Block& each : sum) each = 0.0;
+#pragma GCC unroll 1
+    for (int j = 0; j < 6; ++j) {
+        const Vec<V> w = {twist[j][3], twist[j][4], twist[j][5]};
+#pragma GCC unroll 1
+        for (int k = j; k < 6; ++k) {
+            const Vec<V> a = cross(w, Vec<V>{twist[k][0], twist[k][1], twist[k][2]});
+            const Vec<V> b = cross(w, Vec<V>{twist[k][3], twist[k][4], twist[k][5]});
+            const double times = j == k ? 1.0 : 2.0;
+            for (int i = 0; i < 6; ++i) {
+                const Six<V>& c = C.row[i];
+                V each = c[0] * a.x + c[1] * a.y + c[2] * a.z;
+                if (k > j) each += 0.5 * (c[3] * b.x + c[4] * b.y + c[5] * b.z);
+                sum[i] += times * above(each);
+            }
+        }
+    }
+    Block most = sum[0];
+    for (int i = 1; i < 6; ++i) most = max(most, sum[i]);
+    return most;
+}
+
+// The radii that follow from eta, E and K.
+STEP void decide(Certificate& c, const Block& S) {
+    const Block left = 1.0 - c.E, rest = left * left - 2.0 * c.K * c.eta, r = 4.0 * c.eta;
+    const Block spread = sqrt(max(rest, Block(0.0)));
+    // Rounded up: the smaller root in the form without a difference.
+    c.inner = SLACK_OF_SUMS * (2.0 * c.eta / (left + spread));
+    c.outer = min(r, (left + spread) / c.K);
+    c.holds = (left > Block(0.0)) & (rest > Block(0.0)) & (c.inner <= r) & (S * r <= Block(LARGEST_BALL));
+}
+
+// The certificate at a joint vector whose loop is `at`. f: its factors.
+template <class V>
+PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal<V>& f, const Growth& growth) {
+    const Inverse<V> C = inverse_of(f);
+    const Block l = loop.length, size = sqrt(square_of(at.error));
+    const Block of_rotation = ROUNDING_OF_ROTATION * growth.all, of_position = loop.rounding * growth.all;
+    const Block of_twist = ROUNDING_OF_TWIST * growth.side * growth.side * (2.0 * l + 1.0);
+    Block S = 0.0, longest_row = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        Block linear = 0.0, angular = 0.0;
+        for (int i = 0; i < 3; ++i) linear += square(at.twist[k][i]), angular += square(at.twist[k][i + 3]);
+        S += sqrt(linear + 2.0 * angular) + 2.0 * of_twist;
+    }
+    Certificate out;
+    out.eta = 0.0, out.E = 0.0;
+#pragma GCC unroll 1
+    for (int k = 0; k < 6; ++k) {
+        const Six<V>& c = C.row[k];
+        Block linear = 0.0, angular = 0.0, off = 0.0;
+        for (int i = 0; i < 3; ++i) linear += square(c[i]), angular += square(c[i + 3]);
+        const Block row = sqrt(linear + angular);
+        longest_row = max(longest_row, row);
+        // Eight operations in each product of six.
+        out.eta = max(out.eta, above(product(c, at.error)) + sqrt(linear) * of_position + sqrt(angular) * of_rotation +
+                                   8.0 * UNIT * row * size);
+        for (int j = 0; j < 6; ++j) {
+            V each = product(c, at.twist[j]);
+            if (j == k) each = each - V(1.0);
+            off += above(each);
+        }
+        out.E = max(out.E, off + row * (16.0 * UNIT * S + 6.0 * of_twist));
+    }
+    out.eta = SLACK_OF_SUMS * out.eta, out.E = SLACK_OF_SUMS * out.E + 16.0 * UNIT;
+    const Block third = GROWTH * longest_row * S * S * S * (4.0 * out.eta);
+    out.K = SLACK_OF_SUMS * (longest_row * S * S + third);
+    decide(out, S);
+    const auto near = square(at.off) < Block(SAME_BRANCH);
+    if (any(!out.holds & near)) {
+        const Block H = second_derivatives(at.twist, C) + longest_row * S * (32.0 * UNIT * S + 12.0 * of_twist);
+        out.K = SLACK_OF_SUMS * (H + third);
+        decide(out, S);
+    }
+    out.holds = out.holds & near;
+    return out;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

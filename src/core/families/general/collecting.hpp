@@ -1,0 +1,303 @@
+// What is known while one pose is solved: the columns with solutions so far, the account of certified roots, and joint vectors that
+// led to neither.
+#pragma once
+
+#include "answers/blocks.hpp"
+#include "certificate/cluster.hpp"
+#include "families/general/elimination_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Rounds of Newton's method to a complex solution: moved axes are up to 1e-5 off, and convergence is quadratic.
+inline constexpr int ROUNDS_TO_PAIRS = 6;
+// Joint vectors this near to each other [rad] lead to the same cluster: only the first is tried.
+inline constexpr double ALIKE = 1e-4;
+
+// The state of solving one pose.
+struct SearchState {
+    Columns<6> columns;
+    double enough;  // a candidate with at most this error is a solution
+    double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
+    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
+    bool provable = false;  // whether the roots are certified and counted
+    Loop loop = {};
+    Account account = {};
+    static constexpr int most = 48;
+    Number left[most][6];  // joint vectors near which no single root is certified
+    int lefts = 0, tried = 0;  // how many there are; how many of them were tried as clusters
+
+    STEP void leave(const Number (&q)[6]) {
+        double size = 0.0;
+        for (const Number& each : q) size += square(each);
+        if (lefts == most || !(size < 1e3)) return;
+        for (int i = 0; i < lefts; ++i) {
+            double apart = 0.0;
+            for (int k = 0; k < 6; ++k) {
+                apart = max(apart, abs(wrap(wrap(q[k].re) - wrap(left[i][k].re))) + abs(abs(q[k].im) - abs(left[i][k].im)));
+            }
+            if (apart < ALIKE) return;
+        }
+        for (int k = 0; k < 6; ++k) left[lefts][k] = q[k];
+        ++lefts;
+    }
+};
+
+// A block of joint vectors, and a bit for each lane in use.
+struct Candidates {
+    Block q[6];
+    unsigned lanes;
+};
+
+STEP MaskOf<Block> mask_of(unsigned lanes) {
+    double x[BLOCK];
+    for (int l = 0; l < BLOCK; ++l) x[l] = lanes >> l & 1;
+    return load<Block>(x) > Block(0.0);
+}
+STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
+    for (int j = 0; j < 6; ++j) out[j] = q[j][l];
+}
+
+// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known
+// solutions: the paths of the others are too far from real to be followed. These come near real only where the special
+// arm is singular.
+STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
+
+STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, double enough) {
+    SearchState search;
+    search.columns = columns, search.enough = enough;
+    search.all_known = all_known(arm), search.provable = search.all_known && !arm.any_slide;
+    if (search.provable) search.loop = loop_of(arm.written, goal);
+    return search;
+}
+
+// ---- collecting ------------------------------------------------------------------------------------------------------
+
+// The column of q, which is kept if it is new; -1 if all columns are taken. least: a lower bound on the smallest singular value of
+// its Jacobian.
+PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, const double (&q)[6], double least) {
+    const Columns<6>& columns = search.columns;
+    if (is_new(arm.written, goal, columns, q)) {
+        for (int b = 0; b < columns.many; ++b) {
+            if (columns.valid(b)) continue;
+            keep(columns, b, q, least < NEAR_FOLD ? singular_marks(arm.written, goal, q, 0) : 0);
+            return b;
+        }
+        return -1;
+    }
+    int nearest = -1;
+    double least_gap = __builtin_inf();
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        double most = 0.0;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
+        if (most < least_gap) least_gap = most, nearest = b;
+    }
+    // Next to a singularity, keep only the most accurate approximation of the root.
+    double known[6];
+    for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
+    if (least_gap > arm.written.tolerances.duplicate &&
+        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
+        const int marks = columns.flags[nearest] & ~VALID;
+        columns.clear(nearest);
+        if (!is_new(arm.written, goal, columns, q)) return column_of(arm, goal, search, q, least);
+        keep(columns, nearest, q, marks);
+    }
+    return nearest;
+}
+
+// The columns of the solutions that Newton's method reaches from the starts; -1 for starts that reach no solution.
+template <bool damped>
+PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts, int rounds,
+                       int (&column)[BLOCK]) {
+    const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
+    const Polished<Block> out =
+        polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
+    const unsigned good = bits(out.error <= Block(search.enough)) & starts.lanes;
+    if (search.provable && good) {
+        const Certificate c = certify_real(search.loop, starts.q);
+        for (unsigned rest = bits(c.holds) & good; rest; rest &= rest - 1) {
+            const int l = __builtin_ctz(rest);
+            RealRoot root = {{}, c.inner[l], c.outer[l], out.least[l]};
+            lane_of(starts.q, l, root.q);
+            add_real(search.account, root);
+        }
+    }
+    for (int l = 0; l < BLOCK; ++l) {
+        double q[6];
+        lane_of(starts.q, l, q);
+        column[l] = good >> l & 1 ? column_of(arm, goal, search, q, out.least[l]) : -1;
+        if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
+        search.error = out.error[l];
+        for (int j = 0; j < 6; ++j) search.best[j] = q[j];
+    }
+}
+
+// Certifies the solutions that Newton's method reaches from a block of complex joints, and adds them to the account. A real one is
+// polished in real numbers, as every solution.
+PART void account_for(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, CBlock (&z)[6], unsigned lanes) {
+    Growth growth;
+    const Certificate c = certify_complex(search.loop, z, lanes, ROUNDS_TO_PAIRS, growth);
+    Candidates starts = {{}, 0};
+    for (unsigned rest = lanes & ~bits(c.holds); rest; rest &= rest - 1) {
+        const int l = __builtin_ctz(rest);
+        double at[6][2];
+        Number q[6];
+        for (int k = 0; k < 6; ++k) at[k][0] = z[k].re[l], at[k][1] = z[k].im[l];
+        q_of(at, q);
+        search.leave(q);
+    }
+    for (unsigned rest = bits(c.holds) & lanes; rest; rest &= rest - 1) {
+        const int l = __builtin_ctz(rest);
+        if (growth.imaginary[l] > c.inner[l]) {
+            PairOfRoots root = {{}, c.inner[l], c.outer[l]};
+            for (int k = 0; k < 6; ++k) root.z[k][0] = z[k].re[l], root.z[k][1] = z[k].im[l];
+            add_pair(search.account, root);
+        } else {
+            starts.lanes |= 1u << l;
+        }
+    }
+    if (!starts.lanes) return;
+    for (int k = 0; k < 6; ++k) starts.q[k] = atan2(z[k].im, z[k].re);
+    int column[BLOCK];
+    columns_from<false>(arm, goal, search, starts, 12, column);
+}
+
+// ---- clusters -----------------------------------------------------------------------------------------------------------
+
+// Whether a joint vector is an approximation of a certified root: nothing else lies within the root's outer radius.
+STEP bool is_known(const Account& account, const Number (&q)[6]) {
+    for (int i = 0; i < account.reals; ++i) {
+        double most = 0.0;
+        for (int k = 0; k < 6; ++k) most = max(most, abs(wrap(q[k].re - account.real[i].q[k])) + abs(q[k].im));
+        if (most <= account.real[i].outer) return true;
+    }
+    for (int i = 0; i < account.pairs; ++i) {
+        Number at[6];
+        q_of(account.pair[i].z, at);
+        double most = 0.0, other = 0.0;
+        for (int k = 0; k < 6; ++k) {
+            const double re = abs(wrap(q[k].re - at[k].re));
+            most = max(most, re + abs(q[k].im - at[k].im)), other = max(other, re + abs(q[k].im + at[k].im));
+        }
+        if (min(most, other) <= account.pair[i].outer) return true;
+    }
+    return false;
+}
+
+// Whether the cluster's ball may hold real joint vectors.
+STEP bool may_be_real(const Cluster& cluster) {
+    double square_off = 0.0;
+    for (const Number& each : cluster.q) square_off += each.im * each.im;
+    return sqrt(square_off) <= radius_of(cluster);
+}
+
+STEP void as_numbers(const double* row, Number (&q)[6]) {
+    for (int k = 0; k < 6; ++k) q[k] = row[k];
+}
+
+// Counts clusters where solutions and other joint vectors have no certificate of their own. Returns the status if every root is
+// counted, else `incomplete`.
+PART Status count_clusters(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
+    Account& account = search.account;
+    Number q[6];
+    for (int b = 0; b < search.columns.many; ++b) {
+        if (!search.columns.valid(b)) continue;
+        as_numbers(search.columns.row(b), q);
+        search.leave(q);
+    }
+    for (; search.tried < search.lefts && !account.all(); ++search.tried) {
+        const Number(&at)[6] = search.left[search.tried];
+        if (!is_known(account, at)) add_cluster_near(search.loop, account, at);
+    }
+    if (!account.all()) return Status::incomplete;
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& cluster = account.cluster[i];
+        if (!may_be_real(cluster)) continue;
+        Candidates starts = {{}, (1u << cluster.starts) - 1};
+        for (int l = 0; l < BLOCK; ++l) {
+            for (int j = 0; j < 6; ++j) starts.q[j].set(l, cluster.start[l % 2][j]);
+        }
+        int inside = 0, column[BLOCK];
+        if (starts.lanes) columns_from<false>(arm, goal, search, starts, 12, column);
+        for (int b = 0; b < search.columns.many; ++b) {
+            if (!search.columns.valid(b)) continue;
+            as_numbers(search.columns.row(b), q);
+            inside += is_inside_larger(cluster, q);
+        }
+        if (inside != 1 << cluster.lost && !cluster.blurred) return Status::incomplete;
+    }
+    return account.clusters ? Status::clustered : Status::complete;
+}
+
+// The columns of a full account: its real roots, and what was found in its clusters, or their centres.
+PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
+    const Account& account = search.account;
+    const Columns<6>& columns = search.columns;
+    double q[16][6];
+    std::uint8_t flags[16];
+    int many = 0;
+    const auto add = [&](const double* row, int marks) {
+        if (many == 16) return;
+        for (int j = 0; j < 6; ++j) q[many][j] = row[j];
+        flags[many++] = std::uint8_t(marks);
+    };
+    for (int i = 0; i < account.reals; ++i) {
+        const RealRoot& root = account.real[i];
+        add(root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
+    }
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& cluster = account.cluster[i];
+        if (!may_be_real(cluster)) continue;
+        bool found = false;
+        for (int b = 0; b < columns.many; ++b) {
+            Number at[6];
+            as_numbers(columns.row(b), at);
+            if (!columns.valid(b) || !is_inside_larger(cluster, at) || is_known(account, at)) continue;
+            double row[6];
+            for (int j = 0; j < 6; ++j) row[j] = columns.row(b)[j];
+            add(row, singular_marks(arm.written, goal, row, columns.flags[b] & SINGULAR)), found = true;
+        }
+        if (found) continue;
+        double centre[6];
+        for (int j = 0; j < 6; ++j) centre[j] = wrap(cluster.q[j].re);
+        // Without the damping HELD, rounding would move the arm along its singular direction.
+        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
+        if (polish_one<true>(arm.written, goal, centre, held).error <= arm.written.tolerances.reach) add(centre, OTHER);
+    }
+    columns.clear();
+    for (int i = 0; i < many; ++i) keep(columns, i, q[i], flags[i]);
+}
+
+// ---- continua -----------------------------------------------------------------------------------------------------------
+
+// Steps along a curve of solutions [rad], to either side.
+inline constexpr double ALONG_CURVE = 0.02;
+inline constexpr int STEPS_ALONG_CURVE = 3;
+
+// Whether a singular solution lies on a curve of solutions: Newton's method from points along the weakest direction, each farther
+// away, ends beside them.
+PART bool is_on_curve(const EliminationArm& arm, const Goal<double>& goal, const double (&q)[6]) {
+    const Weakest<6> weak = weakest_at(arm.written, goal, q);
+    if (weak.value > arm.written.tolerances.singular) return false;
+    for (int k = 1; k <= STEPS_ALONG_CURVE; ++k) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            double at[6], away = 0.0;
+            for (int j = 0; j < 6; ++j) at[j] = wrap(q[j] + sign * k * ALONG_CURVE * weak.direction[j]);
+            if (!(polish_one<true>(arm.written, goal, at, {40, CONVERGED, LONG_PATIENCE}).error <= CONVERGED)) return false;
+            for (int j = 0; j < 6; ++j) away += sign * weak.direction[j] * wrap(at[j] - q[j]);
+            if (!(away > 0.7 * k * ALONG_CURVE && away < 1.3 * k * ALONG_CURVE)) return false;
+        }
+    }
+    return true;
+}
+PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b) || !(columns.flags[b] & SINGULAR)) continue;
+        double q[6];
+        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+        if (is_on_curve(arm, goal, q)) return true;
+    }
+    return false;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,101 @@
+"""What the solver proves about the solutions of one pose, as data that others can check."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.support.read_only import frozen
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Complex = NDArray[np.complex128]
+
+WORDS = {0: "complete", 32: "incomplete", 64: "clustered", 96: "continuum"}
+"""Statuses by the bits of a pose's first column."""
+_WHY = ("nothing is proven", "six turning joints have at most 16 solutions", "the axes are exactly those of the family")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Cluster:
+    """A ball with a known number of solutions that are too near to each other to tell them apart.
+
+    It holds the joint vectors ``centre + d`` with ``|y| <= across`` and ``|t| <= along``, where y and t are the first
+    ``6 - lost`` and the last ``lost`` entries of ``directions @ d``, and their norms are Euclidean.
+
+    Attributes:
+        centre: (6,) rad, complex.
+        directions: (6, 6) complex, unitary: directions of the Jacobian's large singular values, then of the small ones.
+        across: rad.
+        along: rad.
+        lost: ranks that the Jacobian all but loses there.
+        count: 2 ** lost, the solutions in it, counted by multiplicity.
+    """
+
+    centre: Complex
+    directions: Complex
+    across: float
+    along: float
+    lost: int
+
+    @property
+    def count(self) -> int:
+        """The solutions in it, counted by multiplicity."""
+        return 1 << self.lost
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proof:
+    """The complex solutions of one pose that are proven to exist, and how many there can be.
+
+    Joint vectors q are those of ``s.q``: the tip is at the pose where the product of the joints' motions is, with
+    complex angles as well; whole turns do not count. Ball k holds the joint vectors ``roots[k] + d`` with complex
+    ``|d_j| <= inner[k]`` for each joint j.
+
+    Attributes:
+        status: as ``s.status``.
+        expected: how many isolated complex solutions there can be, counted by multiplicity.
+        why: why there are no more than that, in words.
+        roots: (k, 6) rad, complex; of a conjugate pair both.
+        inner: (k,) rad, one solution is at most that far from each root, in every joint; the balls are disjoint.
+        outer: (k,) rad, no second one is.
+        real: (k,) whether the solution is real; otherwise its imaginary part exceeds ``inner`` in some joint.
+        clusters: balls with several solutions, disjoint from each other and from the others.
+        counted: the solutions in all balls.
+    """
+
+    status: str
+    expected: int
+    why: str
+    roots: Complex
+    inner: Array
+    outer: Array
+    real: NDArray[np.bool_]
+    clusters: tuple[Cluster, ...]
+
+    @property
+    def counted(self) -> int:
+        """The solutions in all balls, counted by multiplicity."""
+        return len(self.roots) + sum(each.count for each in self.clusters)
+
+
+def proof_of(data: dict[str, Any]) -> Proof:
+    """The proof from what the compiled solver says."""
+    return Proof(
+        status=WORDS[data["status"]],
+        expected=data["expected"],
+        why=_WHY[data["why"]],
+        roots=_complex(data["roots"]),
+        inner=frozen(data["inner"]),
+        outer=frozen(data["outer"]),
+        real=frozen(np.array(data["real"], dtype=np.bool_)),
+        clusters=tuple(Cluster(_complex(c), _complex(d), *rest) for c, d, *rest in data["clusters"]),
+    )
+
+
+def _complex(pairs: Array) -> Complex:
+    return frozen(pairs[..., 0] + 1j * pairs[..., 1])
