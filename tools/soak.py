@@ -41,6 +41,8 @@ COMMANDS = (
     ("dataset", ARMS[0], "-n", "2000000", "--store", "samples.zarr"),
 )
 INTERRUPTED = 130
+PATIENCE = 300.0
+"""Time after which a command counts as one that does not end [s]."""
 WARM = 0.25
 """Share of the time after which the process must no longer grow: by then every piece of work has run."""
 KEPT = {"memory": 64.0, "descriptors": 8, "threads": 4, "children": 0}
@@ -178,7 +180,7 @@ class Soak:
         time.sleep(wait)
         sent = time.monotonic()
         child.send_signal(number)
-        _, err = child.communicate(timeout=60.0)
+        err = self._ended(child)
         took, moment = time.monotonic() - sent, f"{number.name} to {words[0]} after {wait:.3f} s"
         assert child.returncode == INTERRUPTED, f"{moment}: status {child.returncode}, {err.decode()[-300:]}"
         assert b"Traceback" not in err, f"{moment}: {err.decode()[-300:]}"
@@ -209,8 +211,18 @@ class Soak:
 
     def _run(self, *words: str) -> None:
         child = self._start(*words)
-        _, err = child.communicate(timeout=600.0)
+        err = self._ended(child)
         assert child.returncode == 0, f"{' '.join(words)}: status {child.returncode}, {err.decode()[-300:]}"
+
+    @staticmethod
+    def _ended(child: subprocess.Popen[bytes]) -> bytes:
+        """What a command wrote to standard error; one that does not end is killed."""
+        try:
+            return child.communicate(timeout=PATIENCE)[1]
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.communicate()
+            raise
 
     @staticmethod
     def _catches_signals(process: int) -> bool:
@@ -249,6 +261,8 @@ def main() -> int:
     parser.add_argument("--only", nargs="*", choices=PIECES, default=list(PIECES), metavar="NAME")
     given = parser.parse_args()
     length = 60.0 * given.minutes
+    # Where a script's `&` started this, Ctrl-C is ignored, and the commands would ignore it as well.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     done: Counter[str] = Counter()
     failures: dict[str, list[str]] = defaultdict(list)
     with tempfile.TemporaryDirectory(prefix="urdf-ik-soak-") as folder:

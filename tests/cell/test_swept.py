@@ -204,7 +204,7 @@ def test_bad_motions() -> None:
     with pytest.raises(ArgumentError, match="must be 6"):
         arm.motion_is_free(q, np.zeros(5))
     with pytest.raises(ArgumentError, match="finite"):
-        arm.motion_is_free(q, np.full(6, np.nan))
+        arm.motion_is_free(q, [0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
     with pytest.raises(ArgumentError, match="finite"):
         arm.cell.collisions.motions_free(q[None], np.full((1, 6), np.inf))
     with pytest.raises(ArgumentError, match=r"both must be \(k, 6\)"):

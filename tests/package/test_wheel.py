@@ -173,6 +173,32 @@ def test_installed_package_solves_without_a_compiler(installed: Installed) -> No
     assert Path(core).is_relative_to(installed.environment.resolve())
 
 
+def test_the_wheel_can_be_published(installed: Installed) -> None:
+    """PyPI can show its description, and it has at most 8 MB."""
+    succeed(sys.executable, "-m", "twine", "check", "--strict", str(installed.wheel), str(installed.sdist), cwd=ROOT)
+    assert installed.wheel.stat().st_size <= 8_000_000
+
+
+def test_the_first_minute_of_a_fresh_environment(installed: Installed) -> None:
+    """Without a compiler on the path the doctor is well, and all solutions of a URDF of one's own are printed."""
+    done = installed.run("urdf-ik", "doctor")
+    assert done.returncode == 0 and "all is well" in done.stdout, done.stdout + done.stderr
+    (installed.elsewhere / "mine.urdf").write_bytes((ROOT / "urdf" / "puma_560.urdf").read_bytes())
+    done = installed.run("urdf-ik", "ik", "mine.urdf")
+    assert done.returncode == 0 and "8 solutions" in done.stdout, done.stdout + done.stderr
+
+
+def test_the_first_notebook_runs_there(installed: Installed) -> None:
+    """Its cells, one after the other, without the repository."""
+    cells = json.loads((ROOT / "notebooks" / "01_all_branches.ipynb").read_text(encoding="utf-8"))["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    (installed.elsewhere / "first.py").write_text(code, encoding="utf-8")
+    folder = str(installed.environment / "bin")
+    python = str(installed.environment / "bin" / "python")
+    done = run(python, "first.py", cwd=installed.elsewhere, PATH=folder, MPLBACKEND="agg")
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("name", OWN)
 def test_installed_command_knows_the_bundled_arms(installed: Installed, name: str) -> None:
     """The urdf-ik command runs in any folder, names every joint of a bundled arm, and ends with status 0."""

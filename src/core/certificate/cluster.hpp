@@ -29,7 +29,7 @@ inline constexpr int MOST_LOST = 3;
 // A quadric's coefficients below this share of the largest are left out when the centre is improved; the centre moves by at most
 // LONGEST_MOVE in each of CENTRINGS rounds, and by FARTHEST_CENTRE in all [rad]. None of these decides what is proven.
 inline constexpr double WEAKEST_QUADRIC = 1e-6, LONGEST_MOVE = 0.05, FARTHEST_CENTRE = 0.3;
-inline constexpr int CENTRINGS = 12;
+inline constexpr int CENTRINGS = 24;
 // A rank counts as lost if its singular value is below WEAK, relative to the largest one. A ball is looked for where Newton's
 // method across the small directions moves by less than ACROSS [rad].
 // The centre is good enough if it would move by less than MIDDLE of the ball.

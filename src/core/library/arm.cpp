@@ -14,7 +14,7 @@
 
 namespace urdf_ik {
 
-static_assert(STATUS == 96 && SINGULAR == 30 && VALID == 1, "as urdf_ik.hpp says");
+static_assert(STATUS_BITS == 96 && SINGULAR == 30 && VALID == 1, "as urdf_ik.hpp says");
 
 namespace {
 

@@ -6,11 +6,11 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from urdf_ik.cell import without_pinocchio
+from urdf_ik.cell.pinocchio import missing as without_pinocchio
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support.text import quoted
 
@@ -58,7 +58,7 @@ class Cell:
         if self.changed is not None:
             return self.changed
         if not without_pinocchio.installed():
-            return without_pinocchio.unchecked()
+            return cast("CollisionModel", without_pinocchio.unchecked())
         from urdf_ik.cell.collision_model import CollisionModel
 
         model, chain = self.model, self.chain

@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.cell import without_pinocchio
-
-try:
-    import pinocchio as pin
-except ModuleNotFoundError:
-    raise without_pinocchio.needed("comparisons with the reference") from None
-
+from urdf_ik.cell.pinocchio.installed import pin
 from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
 from urdf_ik.model import urdf
 from urdf_ik.model.poses import as_pose_array

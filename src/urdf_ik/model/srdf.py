@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Collection
 
-__all__ = ["chain_groups", "disabled_pairs", "groups_beside"]
+__all__ = ["chain_groups", "disabled_pairs", "group_states", "groups_beside", "states_beside"]
 
 _FOLDERS = (".", "../srdf", "../config", "../moveit")
 """Folders that may hold a URDF's SRDF, relative to the URDF's folder."""
@@ -78,6 +79,49 @@ def chain_groups(
     return tuple(groups)
 
 
+def group_states(source: str | os.PathLike[str] | bytes) -> dict[str, dict[str, float]]:
+    """Read the ``<group_state>`` elements of an SRDF: postures by name, each the values of joints.
+
+    Args:
+        source: a path, or XML text.
+
+    Returns:
+        Joint names and values [rad or m] by the posture's name; joints with several values are left out.
+
+    Raises:
+        UrdfError: the SRDF cannot be read.
+
+    Example:
+        >>> state = '<group_state name="home" group="arm"><joint name="j" value="0.5"/></group_state>'
+        >>> group_states(f'<robot name="r">{state}</robot>')
+        {'home': {'j': 0.5}}
+    """
+    states: dict[str, dict[str, float]] = {}
+    for each in children(_opened(source)[0], "group_state"):
+        values = states.setdefault(each.get("name") or "", {})
+        for joint in children(each, "joint"):
+            with suppress(ValueError):
+                values[joint.get("name") or ""] = float(joint.get("value") or "")
+    return {name: values for name, values in states.items() if name and values}
+
+
+def states_beside(path: Path, robot: str) -> dict[str, dict[str, float]]:
+    """The postures of the SRDFs beside a URDF; see :func:`group_states` and :func:`groups_beside`.
+
+    Example:
+        >>> state = '<group_state name="home" group="arm"><joint name="j" value="0.5"/></group_state>'
+        >>> _ = Path("r.srdf").write_text(f'<robot name="r">{state}</robot>')
+        >>> states_beside(Path("r.urdf"), "r")
+        {'home': {'j': 0.5}}
+    """
+    states: dict[str, dict[str, float]] = {}
+    for file in _beside(path):
+        with suppress(UrdfError):
+            if _opened(file)[0].get("name") == robot:
+                states = group_states(file) | states
+    return states
+
+
 def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, tuple[str, str]]:
     """The groups with a ``<chain>`` in the SRDFs beside a URDF.
 
@@ -98,15 +142,20 @@ def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, t
         >>> groups_beside(Path("r.urdf"), "r", ["a", "b"])
         {'arm': ('a', 'b')}
     """
-    found = [file for folder in _FOLDERS for file in sorted((path.parent / folder).glob("*.srdf"))[:_MOST]]
     groups: dict[str, tuple[str, str]] = {}
-    for file in sorted(found, key=lambda each: each.stem != path.name.split(".")[0]):
+    for file in _beside(path):
         try:
             if _opened(file)[0].get("name") == robot:
                 groups = dict(chain_groups(file, links)) | groups
         except UrdfError:
             continue
     return groups
+
+
+def _beside(path: Path) -> list[Path]:
+    """The SRDFs beside a URDF, the one with its name first."""
+    found = [file for folder in _FOLDERS for file in sorted((path.parent / folder).glob("*.srdf"))[:_MOST]]
+    return sorted(found, key=lambda each: each.stem != path.name.split(".")[0])
 
 
 def _opened(source: str | os.PathLike[str] | bytes) -> tuple[Any, str]:

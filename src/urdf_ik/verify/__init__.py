@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from urdf_ik.support.lazy import attributes
 
-__all__ = ["Baseline", "Verification", "compare", "compare_many", "freeze", "judge"]
+__all__ = ["Baseline", "ProofCheck", "Verification", "check_proof", "compare", "compare_many", "freeze", "judge"]
 
 __getattr__ = attributes(
     __name__,
     {
         "Baseline": "baselines",
+        "ProofCheck": "proof",
         "Verification": "baselines",
+        "check_proof": "proof",
         "compare": "comparison",
         "compare_many": "comparison",
         "freeze": "baselines",

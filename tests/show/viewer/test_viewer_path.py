@@ -223,10 +223,10 @@ def test_the_command_takes_a_path_and_a_world(arm: Arm, tmp_path: Path) -> None:
         'length="1"/></geometry></collision></link></robot>'
     )
     page = tmp_path / "page.html"
-    path = ("-w", str(tmp_path / "seam.npy"), "--world", str(tmp_path / "cell.urdf"))
+    path = ("-p", str(tmp_path / "seam.npy"), "--world", str(tmp_path / "cell.urdf"))
     succeed("view", ARM, *path, "-o", str(page))
     with_path = page.stat().st_size
     succeed("view", ARM, "-o", str(page))
     assert with_path > page.stat().st_size
-    assert call("view", ARM, "-w", "no/seam.csv", "-o", str(page)).exit_code == 2
+    assert call("view", ARM, "-p", "no/seam.csv", "-o", str(page)).exit_code == 2
     assert call("view", ARM, "--world", "no/cell.urdf", "-o", str(page)).exit_code == 3

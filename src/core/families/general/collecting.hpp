@@ -25,6 +25,7 @@ struct SearchState {
     static constexpr int most = 48;
     Number left[most][6];  // joint vectors near which no single root is certified
     int lefts = 0, tried = 0;  // how many there are; how many of them were tried as clusters
+    unsigned tried_columns = 0;
 
     STEP void leave(const Number (&q)[6]) {
         double size = 0.0;
@@ -62,10 +63,13 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
 // arm is singular.
 STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
 
+// Whether the solver counts certified roots: six turning joints, and known poses with all sixteen solutions.
+STEP bool is_provable(const EliminationArm& arm) { return all_known(arm) && !arm.any_slide; }
+
 STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, double enough) {
     SearchState search;
     search.columns = columns, search.enough = enough;
-    search.all_known = all_known(arm), search.provable = search.all_known && !arm.any_slide;
+    search.all_known = all_known(arm), search.provable = is_provable(arm);
     if (search.provable) search.loop = loop_of(arm.written, goal);
     return search;
 }
@@ -200,10 +204,12 @@ STEP void as_numbers(const double* row, Number (&q)[6]) {
 PART Status count_clusters(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Account& account = search.account;
     Number q[6];
-    for (int b = 0; b < search.columns.many; ++b) {
-        if (!search.columns.valid(b)) continue;
+    // Solutions first: they are nearer to the middle of a cluster than what Newton's method has not brought to an end.
+    for (int b = 0; b < search.columns.many && !account.all(); ++b) {
+        if (!search.columns.valid(b) || search.tried_columns >> b & 1) continue;
+        search.tried_columns |= 1u << b;
         as_numbers(search.columns.row(b), q);
-        search.leave(q);
+        if (!is_known(account, q)) add_cluster_near(search.loop, account, q);
     }
     for (; search.tried < search.lefts && !account.all(); ++search.tried) {
         const Number(&at)[6] = search.left[search.tried];
@@ -290,11 +296,19 @@ PART bool is_on_curve(const EliminationArm& arm, const Goal<double>& goal, const
     }
     return true;
 }
-PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b) || !(columns.flags[b] & SINGULAR)) continue;
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+// Whether a solution lies on a curve of solutions, or what was left where it is almost real.
+PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
+    double q[6];
+    for (int b = 0; b < search.columns.many; ++b) {
+        if (!search.columns.valid(b) || !(search.columns.flags[b] & SINGULAR)) continue;
+        for (int j = 0; j < 6; ++j) q[j] = search.columns.row(b)[j];
+        if (is_on_curve(arm, goal, q)) return true;
+    }
+    for (int i = 0; i < search.lefts; ++i) {
+        double off = 0.0;
+        for (int j = 0; j < 6; ++j) q[j] = wrap(search.left[i][j].re), off = max(off, abs(search.left[i][j].im));
+        if (off > ALMOST_REAL) continue;
+        if (polish_one<true>(arm.written, goal, q, {40, CONVERGED, LONG_PATIENCE}).error > CONVERGED) continue;
         if (is_on_curve(arm, goal, q)) return true;
     }
     return false;

@@ -315,7 +315,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
-    if (search.provable && holds_curve(arm, goal, columns)) return Status::continuum;
+    if (search.provable && holds_curve(arm, goal, search)) return Status::continuum;
     return certain && !search.provable && !arm.any_slide ? Status::complete : Status::incomplete;
 }
 
@@ -330,7 +330,8 @@ struct General6 {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
         const Status status = complete(arm, goal, columns);
         sort(columns);
-        set_status(columns.flags[0], status);
+        // A count that leaves out solutions far from real proves nothing.
+        set_status(columns.flags[0], is_provable(arm) ? status : Status::incomplete);
     }
 };
 
@@ -347,7 +348,7 @@ PART bool prove(const EliminationArm& arm, const double* T, Proof& out) {
     out = {};
     out.status = complete(arm, goal_of(proper), columns, account);
     as_data(account, out);
-    if (arm.any_slide || !all_known(arm)) out.expected.why = Why::unproven;
+    if (!is_provable(arm)) out.expected.why = Why::unproven, out.status = Status::incomplete;
     return true;
 }
 

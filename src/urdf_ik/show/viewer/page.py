@@ -6,14 +6,12 @@ import io
 import threading
 from collections.abc import Callable, Hashable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.arm import load
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
-from urdf_ik.model import catalogue
 from urdf_ik.model.poses import pose
 from urdf_ik.show.viewer import address, guard, playback
 from urdf_ik.show.viewer import state as states
@@ -38,7 +36,6 @@ if TYPE_CHECKING:
     from urdf_ik.show.viewer.surroundings import PathDrawing
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
-_NO_CHOICE = "catalogue ..."
 
 
 class Viewer:
@@ -49,6 +46,7 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
+        work: the widgets to paste, copy, and choose postures with.
         track: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
@@ -92,10 +90,13 @@ class Viewer:
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
         from urdf_ik.show.viewer import arm_and_gizmo, arm_panel, page_messages, path_panel, surroundings, uploads
+        from urdf_ik.show.viewer.work import panel, saved_page, sources
 
         address.check(host, port)
         self._parts, self._plain = (arm_panel.Panel, arm_and_gizmo.Drawing), arm_panel.plain
-        self._upload_part = uploads.Uploads
+        self._upload_part, self._work_part = uploads.Uploads, panel.WorkPanel
+        self._beside, self._saved = surroundings.points_beside, saved_page.with_names
+        self._source_part = sources.add
         self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)
@@ -126,7 +127,11 @@ class Viewer:
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
         self._add_sources()
-        page_messages.check_messages(self.server, self._refused, lambda: self._latest.put("agree", lambda: None))
+        page_messages.check_messages(
+            self.server,
+            lambda why: self._latest.put("refused", lambda: self._say(why)),
+            lambda: self._latest.put("agree", lambda: None),
+        )
         self.server.on_client_connect(lambda client: self._look(client.camera, client.camera.aspect))
         try:
             if plan is not None:
@@ -190,7 +195,7 @@ class Viewer:
         target = self.drawing.target
         target.visible = False  # handles that would move nothing
         try:
-            return str(self.server.scene.as_html())
+            return str(self._saved(self.server.scene.as_html(), self.state, self._dark))
         finally:
             target.visible = True
 
@@ -292,6 +297,7 @@ class Viewer:
         self._remove_map()
         self.drawing.remove()
         self.panel.remove()
+        self.work.remove()
         self.obstacles.remove()
         self._show_arm(state)
         return None
@@ -307,6 +313,7 @@ class Viewer:
         self.drawing = drawing(self.server.scene, arm, self._dark)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
         self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
+        self.work = self._work_part(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         self._look(self.server.initial_camera)
@@ -316,7 +323,8 @@ class Viewer:
 
     def _look(self, camera: Any, aspect: float | None = None) -> None:
         """Have a page see the whole arm; ``aspect`` is its window's."""
-        camera.position, camera.look_at = self.drawing.camera(self.state, camera.fov, aspect)
+        beside = self._beside(self.track, self.state.world, self.state.arm.chain.size)
+        camera.position, camera.look_at = self.drawing.camera(self.state, camera.fov, aspect, beside)
 
     def _show(self, state: State, held: object = None) -> None:
         """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
@@ -324,11 +332,9 @@ class Viewer:
         with self.server.atomic():
             self.drawing.show(state, keep_target=held is self.drawing.target)
             self.panel.show(state, keep=held)
+            self.work.show(state)
             self.obstacles.update()
         self.server.flush()
-
-    def _refused(self, reason: str) -> None:
-        self._latest.put("refused", lambda: self._say(reason))
 
     def _agree(self) -> None:
         """Send all pages the sliders and the target: two that move them may differ, a single one has newer values."""
@@ -355,6 +361,8 @@ class Viewer:
             drawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
         )
         self._go_to(0.0)
+        for client in self.server.get_clients().values():
+            self._look(client.camera, client.camera.aspect)
 
     def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
         """Show a place of the plan; where it was chosen with the slider, that is left alone."""
@@ -417,29 +425,9 @@ class Viewer:
         self._update("redundancy", change, self.panel.redundancies[which])
 
     def _add_sources(self) -> None:
-        """The widgets that stay: another arm, and the scene as a file.
-
-        The page chooses among names and sends files of its own: this machine's files are none of its business.
-        """
-        gui = self.server.gui
-        with gui.add_folder("Another arm", expand_by_default=False, order=1e9):
-            names = gui.add_dropdown("Catalogue", (_NO_CHOICE, *catalogue.names()))
-            upload = gui.add_upload_button("URDF from this computer", mime_type=".urdf,.xml")
-            base, tip = gui.add_text("Base link", ""), gui.add_text("Tip link", "")
-        save = gui.add_button("Save the scene as HTML", order=1e9 + 1.0)
-        self.sources = names, upload, base, tip, save
+        """The widgets that stay: another arm, and the scene as a file."""
+        self.sources = self._source_part(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
+        _, upload, base, tip, _ = self.sources
         self.uploads = self._upload_part(
             self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
         )
-
-        @names.on_update
-        def _(event: Any) -> None:
-            if event.client_id is not None and names.value in catalogue.names():
-                self.open(names.value)
-
-        @save.on_click
-        def _(event: Any) -> None:
-            if event.client is not None:
-                event.client.send_file_download(
-                    f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
-                )

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.errors import UnsupportedArm, UrdfIkError
-from urdf_ik.ik.solutions import Singular, distances
+from urdf_ik.ik.solutions import Singular, distances, limits
+from urdf_ik.model import srdf
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+SHOWN = ("all", "inside the limits", "without a mark", "none")
+"""Which ghosts may be drawn."""
 # rad or m: the arm stands at a solution that is this close to it.
 _SAME = 1e-6
 # Joint vectors among which the first one is chosen, and their seed.
@@ -73,6 +76,7 @@ class State:
         model: what answers about contacts, with the world's obstacles; None where the URDF has nothing to check.
         intervals: where along its one redundancy parameter the target has solutions inside the limits; None for an
             arm without one, or one whose intervals are not known.
+        shown: which ghosts are drawn, one of ``SHOWN``.
     """
 
     arm: Arm
@@ -85,6 +89,14 @@ class State:
     world: World | None = None
     model: CollisionModel | None = None
     intervals: Intervals | None = None
+    shown: str = SHOWN[0]
+
+    @property
+    def drawn(self) -> tuple[Ghost, ...]:
+        """The ghosts that are drawn: those that are to be shown, but for the one that the arm stands at."""
+        everything, inside, clean, _ = (self.shown == each for each in SHOWN)
+        kept = (g for k, g in enumerate(self.ghosts) if k != self.chosen)
+        return tuple(g for g in kept if everything or (inside and not g.outside) or (clean and not g.marks))
 
     @property
     def chosen(self) -> int | None:
@@ -153,6 +165,36 @@ def with_branch(state: State, column: int) -> State:
     """The arm moved to the solution of that branch; where the target has no such solution, nothing changes."""
     found = [ghost for ghost in state.ghosts if ghost.column == column]
     return replace(state, q=found[0].q) if found else state
+
+
+def with_shown(state: State, what: str) -> State:
+    """The same with other ghosts drawn, ``what`` being one of ``SHOWN``."""
+    return replace(state, shown=what)
+
+
+def with_next(state: State, step: int) -> State:
+    """The arm moved to the next solution of its target inside the limits, by branch; ``step`` -1: to the one before."""
+    inside = [ghost for ghost in state.ghosts if not ghost.outside]
+    if not inside:
+        return state
+    at = state.nearest(tuple(inside))
+    there = state.chosen is not None and at is not None and state.ghosts[state.chosen] is inside[at]
+    return replace(state, q=inside[((at or 0) + step * there) % len(inside)].q)
+
+
+def postures(arm: Arm) -> dict[str, Array]:
+    """Named joint vectors (n,) rad or m: zero, the middle of the limits, and those of SRDFs beside the URDF.
+
+    Those that leave a joint of the arm open, or stand outside the limits, are left out.
+    """
+    named = {"zero": np.zeros(arm.dof)}
+    if np.isfinite(arm.limits).all():
+        named["middle of the limits"] = arm.limits.mean(axis=1)
+    states = {} if arm.model.path is None else srdf.states_beside(arm.model.path, arm.model.name)
+    for name, values in states.items():
+        if set(arm.joint_names) <= set(values):
+            named[name] = np.array([values[joint] for joint in arm.joint_names])
+    return {name: q for name, q in named.items() if limits.room(q, arm.limits) >= -limits.LIMIT_TOLERANCE}
 
 
 def _moved(state: State) -> State:

@@ -31,6 +31,21 @@ _PLANE_OPACITY, _PLANE = 0.35, 0.01
 _FOUND, _FOUND_ON_BLACK, _MISSED = (30, 30, 30), (225, 225, 225), (214, 39, 40)
 
 
+_FAR = 3.0
+"""Obstacles whose places are within so many sizes of the arm are looked at."""
+
+
+def points_beside(track: Track | None, world: World | None, size: float) -> Array | None:
+    """Points (k, 3) [m] that a camera is to see besides the arm: waypoints, and the places of near obstacles.
+
+    None without any; ``size`` is the arm's [m].
+    """
+    places = [each.pose[:3, 3] for each in world or () if not isinstance(each.shape, HalfSpace)]
+    near = [place for place in places if np.linalg.norm(place) < _FAR * size]
+    points = [*near, *([] if track is None else track.plan.poses[:, :3, 3])]
+    return np.array(points) if points else None
+
+
 class Obstacles:
     """A world in the scene; what is moved, added or removed there is shown with the next :meth:`update`.
 

@@ -8,7 +8,7 @@ Each pose comes from a planted joint vector. If neither method finds this vector
 
 from __future__ import annotations
 
-from urdf_ik.verify.completeness.check import compare, replay
+from urdf_ik.verify.completeness.check import compare, planted, replay
 from urdf_ik.verify.completeness.report import Completeness, Difference, Group
 
 __all__ = [
@@ -16,5 +16,6 @@ __all__ = [
     "Difference",
     "Group",
     "compare",
+    "planted",
     "replay",
 ]

@@ -56,27 +56,24 @@ def compare(
     inputs.arm(arm)
     n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     inputs.callback(progress, "progress")
-    if arm.dof != 6 or not arm.structure.is_6r:
-        kinds = ", ".join(arm.chain.joint_types)
-        raise UnsupportedArm(f"{arm.name}: completeness is compared for six turning joints, and this arm has {kinds}")
+    vectors = planted(arm, n, seed)
     sameness = Sameness(arm.chain, Reference(arm.model, arm.base, arm.tip))
     second = SecondWay.of(arm)
     groups: dict[float | None, Group] = {}
     differences: list[Difference] = []
     for start in range(0, 3 * n, _CHUNK):
         indices = range(start, min(start + _CHUNK, 3 * n))
-        planted = [plant(arm.chain, n, seed, index) for index in indices]
-        T = sameness.reference.pose(np.array(planted))
+        T = sameness.reference.pose(vectors[start : indices.stop])
         mine = arm.ik(T)
         q, valid = np.asarray(mine.q), np.asarray(mine.valid)
         for i, index in enumerate(indices):
             near = distance_to_singularity(n, index)
             group = groups.setdefault(near, Group(near))
             theirs = second.solve(T[i], np.random.default_rng([seed, index, 1]))
-            answer = sameness.unmatched(T[i], planted[i], q[i, valid[i]], theirs)
+            answer = sameness.unmatched(T[i], vectors[index], q[i, valid[i]], theirs)
             names = np.asarray(mine.branches, dtype=object)[valid[i]]
             group.add(int(valid[i].sum()), len(theirs), answer)
-            differences += _records(sameness, answer, T[i], planted[i], index, near, list(names), second)
+            differences += _records(sameness, answer, T[i], vectors[index], index, near, list(names), second)
         if progress is not None:
             progress(indices.stop, 3 * n)
     return Completeness(
@@ -92,6 +89,20 @@ def compare(
         groups=tuple(groups[key] for key in sorted(groups, key=lambda near: -np.inf if near is None else -near)),
         differences=tuple(differences),
     )
+
+
+def planted(arm: Arm, n: int, seed: int) -> Array:
+    """The joint vectors of a comparison, (3 n, 6) [rad]: n at random, n next to singularities, n at right angles.
+
+    Example:
+        >>> import urdf_ik
+        >>> planted(urdf_ik.load("puma_560"), n=2, seed=0).shape
+        (6, 6)
+    """
+    if arm.dof != 6 or not arm.structure.is_6r:
+        kinds = ", ".join(arm.chain.joint_types)
+        raise UnsupportedArm(f"{arm.name}: this is checked for six turning joints, and this arm has {kinds}")
+    return np.array([plant(arm.chain, n, seed, index) for index in range(3 * n)])
 
 
 def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:

@@ -7,12 +7,9 @@ coal) are for Linux and macOS only.
 from __future__ import annotations
 
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 from urdf_ik.errors import MissingPackage
-
-if TYPE_CHECKING:
-    from urdf_ik.cell.collision_model import CollisionModel
 
 PACKAGES = ("pinocchio", "coal")
 UNCHECKED = "Pinocchio is missing (pip install pin)"
@@ -42,11 +39,11 @@ class _Unchecked:
 
     has_geometry, is_changed, missing, unchecked = False, False, UNCHECKED, UNCHECKED
 
-    def in_world(self, world: Any) -> CollisionModel:
+    def in_world(self, world: Any) -> Any:
         """Itself; obstacles cannot be checked."""
         if world is not None:
             raise needed("contacts")
-        return cast("CollisionModel", self)
+        return self
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -54,11 +51,11 @@ class _Unchecked:
         raise needed("contacts")
 
 
-def unchecked() -> CollisionModel:
+def unchecked() -> Any:
     """What stands for the collision model of an arm.
 
     Example:
         >>> unchecked().has_geometry, unchecked().missing
         (False, 'Pinocchio is missing (pip install pin)')
     """
-    return cast("CollisionModel", _Unchecked())
+    return _Unchecked()

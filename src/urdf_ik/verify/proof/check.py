@@ -1,0 +1,273 @@
+"""check_proof(): whether answers that claim to be complete are, by theorems evaluated in ball arithmetic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.support import inputs
+from urdf_ik.verify.reports import Report
+
+try:
+    from flint import acb, arb
+except ImportError as error:  # python-flint is an extra
+    raise MissingPackage("proofs are checked in ball arithmetic: pip install 'urdf-ik[proof]'") from error
+
+from urdf_ik.verify.proof.families import EIGHT, ideal
+from urdf_ik.verify.proof.loop import Loop, exact
+from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, single_root
+from urdf_ik.verify.proof.search import outside, search
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solutions import IKSolutions, Proof
+
+    Array = NDArray[np.float64]
+
+SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
+_ROUNDS = 20  # of the search for complex roots
+_AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
+_SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """One answer that claims more than holds.
+
+    Attributes:
+        index: the pose's place in the batch, counted through all of its axes.
+        status: what the answer says.
+        reason: what does not hold.
+    """
+
+    index: int
+    status: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class ProofCheck(Report):
+    """What an independent check says of proven answers.
+
+    Attributes:
+        robot: the arm's name.
+        poses: how many answers there were.
+        unproven: how many of them do not claim to hold every solution; nothing is checked there.
+        accepted: how many of the others are proven here, too.
+        open: those that this check can neither prove nor disprove, each with the reason.
+        refused: those that are wrong.
+    """
+
+    robot: str
+    poses: int
+    unproven: int
+    accepted: int
+    open: tuple[Refusal, ...]
+    refused: tuple[Refusal, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no answer was refused."""
+        return not self.refused
+
+    def title(self) -> str:
+        """The arm and the number of poses."""
+        return f"proofs of {self.robot}, {self.poses} poses, in ball arithmetic"
+
+    def lines(self) -> tuple[str, ...]:
+        """The counts, and every answer that was not accepted."""
+        counts = (
+            f"accepted {self.accepted}",
+            f"not claimed to be complete {self.unproven}",
+            f"neither proven nor disproven here {len(self.open)}",
+            f"refused {len(self.refused)}",
+        )
+        rest = (f"{word} pose {r.index} ({r.status}): {r.reason}" for word, r in self._marked())
+        return (*counts, *rest)
+
+    def verdict(self) -> str:
+        """The last line."""
+        return "PASSED" if self.passed else f"FAILED: {len(self.refused)} answers claim more than holds"
+
+    def _marked(self) -> list[tuple[str, Refusal]]:
+        return [("refused", r) for r in self.refused] + [("open", r) for r in self.open]
+
+
+def check_proof(
+    arm: Arm, solutions: IKSolutions, *, progress: Callable[[int, int], None] | None = None
+) -> ProofCheck:
+    """Check every answer that claims to be complete, with no code of the solver.
+
+    The loop equations are set up anew from the chain's screw axes and the pose. Where the answer's proof is a count of
+    16 complex roots, each ball of it must hold one root, or a cluster as many as it says, and no two the same: then
+    there is no other root (Primrose 1986), and the real ones must be the answer's solutions. Where the solver went
+    through the closed form of a family, this check finds the eight complex roots of the nearest ideal arm itself and
+    encloses each for every target that the arm as written can stand for.
+
+    Args:
+        arm: what :func:`urdf_ik.load` returned; six turning joints.
+        solutions: what ``arm.ik`` returned, unfiltered.
+        progress: called with (poses done, poses).
+
+    Returns:
+        The report; ``report.passed`` says whether no answer was refused.
+
+    Raises:
+        ArgumentError: the solutions are of another arm, or some of them were filtered out.
+        UnsupportedArm: the arm does not have six turning joints.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> report = check_proof(arm, arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+        >>> report.passed, report.accepted
+        (True, 1)
+    """
+    inputs.arm(arm)
+    inputs.callback(progress, "progress")
+    if solutions.solver.chain is not arm.chain and solutions.solver.chain != arm.chain:
+        raise ArgumentError("the solutions are of another arm")
+    T = np.asarray(solutions.poses).reshape(-1, 4, 4)
+    count = len(T)
+    statuses = np.asarray(solutions.status).reshape(-1)
+    q = np.asarray(solutions.q).reshape(count, -1, arm.dof)
+    valid = np.asarray(solutions.valid).reshape(count, -1)
+    unproven, accepted = 0, 0
+    open_, refused = [], []
+    for i in range(count):
+        status = str(statuses[i])
+        if status not in ("complete", "clustered"):
+            unproven += 1
+        else:
+            place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
+            proof = solutions[place].proof if solutions.shape else solutions.proof
+            verdict, reason = examine(Loop.of(arm.chain, T[i]), q[i, valid[i]], proof, np.random.default_rng(i))
+            if verdict is None:
+                open_.append(Refusal(i, status, reason))
+            elif verdict:
+                accepted += 1
+            else:
+                refused.append(Refusal(i, status, reason))
+        if progress is not None:
+            progress(i + 1, count)
+    return ProofCheck(arm.name, count, unproven, accepted, tuple(open_), tuple(refused))
+
+
+def examine(
+    loop: Loop, solutions: Array, proof: Proof | None, rng: np.random.Generator
+) -> tuple[bool | None, str]:
+    """Whether ``solutions`` are all solutions of the loop; None where this is not decided; and why.
+
+    Args:
+        loop: the loop equations of the pose.
+        solutions: (k, 6) rad, the answer.
+        proof: the solver's account of the complex roots; None where it has none.
+        rng: source of the starts of the search for complex roots.
+    """
+    if proof is not None and proof.counted == proof.expected == SIXTEEN:
+        return _by_account(loop, solutions, proof)
+    return _by_search(loop, solutions, rng)
+
+
+def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None, str]:
+    singles: list[Enclosure] = []
+    for k, (root, inner, real) in enumerate(zip(proof.roots, proof.inner, proof.real, strict=True)):
+        found = single_root(loop, exact(root))
+        if isinstance(found, str):
+            return False, f"root {k}: {found}"
+        if not found.distance(exact(root)) < arb(float(inner)):
+            return False, f"root {k} is outside of its ball, {float(found.distance(exact(root))):.1e} rad off"
+        if found.real != bool(real):
+            return False, f"root {k} is {'real' if found.real else 'not real'}, and is called the opposite"
+        singles.append(found)
+    clusters: list[ClusterEnclosure] = []
+    for k, each in enumerate(proof.clusters):
+        counted = cluster(loop, each.centre, each.lost, each.along, each.across)
+        if isinstance(counted, str):
+            return False, f"cluster {k}: {counted}"
+        clusters.append(counted)
+    if (same := _overlap(singles, clusters)) is not None:
+        return False, f"{same[0]} and {same[1]} are not apart"
+    total = len(singles) + sum(each.count for each in clusters)
+    if total != SIXTEEN:
+        return False, f"{total} roots are accounted for, and six turning joints have up to {SIXTEEN}"
+    return _answered(solutions, singles, clusters)
+
+
+def _by_search(loop: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
+    """All complex roots, found here: of the arm as written, or of the nearest ideal arm."""
+    if loop.out_of_reach:
+        return _answered(solutions, [], [])
+    near = ideal(loop)
+    if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
+        return _by_family(loop, near[0], solutions, rng)
+    singles, clusters = search(loop, solutions, SIXTEEN, rng, _ROUNDS)
+    count = len(singles) + sum(group.count for group in clusters)
+    if count == SIXTEEN:
+        return _answered(solutions, singles, clusters)
+    if near is None:
+        return None, f"{count} of {SIXTEEN} roots are enclosed"
+    return _by_family(loop, near[0], solutions, rng)
+
+
+def _by_family(loop: Loop, near: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
+    boxes, _ = search(near, solutions, EIGHT, rng, _ROUNDS)
+    if len(boxes) != EIGHT:
+        return None, f"{len(boxes)} of the {EIGHT} roots of the nearest ideal arm are enclosed"
+    singles: list[Enclosure] = []
+    for each in boxes:
+        if not each.may_be_real:
+            continue
+        # A box around real numbers that holds this one, and exactly one root of the arm as written, which is real.
+        found = enclosed(loop, [acb(value.real) for value in each.centre], 2 * each.radius)
+        if isinstance(found, str):
+            return None, f"beside a real root of the ideal arm, of the arm as written: {found}"
+        if not all(found.apart(other) for other in singles):
+            return None, "real roots of the ideal arm are too close to each other"
+        singles.append(found)
+    return _answered(solutions, singles, [])
+
+
+def _answered(
+    solutions: Array, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
+) -> tuple[bool | None, str]:
+    """Whether the real roots are the solutions, each once."""
+    near: list[list[int]] = [[] for _ in singles]
+    for n, q in enumerate(solutions):
+        here = exact(q)
+        to_single = [root.distance(here) for root in singles]
+        best = min(range(len(singles)), key=lambda k: float(to_single[k]), default=None)
+        if best is not None and to_single[best] < _SOLUTION and singles[best].real:
+            near[best].append(n)
+        elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
+            return False, f"solution {n} is near no real root"
+    for root, answers in zip(singles, near, strict=True):
+        if root.real and not answers:
+            values = ", ".join(f"{float(c.real):.9f}" for c in root.centre)
+            return False, f"the real root ({values}) is not among the solutions"
+        if len(answers) > 1:
+            return False, f"solutions {answers[0]} and {answers[1]} are one root"
+    return True, ""
+
+
+def _overlap(singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]) -> tuple[str, str] | None:
+    """The names of two enclosures that may hold the same root; None if there are none."""
+    for i, one in enumerate(singles):
+        for k in range(i):
+            if not one.apart(singles[k]):
+                return f"root {k}", f"root {i}"
+        for k, group in enumerate(clusters):
+            if not outside(one, group):
+                return f"root {i}", f"cluster {k}"
+    for i, first in enumerate(clusters):
+        for k in range(i):
+            if not first.distance(clusters[k].centre) > first.radius + clusters[k].radius:
+                return f"cluster {k}", f"cluster {i}"
+    return None

@@ -1,0 +1,282 @@
+"""Single roots and clusters of the loop equations, enclosed by theorems that are evaluated in ball arithmetic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+from math import factorial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import acb, acb_mat, arb
+
+from urdf_ik.verify.proof.loop import Loop, box, exact, is_identity, largest, midpoints
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+_STEPS = 8  # from fifteen digits to the precision, where the root is single
+_LEAST, _GREATEST = arb(2) ** -150, arb(2) ** -4  # half widths of the boxes that are tried
+_ALMOST_REAL = arb(2) ** -40
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """A box that holds exactly one root of the loop, and nothing else.
+
+    Attributes:
+        centre: six complex angles [rad].
+        radius: half width of the box in every real and imaginary part [rad].
+        real: whether the root is real.
+    """
+
+    centre: tuple[acb, ...]
+    radius: arb
+    real: bool
+
+    def distance(self, q: Sequence[acb]) -> arb:
+        """An upper bound on the greatest distance [rad] of a joint's angle from the root, whole turns aside."""
+        return largest(_between(self.centre, q)) + 2 * self.radius
+
+    def apart(self, other: Enclosure) -> bool:
+        """Whether the boxes have no point in common, whole turns aside."""
+        sides = self.radius + other.radius
+        return any(abs(d.real) > sides or abs(d.imag) > sides for d in _between(self.centre, other.centre))
+
+    @property
+    def may_be_real(self) -> bool:
+        """Whether the box holds a real point."""
+        return not any(abs(c.imag) > self.radius for c in self.centre)
+
+
+def single_root(loop: Loop, start: Sequence[acb]) -> Enclosure | str:
+    """The root that Newton's method reaches from ``start``, enclosed by Krawczyk's test; or why there is none.
+
+    With C an approximate inverse of the Jacobian at the centre c, ``-C f(c) + (1 - C J(B)) (B - c)`` inside B - c
+    proves that B holds exactly one root (R. Krawczyk, Computing 4, 1969). It holds for analytic functions of complex
+    boxes, as J(B) encloses the mean of the Jacobian along every segment of B.
+    """
+    centre = midpoints(start)
+    step = arb("inf")
+    for _ in range(_STEPS):
+        try:
+            X, J = loop.jacobian(centre)
+            move = J.solve(_column(loop.residual(X)))
+        except ZeroDivisionError:
+            return "the Jacobian cannot be told from a singular one"
+        moved = midpoints([c - move[i, 0] for i, c in enumerate(centre)])
+        taken = largest([a - b for a, b in zip(moved, centre, strict=True)])
+        centre = moved
+        if not taken < 1:
+            return "Newton's method leaves the ball"
+        if taken < _LEAST or not taken < step:
+            break
+        step = taken
+    # The equations are real: with a root its conjugate is one, and in a box around real numbers they are the same.
+    if largest([acb(c.imag) for c in centre]) < _ALMOST_REAL:
+        on_axis = enclosed(loop, [acb(c.real) for c in centre])
+        if not isinstance(on_axis, str):
+            return on_axis
+    return enclosed(loop, centre)
+
+
+def enclosed(loop: Loop, centre: Sequence[acb], least: arb = _LEAST) -> Enclosure | str:
+    """A box around ``centre``, at least of half width ``least``, that holds exactly one root; or why there is none."""
+    X, J = loop.jacobian(centre)
+    try:
+        C = J.inv()
+    except ZeroDivisionError:
+        return "the Jacobian cannot be told from a singular one"
+    C = acb_mat([[acb(C[i, k].real.mid(), C[i, k].imag.mid()) for k in range(6)] for i in range(6)])
+    moved = C * _column(loop.residual(X))
+    radius = (2 * largest([moved[i, 0] for i in range(6)])).max(least)
+    while radius < _GREATEST:
+        around = box(centre, radius)
+        X, J = loop.jacobian(around)
+        rest = acb_mat([[int(i == k) for k in range(6)] for i in range(6)]) - C * J
+        image = rest * _column(box([acb(0)] * 6, radius)) - moved
+        if all(abs(image[i, 0].real) < radius and abs(image[i, 0].imag) < radius for i in range(6)):
+            identity = is_identity(X)
+            if not identity:
+                return "it is half a turn off the pose"
+            return Enclosure(tuple(centre), radius, all(c.imag.is_zero() for c in centre))
+        radius *= 8
+    return "no box around it holds exactly one root"
+
+
+@dataclass(frozen=True)
+class ClusterEnclosure:
+    """A polydisc that holds exactly ``count`` roots of the loop, counted with multiplicity.
+
+    Attributes:
+        centre: six complex angles [rad].
+        radius: every point of the polydisc is this close to the centre, in the 2-norm [rad].
+        count: how many roots it holds.
+    """
+
+    centre: tuple[acb, ...]
+    radius: arb
+    count: int
+
+    def distance(self, q: Sequence[acb]) -> arb:
+        """The distance of q from the centre in the 2-norm [rad], whole turns aside."""
+        return sum((abs(d) ** 2 for d in _between(self.centre, q)), arb(0)).sqrt()
+
+
+def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho: float) -> ClusterEnclosure | str:
+    """Whether the polydisc around ``centre`` holds exactly ``2 ** lost`` roots, by Rouche's theorem; or why it may not.
+
+    With J = U S V* at the centre, t are the coordinates along the ``lost`` last columns of V and y the others, and
+    g = U* f has rows g' and g_t in the same way. On |y| <= rho, |t| <= R,
+
+        g' = A y + B t + c' + quadratic',    g_t = Q(t) + (the rest)
+
+    where the second derivatives are enclosed over the whole polydisc. There are as many roots as of (A y, Q(t)),
+    which is 2^lost, if on |y| = rho the other terms of g' are smaller than A y, and on |t| = R those of g_t smaller
+    than Q(t). Q has no zero but t = 0 where Macaulay's matrix of the quadrics has full rank, whose least singular value
+    bounds |Q| / |t|^2 from below.
+
+    Args:
+        loop: the loop equations.
+        centre: (6,) complex angles [rad].
+        lost: how many singular values are small; 1 to 3.
+        R: bound on |t| [rad].
+        rho: bound on |y| [rad].
+    """
+    if not (1 <= lost <= 3 and 0 < R < 1 and 0 < rho < 1):
+        return "a cluster has a rank that falls by 1 to 3, and radii between 0 and 1"
+    here = exact(centre)
+    X, J = loop.jacobian(here)
+    U, _, Vh = np.linalg.svd(np.array([[complex(J[i, k]) for k in range(6)] for i in range(6)]))
+    left, V = _matrix(U.conj().T), _matrix(Vh.conj().T)
+    linear = left * J * V
+    constant = left * _column(loop.residual(X))
+    reach = (arb(R) ** 2 + arb(rho) ** 2).sqrt()
+    around = box(here, reach)
+    identity = is_identity(loop.values(around))
+    if not identity:
+        return "it is half a turn off the pose, or may be"
+    second = _in_coordinates(loop.hessian(around), left, V)
+    at_centre = _in_coordinates(loop.hessian(here), left, V)
+    kept = range(6 - lost)
+    free = range(6 - lost, 6)
+    quadrics = [[[at_centre[row][i][j] / 2 for j in free] for i in free] for row in free]
+    least = _least(quadrics)
+    if not least > 0:
+        return "its quadrics may have a common zero"
+    A = acb_mat([[linear[i, k] for k in kept] for i in kept])
+    try:
+        weakest = 1 / _frobenius(A.inv())
+    except ZeroDivisionError:
+        return "more singular values are small"
+
+    def size(rows: Sequence[int], one: Sequence[int], two: Sequence[int], what: list[list[list[acb]]]) -> arb:
+        total = arb(0)
+        for row in rows:
+            for i in one:
+                for j in two:
+                    total += what[row][i][j].abs_upper() ** 2
+        return total.sqrt()
+
+    def linear_size(rows: Sequence[int], columns: Sequence[int]) -> arb:
+        return sum((linear[i, k].abs_upper() ** 2 for i in rows for k in columns), arb(0)).sqrt()
+
+    def constant_size(rows: Sequence[int]) -> arb:
+        return sum((constant[i, 0].abs_upper() ** 2 for i in rows), arb(0)).sqrt()
+
+    changed = [[[second[row][i][j] - at_centre[row][i][j] for j in range(6)] for i in range(6)] for row in range(6)]
+    r, p = arb(R), arb(rho)
+    on_y = (
+        constant_size(kept)
+        + linear_size(kept, free) * r
+        + size(kept, free, free, second) * r**2 / 2
+        + size(kept, free, kept, second) * r * p
+        + size(kept, kept, kept, second) * p**2 / 2
+    )
+    on_t = (
+        constant_size(free)
+        + linear_size(free, free) * r
+        + linear_size(free, kept) * p
+        + size(free, free, free, changed) * r**2 / 2
+        + size(free, free, kept, second) * r * p
+        + size(free, kept, kept, second) * p**2 / 2
+    )
+    if not weakest * p > on_y:
+        return "Rouche's condition fails across the weak directions"
+    if not least * r**2 > on_t:
+        return "Rouche's condition fails along the weak directions"
+    return ClusterEnclosure(tuple(here), reach * _frobenius_bound(V), 2**lost)
+
+
+def _least(quadrics: list[list[list[acb]]]) -> arb:
+    """A lower bound on |Q(t)| over |t| = 1 for r quadrics of r variables: Macaulay's matrix in weighted monomials.
+
+    In degree d = r + 1 each quadric is multiplied by the monomials of degree d - 2. With the weights
+    sqrt(d! / (a_1! ... a_r!)) the vector of monomials has the length |t|^d, so |Q(t)| is at least the least
+    singular value.
+    """
+    r = len(quadrics)
+    degree = r + 1
+    rows_of = list(combinations_with_replacement(range(r), degree - 2))
+    columns = {key: n for n, key in enumerate(combinations_with_replacement(range(r), degree))}
+    table = [[acb(0)] * len(columns) for _ in range(len(rows_of) * r)]
+    for n, (factor, quadric) in enumerate((f, q) for f in rows_of for q in quadrics):
+        for i in range(r):
+            for j in range(r):
+                key = tuple(sorted((*factor, i, j)))
+                table[n][columns[key]] += quadric[i][j] * _weight(factor, r) / _weight(key, r)
+    M = acb_mat(table)
+    approximate = np.linalg.pinv(np.array([[complex(x) for x in row] for row in table]))
+    inverse = _matrix(approximate)
+    error = _frobenius(inverse * M - acb_mat([[int(i == k) for k in range(len(columns))] for i in range(len(columns))]))
+    return (1 - error) / _frobenius(inverse)
+
+
+def _weight(key: Sequence[int], r: int) -> arb:
+    many = factorial(len(key))
+    for i in range(r):
+        many //= factorial(list(key).count(i))
+    return arb(many).sqrt()
+
+
+def _in_coordinates(H: list[list[list[acb]]], left: acb_mat, V: acb_mat) -> list[list[list[acb]]]:
+    """Second derivatives of U* f along the columns of V: ``[row][i][j]``."""
+    turned = V.transpose()
+    rows = [turned * acb_mat([[H[i][j][row] for j in range(6)] for i in range(6)]) * V for row in range(6)]
+    out = []
+    for row in range(6):
+        total = acb_mat([[acb(0)] * 6] * 6)
+        for k in range(6):
+            total += rows[k] * left[row, k]
+        out.append([[total[i, j] for j in range(6)] for i in range(6)])
+    return out
+
+
+def _matrix(values: NDArray[np.complex128]) -> acb_mat:
+    return acb_mat([exact(row) for row in values])
+
+
+def _column(values: Sequence[acb]) -> acb_mat:
+    return acb_mat([[value] for value in values])
+
+
+def _frobenius(M: acb_mat) -> arb:
+    return sum((M[i, k].abs_upper() ** 2 for i in range(M.nrows()) for k in range(M.ncols())), arb(0)).sqrt()
+
+
+def _frobenius_bound(V: acb_mat) -> arb:
+    """An upper bound on the 2-norm of a matrix that is unitary but for rounding."""
+    off = V.conjugate().transpose() * V - acb_mat([[int(i == k) for k in range(6)] for i in range(6)])
+    return (1 + _frobenius(off)).sqrt()
+
+
+def _between(a: Sequence[acb], b: Sequence[acb]) -> list[acb]:
+    """The differences of angles, without whole turns."""
+    out = []
+    for one, other in zip(a, b, strict=True):
+        d = one - other
+        whole = round(float(d.real) / (2 * np.pi))
+        out.append(acb(d.real - 2 * whole * arb.pi(), d.imag))
+    return out

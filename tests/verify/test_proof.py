@@ -1,0 +1,151 @@
+"""The independent check of proofs: a true account is accepted, and one that is changed in any way is refused."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from arms_general import calibrated_ur, crx_like
+from cases import described, from_catalogue
+from flint import arb
+
+import urdf_ik
+from urdf_ik.errors import UnsupportedArm
+from urdf_ik.verify import check_proof
+from urdf_ik.verify.proof.check import SIXTEEN, examine
+from urdf_ik.verify.proof.loop import Loop, exact
+from urdf_ik.verify.proof.roots import cluster, single_root
+from urdf_ik.verify.proof.search import search
+
+Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+
+
+def account(loop: Loop, solutions: np.ndarray) -> Any:
+    """The sixteen complex roots of a pose, as an answer's proof has them."""
+    singles, _ = search(loop, solutions, SIXTEEN, np.random.default_rng(0), 20)
+    return SimpleNamespace(
+        roots=np.array([[complex(value) for value in each.centre] for each in singles]),
+        inner=np.full(len(singles), 1e-12),
+        real=np.array([each.real for each in singles]),
+        clusters=(),
+        counted=len(singles),
+        expected=SIXTEEN,
+    )
+
+
+@pytest.fixture(scope="module")
+def general() -> tuple[Loop, np.ndarray, Any]:
+    """A pose of an arm without structure: its loop, its solutions, an account of its sixteen roots."""
+    arm = described(crx_like()).arm
+    T = arm.fk(Q)
+    solutions = arm.ik(T).q
+    solutions = solutions[np.isfinite(solutions).all(-1)]
+    loop = Loop.of(arm.chain, T)
+    return loop, solutions, account(loop, solutions)
+
+
+def verdict(loop: Loop, solutions: np.ndarray, proof: Any) -> bool | None:
+    """What the check says."""
+    return examine(loop, solutions, proof, np.random.default_rng(0))[0]
+
+
+def test_a_true_account_is_accepted(general: tuple[Loop, np.ndarray, Any]) -> None:
+    """Sixteen roots, as many real ones as there are solutions."""
+    loop, solutions, proof = general
+    assert proof.counted == SIXTEEN
+    assert proof.real.sum() == len(solutions)
+    assert verdict(loop, solutions, proof) is True
+
+
+@pytest.mark.parametrize("change", ["removed", "doubled", "moved", "called not real", "called real"])
+def test_a_changed_account_is_refused(general: tuple[Loop, np.ndarray, Any], change: str) -> None:
+    """A root removed, doubled or moved; a real root called not real, and the other way round."""
+    loop, solutions, proof = general
+    roots, inner, real = proof.roots.copy(), proof.inner.copy(), proof.real.copy()
+    first = int(np.flatnonzero(real)[0])
+    if change == "removed":
+        roots, inner, real = roots[1:], inner[1:], real[1:]
+    elif change == "doubled":
+        roots[first] = roots[int(np.flatnonzero(real)[1])]
+    elif change == "moved":
+        roots[first, 2] += 1e-9
+    elif change == "called not real":
+        real[first] = False
+    else:
+        real[int(np.flatnonzero(~real)[0])] = True
+    changed = SimpleNamespace(
+        roots=roots, inner=inner, real=real, clusters=(), counted=SIXTEEN, expected=SIXTEEN
+    )
+    assert verdict(loop, solutions, changed) is False
+
+
+def test_a_missing_doubled_or_wrong_solution_is_refused(general: tuple[Loop, np.ndarray, Any]) -> None:
+    """Whether the answer has an account of its roots or the check finds them itself."""
+    loop, solutions, proof = general
+    wrong = solutions.copy()
+    wrong[0, 1] += 1e-4
+    for each in (solutions[1:], np.concatenate([solutions, solutions[:1]]), wrong):
+        assert verdict(loop, each, proof) is False
+        assert verdict(loop, each, None) is False
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "puma_560", "ur5", "calibrated"])
+def test_answers_of_closed_forms_are_accepted_and_shortened_ones_refused(name: str) -> None:
+    """By eight roots of the nearest ideal arm, or all sixteen of a calibrated one."""
+    arm = described(calibrated_ur()).arm if name == "calibrated" else from_catalogue(name).arm
+    T = arm.fk(Q)
+    solutions = arm.ik(T).q
+    solutions = solutions[np.isfinite(solutions).all(-1)]
+    loop = Loop.of(arm.chain, T)
+    assert verdict(loop, solutions, None) is True
+    assert verdict(loop, solutions[:-1], None) is False
+
+
+def test_an_empty_answer_is_accepted_only_out_of_reach() -> None:
+    """Beyond the arm's length there is nothing; a pose in reach has solutions."""
+    arm = urdf_ik.load("ur5")
+    T = arm.fk(Q)
+    none = np.zeros((0, 6))
+    assert verdict(Loop.of(arm.chain, T), none, None) is False
+    T[0, 3] += 5.0
+    assert verdict(Loop.of(arm.chain, T), none, None) is True
+
+
+def test_a_double_root_is_a_cluster_of_two() -> None:
+    """At a fold two roots are nearer than rounding: no box holds one of them, and a polydisc holds exactly two."""
+    arm = described(crx_like()).arm
+    q = Q.copy()
+    low, high = -0.5, 1.0  # of joint 3, between which the determinant changes its sign
+    values = np.linspace(-np.pi, np.pi, 65)
+    dets = []
+    for value in values:
+        q[2] = value
+        dets.append(np.linalg.det(arm.jacobian(q)))
+    k = int(np.flatnonzero(np.diff(np.sign(dets)))[0])
+    low, high = values[k], values[k + 1]
+    for _ in range(60):
+        q[2] = (low + high) / 2
+        if np.sign(np.linalg.det(arm.jacobian(q))) == np.sign(dets[k]):
+            low = q[2]
+        else:
+            high = q[2]
+    loop = Loop.of(arm.chain, arm.fk(q))
+    assert isinstance(single_root(loop, exact(q)), str)
+    found = cluster(loop, q.astype(complex), 1, 1e-5, 1e-8)
+    assert not isinstance(found, str), found
+    assert found.count == 2
+    assert found.radius < arb(1e-4)
+
+
+def test_the_report_counts_every_pose() -> None:
+    """Accepted, not claimed, open and refused poses add up; a slide is no six turning joints."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    q = np.random.default_rng(0).uniform(-3, 3, (2, 2, 6))
+    report = check_proof(arm, arm.ik(arm.fk(q)))
+    assert report.passed
+    assert report.poses == 4 == report.unproven + report.accepted + len(report.open)
+    slide = urdf_ik.load("scara_rrpr")
+    with pytest.raises(UnsupportedArm, match="six turning joints"):
+        check_proof(slide, slide.ik(slide.fk([0.3, 0.5, 0.1, 0.2])))
