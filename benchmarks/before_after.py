@@ -42,14 +42,17 @@ OTHERS: dict[str, tuple[str, str, str]] = {
     "iiwa R820": ("kuka_lbr_iiwa_14_r820.urdf", "base_link", "tool0"),
     "Sawyer": ("rethink_sawyer.urdf", "base", "right_l6"),
 }
-OWN: dict[str, tuple[str, str, str]] = {
-    "CRX-10iA/L": ("fanuc_crx10ial.urdf", "base_link", "tool0"),
-    "j2n6s300": ("kinova_j2n6s300.urdf", "world", "j2n6s300_end_effector"),
-}
 # Arms of robots.py, by the names of its variables.
-MADE = ("UR5E", "IRB2400", "ZYYZYZ", "CALIBRATED_UR10E")
+MADE = ("UR5E", "IRB2400", "ZYYZYZ", "CALIBRATED_UR10E", "CRX", "KINOVA")
 SEVEN = ("FR3", "xArm7", "Gen3", "iiwa R820", "Sawyer")
-EXACT_LABELS = {"UR5E": "UR5e", "IRB2400": "IRB 2400", "ZYYZYZ": "z y y z y z", "CALIBRATED_UR10E": "calibrated UR10e"}
+LABELS = {
+    "UR5E": "UR5e",
+    "IRB2400": "IRB 2400",
+    "ZYYZYZ": "z y y z y z",
+    "CALIBRATED_UR10E": "calibrated UR10e",
+    "CRX": "CRX-10iA/L",
+    "KINOVA": "Kinova j2n6s300",
+}
 
 
 def least(work: Callable[[], Any], times: int, repeats: int) -> float:
@@ -223,7 +226,7 @@ _FIRST_ANSWER = (
 ROWS = (
     *(
         Row(f"{name}, {'round' if is_round else 'random'} poses", poses, (name, count, is_round), "us a pose")
-        for name, count in (("CRX-10iA/L", 60), ("Puma 560", 60), ("AIRBOT Play", 60), ("j2n6s300", 60),
+        for name, count in (("CRX", 60), ("Puma 560", 60), ("AIRBOT Play", 60), ("KINOVA", 60),
                             ("Gen3 lite", 60), ("CALIBRATED_UR10E", 200), ("UR5E", 400), ("IRB2400", 400),
                             ("ZYYZYZ", 400))
         for is_round in (True, False)
@@ -254,10 +257,9 @@ def files(folder: Path, arms: Path | None) -> dict[str, list[str]]:
         path = folder / f"{name}.urdf"
         path.write_text(getattr(robots, name).urdf)
         found[name] = [str(path), "base", "tool"]
-    for held, among in ((HERE / "urdf", OWN), (arms, OTHERS)):
-        for name, (file, base, tip) in among.items():
-            if held is not None and (held / file).is_file():
-                found[name] = [str(held / file), base, tip]
+    for name, (file, base, tip) in OTHERS.items():
+        if arms is not None and (arms / file).is_file():
+            found[name] = [str(arms / file), base, tip]
     return found
 
 
@@ -312,7 +314,7 @@ def main(arguments: list[str] | None = None) -> int:
                 both = all(isinstance(x, float) for x in best)
                 cells.append(f"{best[0] / best[1]:.2f}" if both else "-")  # type: ignore[operator]
             label = row.name
-            for name, shown in EXACT_LABELS.items():
+            for name, shown in LABELS.items():
                 label = label.replace(name, shown)
             print(f"| {label} | {row.unit} | {' | '.join(cells)} |", flush=True)
     if missing:

@@ -21,8 +21,9 @@ project = "urdf-ik"
 author = "the authors of urdf-ik"
 release = version = urdf_ik.__version__
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode", "formulas"]
 exclude_patterns = ["_build", "_generated", "**.ipynb_checkpoints"]
+html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"urdf-ik {release}"
 html_theme_options = {"source_repository": "", "navigation_with_keys": True}

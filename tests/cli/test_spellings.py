@@ -19,7 +19,7 @@ from urdf_ik.cli.commands import COMMANDS, GROUPS
 
 TABLE = Path(__file__).parents[2] / "docs/command.md"
 TWO_SCREENS, MOST_IN_A_GROUP = 2 * 50, 6
-DRAWING = {"plot", "view", "compile"}  # what they make is a picture or a file
+DRAWING = {"plot", "view", "compile", "export"}  # what they make is a picture or a file
 POSES = {"xyz", "rpy", "quat_xyzw", "quat_wxyz", "rotvec", "q", "poses"}
 TAKE_POSES = ("ik", "explain", "compare", "freeze", "path", "placement", "plot", "view")
 

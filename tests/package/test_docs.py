@@ -80,6 +80,22 @@ def test_every_page_is_reached_and_every_link_leads_to_a_file() -> None:
     assert {page for page in PAGES if page.name != "index.md" or page.parent != DOCS} <= listed
 
 
+def test_formulas_need_no_network() -> None:
+    """Every formula of the pages becomes MathML as a whole, and no setting of the pages asks another server."""
+    latex2mathml = pytest.importorskip("latex2mathml.converter", reason="the docs' extra brings it")
+    pages = [*(ROOT / "docs").rglob("*.md"), ROOT / "README.md"]
+    count = 0
+    for page in pages:
+        text = re.sub(r"```.*?```|`[^`]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for display, inline in re.findall(r"\$\$(.+?)\$\$|\$([^$\n]+?)\$", text, flags=re.DOTALL):
+            drawn = latex2mathml.convert(display or inline)
+            assert drawn.startswith("<math") and not re.findall(r"\\[A-Za-z]+", drawn), (page.name, display or inline)
+            count += 1
+    assert count > 100
+    settings = (ROOT / "docs" / "conf.py").read_text(encoding="utf-8")
+    assert "mathjax" not in settings and "http" not in settings and 'html_math_renderer = "mathml"' in settings
+
+
 def test_every_room_stands_in_the_layout() -> None:
     """Each module and folder of the package is named on the page that says which does what."""
     page = (DOCS / "layout.md").read_text()

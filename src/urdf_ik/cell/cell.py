@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from urdf_ik.cell import without_pinocchio
+from urdf_ik.cell.pinocchio import missing as without_pinocchio
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support.text import quoted
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.cell.pinocchio_import import pin
+from urdf_ik.cell.pinocchio.installed import pin
 from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
 from urdf_ik.model import urdf
 from urdf_ik.model.poses import as_pose_array

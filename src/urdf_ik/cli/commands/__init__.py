@@ -27,6 +27,7 @@ GROUPS = {
         "placement": "maps.placement",
         "dataset": "maps.dataset",
         "compile": "outside.compile",
+        "export": "outside.export",
     },
     "Show": {
         "view": "show.view",

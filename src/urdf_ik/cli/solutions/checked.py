@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.cell import without_pinocchio
+from urdf_ik.cell.pinocchio import missing as without_pinocchio
 from urdf_ik.cli import console
 from urdf_ik.cli.solutions import redundancy as parameters
 from urdf_ik.ik.solutions import IKSolutions, Singular

@@ -9,6 +9,7 @@ the pose, and from starts all over the joints where there is no closed form.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ from urdf_ik.kinematics.chain.redundancy import SWIVEL
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, wrapped
+from urdf_ik.support.read_only import frozen
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -189,7 +191,7 @@ def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, boun
         beyond = np.ascontiguousarray(_beyond(solver, plan, curves, T, fine))
     scale = np.ones(7)
     scale[: solver.dof] = np.where(solver.chain.prismatic, solver.chain.size, np.pi)
-    starts = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS if general else 0, 7)) * scale
+    starts = _starts(STARTS if general else 0) * scale
     flags = np.ascontiguousarray(solutions.valid.view(np.uint8))
     poses = np.ascontiguousarray(T)
     given = _Given(grid, q, flags, bounds, beyond, max(_OFF, _OFF_BY_ERROR * plan.error), starts)
@@ -211,6 +213,12 @@ def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, boun
     _name(solver, T, found)
     order = np.lexsort((low, column, pose))
     return found.of(order)
+
+
+@lru_cache(maxsize=2)
+def _starts(count: int) -> Array:
+    """Joint vectors (count, 7) from -1 to 1, the same in every call."""
+    return frozen(np.random.default_rng(0).uniform(-1.0, 1.0, (count, 7)))
 
 
 class _Given(NamedTuple):
@@ -256,6 +264,8 @@ def _followed(solver: Solver, curves: Curves, T: Array, given: _Given) -> tuple[
         return np.asarray(samples), np.asarray(rows), np.asarray(unseen)
 
     samples, rows, unseen = ask(T, given)
+    if not len(unseen):
+        return samples, rows
     again = np.unique(unseen[:, 0].astype(np.intp))
     parts, tables, first = [samples], [rows[~np.isin(rows[:, 0], again)]], len(samples)
     for i in again.tolist():
@@ -289,13 +299,19 @@ def _beyond(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, gri
 
 def _ends(solver: Solver, why: NDArray[np.intp], joint: NDArray[np.intp]) -> NDArray[np.object_]:
     """Ends (k, 2) as the core gives them: numbers of the cause and of the joint, -1 without one."""
-    table = np.empty((len(_CAUSES), solver.dof + 1), dtype=object)  # the last column: no joint
+    ends: NDArray[np.object_] = _table_of_ends(solver.joint_names)[why, joint]
+    return ends
+
+
+@lru_cache(maxsize=64)
+def _table_of_ends(joint_names: tuple[str, ...]) -> NDArray[np.object_]:
+    """Every end, by the numbers of its cause and of its joint; the last column is without a joint."""
+    table = np.empty((len(_CAUSES), len(joint_names) + 1), dtype=object)
     for k, cause in enumerate(_CAUSES):
         limit = cause == "limit"
-        table[k, :-1] = [End(cause, name, upper=k == _UPPER) if limit else None for name in solver.joint_names]
+        table[k, :-1] = [End(cause, name, upper=k == _UPPER) if limit else None for name in joint_names]
         table[k, -1] = None if limit else End(cause)
-    ends: NDArray[np.object_] = table[why, joint]
-    return ends
+    return frozen(table)
 
 
 def _name(solver: Solver, T: Array, found: Found) -> None:

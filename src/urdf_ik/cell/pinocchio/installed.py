@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdf_ik.cell import without_pinocchio
+from urdf_ik.cell.pinocchio import missing as without_pinocchio
 
 try:
     import pinocchio as pin
