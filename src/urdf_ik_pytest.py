@@ -237,7 +237,7 @@ class Property(_Stated):
         if holds is None:
             pytest.skip(words)
         if not holds:
-            replay = [line for line in report.remarks() if line.startswith("replay: ")]
+            replay = [line for line in report.lines() if line.startswith("replay: ")]
             raise _Disagrees("\n".join([report.title(), words, *replay]))
 
 

@@ -1,4 +1,4 @@
-"""Base classes of the reports: output as text, JSON, HTML and JUnit XML."""
+"""Base classes of the reports: output as text, JSON and HTML."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Written:
 
 
 class Report(Written):
-    """A verdict with the lines that led to it."""
+    """A verdict with the tables and lines that led to it."""
 
     @property
     def passed(self) -> bool:
@@ -48,6 +48,10 @@ class Report(Written):
     def title(self) -> str:
         """The title: the subject of the check."""
         raise NotImplementedError
+
+    def sections(self) -> tuple[Section, ...]:
+        """The tables; none for a report of lines alone."""
+        return ()
 
     def lines(self) -> tuple[str, ...]:
         """The findings, a line each."""
@@ -69,10 +73,14 @@ class Report(Written):
         return {"passed": self.passed, **super().to_dict()}
 
     def __str__(self) -> str:
+        tables = [str(section) if section.title else f"\n{str(section).strip()}" for section in self.sections()]
+        if tables:
+            return escaped("\n".join([self.title(), *tables, "", *self.lines(), self.verdict()]))
         return escaped("\n".join([self.title(), *(f"  {line}" for line in self.lines()), self.verdict()]))
 
     def __repr__(self) -> str:
         return short(f"{type(self).__name__} {self.verdict()}", self.lines())
 
     def _repr_html_(self) -> str:
-        return html_of(self.title(), self.verdict(), self.passed, (Section("", remarks=self.lines()),))
+        sections = (*self.sections(), Section("", remarks=self.lines()))
+        return html_of(self.title(), self.verdict(), self.passed, sections)

@@ -63,10 +63,13 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
 // arm is singular.
 STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
 
+// Whether the solver counts certified roots: six turning joints, and known poses with all sixteen solutions.
+STEP bool is_provable(const EliminationArm& arm) { return all_known(arm) && !arm.any_slide; }
+
 STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, double enough) {
     SearchState search;
     search.columns = columns, search.enough = enough;
-    search.all_known = all_known(arm), search.provable = search.all_known && !arm.any_slide;
+    search.all_known = all_known(arm), search.provable = is_provable(arm);
     if (search.provable) search.loop = loop_of(arm.written, goal);
     return search;
 }

@@ -330,7 +330,8 @@ struct General6 {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
         const Status status = complete(arm, goal, columns);
         sort(columns);
-        set_status(columns.flags[0], status);
+        // A count that leaves out solutions far from real proves nothing.
+        set_status(columns.flags[0], is_provable(arm) ? status : Status::incomplete);
     }
 };
 
@@ -347,7 +348,7 @@ PART bool prove(const EliminationArm& arm, const double* T, Proof& out) {
     out = {};
     out.status = complete(arm, goal_of(proper), columns, account);
     as_data(account, out);
-    if (arm.any_slide || !all_known(arm)) out.expected.why = Why::unproven;
+    if (!is_provable(arm)) out.expected.why = Why::unproven, out.status = Status::incomplete;
     return true;
 }
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from urdf_ik.support.text import aligned, json_text, plain
+from urdf_ik.support.text import Section
 from urdf_ik.verify.crosscheck.properties import EXACT
+from urdf_ik.verify.reports import Report
 
 if TYPE_CHECKING:
     from urdf_ik.verify.completeness.sameness import Unmatched
@@ -127,8 +128,8 @@ class Difference:
         )
 
 
-@dataclass(frozen=True)
-class Completeness:
+@dataclass(frozen=True, repr=False)
+class Completeness(Report):
     """Two ways to all solutions of an arm, compared.
 
     Attributes:
@@ -173,46 +174,46 @@ class Completeness:
         """
         return not any(difference.counts for difference in self.differences)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The report as plain lists, numbers and text; infinite numbers are the text 'inf'.
+    def title(self) -> str:
+        """The arm, the two ways, and who measured them.
 
         Example:
             >>> import urdf_ik
             >>> from urdf_ik.verify import completeness
-            >>> completeness.compare(urdf_ik.load("puma_560"), n=1).to_dict()["robot"]
-            'puma_560'
+            >>> completeness.compare(urdf_ik.load("puma_560"), n=1).title().splitlines()[0].split(":")[0]
+            'puma_560, base_link to tool0'
         """
-        out: dict[str, Any] = plain(asdict(self))
-        return {"passed": self.passed, **out}
-
-    def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON.
-
-        Example:
-            >>> import json
-            >>> import urdf_ik
-            >>> from urdf_ik.verify import completeness
-            >>> json.loads(completeness.compare(urdf_ik.load("puma_560"), n=1).to_json())["n"]
-            1
-        """
-        return json_text(self.to_dict())
-
-    def __str__(self) -> str:
-        lines = aligned([_HEADER, *(group.cells() for group in self.groups)], left=(0,), rule=True)
         arm = f"{self.robot}, {self.base} to {self.tip}"
         title = f"{arm}: all solutions by two ways, seed {self.seed}, {self.reference}"
-        ways = [f"solver:     {self.solver}", f"second way: {self.second}"]
-        return "\n".join([title, *ways, "", *lines, "", *self._details(), self.verdict()])
+        return f"{title}\nsolver:     {self.solver}\nsecond way: {self.second}"
 
-    def _details(self) -> list[str]:
-        """Every difference under its pose, those that speak against the solver first."""
+    def sections(self) -> tuple[Section, ...]:
+        """A table with a row for each distance from a singularity.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik.verify import completeness
+            >>> completeness.compare(urdf_ik.load("puma_560"), n=1).sections()[0].rows[0][:2]
+            ('random', '1')
+        """
+        return (Section("", _HEADER, tuple(group.cells() for group in self.groups), left=("poses",)),)
+
+    def lines(self) -> tuple[str, ...]:
+        """Every difference under its pose, those that speak against the solver first.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik.verify import completeness
+            >>> completeness.compare(urdf_ik.load("puma_560"), n=1).lines()
+            ()
+        """
         lines, pose = [], None
         for difference in sorted(self.differences, key=lambda d: (not d.counts, d.index)):
             if (difference.counts, difference.index) != pose:
                 pose = difference.counts, difference.index
                 lines.append(difference.place())
             lines.append(f"    {difference}")
-        return [*lines, ""] if lines else []
+        return (*lines, "") if lines else ()
 
     def verdict(self) -> str:
         """The last line: who missed how many.

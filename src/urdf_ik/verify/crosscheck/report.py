@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import ArgumentError, printable
-from urdf_ik.support.text import aligned, json_text, plain, quoted
+from urdf_ik.support.text import Section, quoted
+from urdf_ik.verify import reports
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from rich.table import Table
 
 _HEADER = ("property", "worst", "tolerance", "unit", "checked", "result")
 
@@ -70,8 +69,8 @@ class Row:
         return ", ".join(filter(None, parts))
 
 
-@dataclass(frozen=True)
-class Report:
+@dataclass(frozen=True, repr=False)
+class Report(reports.Report):
     """An arm of this package against Pinocchio.
 
     Attributes:
@@ -130,30 +129,6 @@ class Report:
             if isinstance(name, str) and row.name == name:
                 return row
         raise ArgumentError(f"no row {quoted(name)}; rows: {', '.join(row.name for row in self.rows)}")
-
-    def to_dict(self) -> dict[str, Any]:
-        """The report as plain lists, numbers and text; infinite numbers are the text 'inf' or '-inf'.
-
-        Example:
-            >>> import urdf_ik
-            >>> from urdf_ik.verify import crosscheck
-            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).to_dict()["joint_names"]
-            ['joint_1', 'joint_2']
-        """
-        out: dict[str, Any] = plain(asdict(self))
-        return {"passed": self.passed, **out}
-
-    def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON.
-
-        Example:
-            >>> import json
-            >>> import urdf_ik
-            >>> from urdf_ik.verify import crosscheck
-            >>> json.loads(crosscheck.check(urdf_ik.load("planar_2r"), n=5).to_json())["n"]
-            5
-        """
-        return json_text(self.to_dict())
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Report:
@@ -225,14 +200,26 @@ class Report:
         poses = "1 random pose" if self.n == 1 else f"{self.n} random poses"
         return f"{self.robot}, {self.base} to {self.tip}: {poses}, seed {self.seed}, against {self.reference}"
 
-    def remarks(self) -> tuple[str, ...]:
-        """Lines below the table: what was not checked, where each failure is, how to replay it, the verdict.
+    def sections(self) -> tuple[Section, ...]:
+        """A table with a row a property.
 
         Example:
             >>> import urdf_ik
             >>> from urdf_ik.verify import crosscheck
-            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).remarks()[-1].split(":")[0]
-            'PASSED'
+            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).sections()[0].rows[0][0]
+            'forward kinematics, position'
+        """
+        rows = tuple(row.cells() for row in self.rows)
+        return (Section("", _HEADER, rows, left=("property", "unit", "result")),)
+
+    def lines(self) -> tuple[str, ...]:
+        """What was not checked, where each failure is, and how to replay it.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik.verify import crosscheck
+            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).lines()
+            ()
         """
         lines = [f"not checked: {name}: {reason}" for name, reason in self.skipped]
         lines += [f"FAILED {row.name}: {row.place() or 'nowhere in particular'}" for row in self.failed]
@@ -241,22 +228,16 @@ class Report:
             lines.append(
                 f"replay: q, T = urdf_ik.verify.crosscheck.replay(arm, seed={self.seed}, index={at})"
             )
-        held = sum(row.passed for row in self.rows)
-        lines.append(f"{'PASSED' if self.passed else 'FAILED'}: {held} of {len(self.rows)} properties hold")
         return tuple(lines)
 
-    def __str__(self) -> str:
-        lines = aligned([_HEADER, *(row.cells() for row in self.rows)], left=(0, 3, 5), rule=True)
-        return "\n".join([self.title(), "", *lines, "", *self.remarks()])
+    def verdict(self) -> str:
+        """The last line: how many properties hold.
 
-    def __rich__(self) -> Table:
-        from rich.table import Table  # only a terminal needs it
-        from rich.text import Text
-
-        table = Table(title=Text(self.title()), caption=Text("\n".join(self.remarks())), caption_justify="left")
-        for i, name in enumerate(_HEADER):
-            table.add_column(name, justify="right" if i in (1, 2, 4) else "left")
-        for row in self.rows:
-            *cells, result = row.cells()
-            table.add_row(*map(Text, cells), Text(result, style="green" if row.passed else "bold red"))
-        return table
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik.verify import crosscheck
+            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).verdict().split(":")[0]
+            'PASSED'
+        """
+        held = sum(row.passed for row in self.rows)
+        return f"{'PASSED' if self.passed else 'FAILED'}: {held} of {len(self.rows)} properties hold"

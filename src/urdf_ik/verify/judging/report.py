@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
-from urdf_ik.errors import escaped, printable
-from urdf_ik.support.display import html_of
+from urdf_ik.errors import printable
 from urdf_ik.support.text import Section
 from urdf_ik.verify.reports import Report
 
@@ -113,14 +112,14 @@ class Judgement(Report):
             f"{self.solver} on {self.robot}, {self.base} to {self.tip}: {self.n} poses of each kind, seed {self.seed}"
         )
 
-    def section(self) -> Section:
+    def sections(self) -> tuple[Section, ...]:
         """The counts as a table.
 
         Example:
             >>> import urdf_ik
             >>> from urdf_ik.verify import judge
             >>> arm = urdf_ik.load("puma_560")
-            >>> judge(arm, lambda T: arm.ik(T).to_array(), n=1).section().rows[0][:4]
+            >>> judge(arm, lambda T: arm.ik(T).to_array(), n=1).sections()[0].rows[0][:4]
             ('random', '1', '8', '8')
         """
         header = ("poses", "number", "expected", "found", "wrong", "missing", "doubled", "outside limits", "failed")
@@ -128,7 +127,7 @@ class Judgement(Report):
             (k.name, *map(str, (k.poses, k.expected, k.found, k.wrong, k.missing, k.doubled, k.outside, k.failed)))
             for k in self.kinds
         )
-        return Section("", header, rows, left=("poses",))
+        return (Section("", header, rows, left=("poses",)),)
 
     def lines(self) -> tuple[str, ...]:
         """The first faults of each sort, and how to see their poses again.
@@ -162,13 +161,6 @@ class Judgement(Report):
         parts = ", ".join(f"{count} {fault}" for count, fault in counts if count)
         poses = sum(kind.poses for kind in self.kinds)
         return f"{'PASSED' if self.passed else 'FAILED'}: {poses} poses, {parts or 'nothing wrong, missing or doubled'}"
-
-    def __str__(self) -> str:
-        return escaped("\n".join([self.title(), str(self.section()), "", *self.lines(), self.verdict()]))
-
-    def _repr_html_(self) -> str:
-        sections = (self.section(), Section("", remarks=self.lines()))
-        return html_of(self.title(), self.verdict(), self.passed, sections)
 
     def to_junit(self) -> str:
         """JUnit XML: a test suite a kind of pose, a test case a sort of fault.

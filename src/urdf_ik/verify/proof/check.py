@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.ik.solutions import IKSolutions, Proof
+    from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
 
     Array = NDArray[np.float64]
 
@@ -193,15 +193,35 @@ def _by_account(
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
-        if isinstance(counted, str):  # the solver's bounds are finer, and say nothing here
+        if not isinstance(counted, str):
+            clusters.append(counted)
+        elif len(members := _members(loop, each)) == each.count:
+            singles += members
+        else:  # the solver's bounds are finer: that these fail disproves nothing
             return _by_search(loop, solutions, rng, f"cluster {k}: {counted}")
-        clusters.append(counted)
     if (same := _overlap(singles, clusters)) is not None:
         return False, f"{same[0]} and {same[1]} are not apart"
     total = len(singles) + sum(each.count for each in clusters)
     if total != SIXTEEN:
         return False, f"{total} roots are accounted for, and six turning joints have up to {SIXTEEN}"
     return _answered(loop, solutions, singles, clusters)
+
+
+def _members(loop: Loop, claimed: Cluster) -> list[Enclosure]:
+    """The roots of a cluster one by one, as far as they are found: in a wide one this precision tells them apart."""
+    found: list[Enclosure] = []
+    for direction in claimed.directions[6 - claimed.lost :].conj():
+        for share in (1.0, 0.3, 0.1, 0.03, 0.01):
+            for way in (1, -1, 1j, -1j):
+                root = single_root(loop, exact(claimed.centre + share * way * claimed.along * direction))
+                if isinstance(root, str) or not all(root.apart(other) for other in found):
+                    continue
+                if not root.distance(exact(claimed.centre)) < arb(claimed.along + claimed.across):
+                    continue
+                found.append(root)
+                if len(found) == claimed.count:
+                    return found
+    return found
 
 
 def _by_search(
@@ -267,7 +287,7 @@ def _answered(
 
 
 def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:
-    """Whether a vector and a root are one to the tolerance of solutions: half way between them the arm is in the pose."""
+    """Whether a vector and a root are one to the tolerance of solutions: the pose is kept half way between them."""
     apart = root.distance(q)
     if apart < _SOLUTION:
         return True

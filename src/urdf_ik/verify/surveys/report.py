@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 from urdf_ik.errors import printable
-from urdf_ik.support.text import aligned, json_text, plain
+from urdf_ik.support.text import Section
+from urdf_ik.verify.reports import Report
 
 PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM = "passed", "FAILED", "REFUSED", "not checked", "not an arm"
 """Results of a file: every property holds; one does not; no arm can be read from it; no check is for such an arm; no
@@ -55,8 +56,8 @@ class Checked:
         return printable(self.file, 200), str(self.joints or ""), family, self.found, self.result
 
 
-@dataclass(frozen=True)
-class Survey:
+@dataclass(frozen=True, repr=False)
+class Survey(Report):
     """Many arms, checked in the same way.
 
     Attributes:
@@ -88,26 +89,6 @@ class Survey:
         """
         return sum(each.result == result for each in self.arms)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The survey as plain lists, numbers and text, with the whole report of each arm.
-
-        Example:
-            >>> Survey({"n": 5}, (Checked("arm.urdf", PASSED),)).to_dict()["passed"]
-            True
-        """
-        out: dict[str, Any] = plain(asdict(self))
-        return {"passed": self.passed, **out}
-
-    def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON.
-
-        Example:
-            >>> import json
-            >>> json.loads(Survey({"n": 5}, (Checked("arm.urdf", PASSED),)).to_json())["arms"][0]["file"]
-            'arm.urdf'
-        """
-        return json_text(self.to_dict())
-
     def verdict(self) -> str:
         """The last line: how many passed, failed, were refused, not checked or no arm.
 
@@ -117,10 +98,32 @@ class Survey:
         """
         counts = [(self.count(result), result.lower()) for result in RESULTS]
         parts = ", ".join(f"{count} {word}" for count, word in counts if count)
-        files = "1 file" if len(self.arms) == 1 else f"{len(self.arms)} files"
-        return f"{'PASSED' if self.passed else 'FAILED'}: {files}: {parts}"
+        return f"{'PASSED' if self.passed else 'FAILED'}: {self.title()}: {parts}"
 
-    def __str__(self) -> str:
-        table = aligned([_HEADER, *(each.cells() for each in self.arms)], left=(0, 2, 3, 4), rule=True)
-        remarks = [f"{each.result} {printable(each.file, 200)}: {each.words}" for each in self.arms if each.words]
-        return "\n".join([*table, "", *remarks, *[""] * bool(remarks), self.verdict()])
+    def title(self) -> str:
+        """The number of files.
+
+        Example:
+            >>> Survey({}, (Checked("arm.urdf", PASSED),)).title()
+            '1 file'
+        """
+        return "1 file" if len(self.arms) == 1 else f"{len(self.arms)} files"
+
+    def sections(self) -> tuple[Section, ...]:
+        """A table with a row a file.
+
+        Example:
+            >>> Survey({}, (Checked("arm.urdf", PASSED),)).sections()[0].rows[0][-1]
+            'passed'
+        """
+        rows = tuple(each.cells() for each in self.arms)
+        return (Section("", _HEADER, rows, left=("file", "family", "found", "result")),)
+
+    def lines(self) -> tuple[str, ...]:
+        """What failed, or why an arm was not checked.
+
+        Example:
+            >>> Survey({}, (Checked("arm.urdf", REFUSED, words="empty"),)).lines()
+            ('REFUSED arm.urdf: empty',)
+        """
+        return tuple(f"{each.result} {printable(each.file, 200)}: {each.words}" for each in self.arms if each.words)
