@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.ik.solutions import IKSolutions, Proof
+    from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
 
     Array = NDArray[np.float64]
 
@@ -190,15 +190,35 @@ def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
-        if isinstance(counted, str):
+        if not isinstance(counted, str):
+            clusters.append(counted)
+        elif len(members := _members(loop, each)) == each.count:
+            singles += members
+        else:
             return False, f"cluster {k}: {counted}"
-        clusters.append(counted)
     if (same := _overlap(singles, clusters)) is not None:
         return False, f"{same[0]} and {same[1]} are not apart"
     total = len(singles) + sum(each.count for each in clusters)
     if total != SIXTEEN:
         return False, f"{total} roots are accounted for, and six turning joints have up to {SIXTEEN}"
     return _answered(solutions, singles, clusters)
+
+
+def _members(loop: Loop, claimed: Cluster) -> list[Enclosure]:
+    """The roots of a cluster one by one, as far as they are found: in a wide one this precision tells them apart."""
+    found: list[Enclosure] = []
+    for direction in claimed.directions[6 - claimed.lost :].conj():
+        for share in (1.0, 0.3, 0.1, 0.03, 0.01):
+            for way in (1, -1, 1j, -1j):
+                root = single_root(loop, exact(claimed.centre + share * way * claimed.along * direction))
+                if isinstance(root, str) or not all(root.apart(other) for other in found):
+                    continue
+                if not root.distance(exact(claimed.centre)) < arb(claimed.along + claimed.across):
+                    continue
+                found.append(root)
+                if len(found) == claimed.count:
+                    return found
+    return found
 
 
 def _by_search(loop: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
