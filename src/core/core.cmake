@@ -28,6 +28,7 @@ set(URDF_IK_UNITS
   families/closed_forms/three_parallel.cpp
   families/few_joints/few_joints.cpp
   families/general/elimination.cpp
+  families/imperfect/certified.cpp
   families/imperfect/decide.cpp
   families/imperfect/imperfect.cpp
   families/imperfect/imperfect_too.cpp

@@ -128,7 +128,10 @@ _MODULE = {
     "read_waypoints": "paths",
 }
 
-__getattr__ = attributes(__name__, _MODULE)
+# The differentiable functions of torch and jax, which need not be installed: urdf_ik.torch.ik, urdf_ik.jax.ik.
+_AUTOGRAD = {"jax": "autograd", "torch": "autograd"}
+
+__getattr__ = attributes(__name__, _MODULE | _AUTOGRAD)
 
 
 def __dir__() -> list[str]:

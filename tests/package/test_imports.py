@@ -22,7 +22,7 @@ FLOORS = (
     {"cell"},
     {"paths"},
     {"arm"},
-    {"calibration", "export", "maps", "verify"},
+    {"autograd", "calibration", "export", "maps", "verify"},
     {"interop", "show"},
     {"cli"},
 )

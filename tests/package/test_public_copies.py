@@ -14,15 +14,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms_general import unstructured
 from test_copies import OBJECTS, Q
 
 import urdf_ik
 from urdf_ik import calibration
 from urdf_ik.calibration import universal_robots
+from urdf_ik.ik.solutions import Cluster
 from urdf_ik.kinematics.derivatives import written
 from urdf_ik.maps import workspaces
 from urdf_ik.show.plot import figures
-from urdf_ik.verify import completeness, crosscheck, judging, surveys
+from urdf_ik.verify import check_proof, completeness, crosscheck, judging, surveys
 
 HELD_OPEN = {"Folder", "IKFastLibrary", "RerunArm", "Sliders", "SolverProcess", "Viewer", "ViserArm"}
 """Classes whose objects hold a window, a server, a process, a library, a recording or a locked store."""
@@ -78,6 +80,10 @@ def more_objects(folder: Path) -> Iterator[Any]:
     yield from (OBJECTS["plan"].margins, urdf_ik.paths.Change(1, "elbow up", "elbow down", True))
     yield completeness.Difference(0, None, (0.1,), (0.2,), "solver", "elbow up", 0.1, 0.5, 1e-12, 1e-12)
     yield figures.bodies(two)
+    general = urdf_ik.load(unstructured(1).urdf)
+    proven = general.ik(general.fk(Q))
+    yield from (proven.proof, check_proof(general, proven))
+    yield Cluster(np.zeros(6, dtype=complex), np.eye(6, dtype=complex), 1e-6, 1e-3, 1)
     geometry = written(two.chain)
     yield from (geometry, *geometry.parameters)
     vectors = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))

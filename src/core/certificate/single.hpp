@@ -125,8 +125,8 @@ template <class V> PART Block second_derivatives(const Six<V> (&twist)[6], const
 }
 
 // The radii that follow from eta, E and K.
-STEP void decide(Certificate& c, const Block& S) {
-    const Block left = 1.0 - c.E, rest = left * left - 2.0 * c.K * c.eta, r = 4.0 * c.eta;
+STEP void decide(Certificate& c, const Block& S, const Block& r) {
+    const Block left = 1.0 - c.E, rest = left * left - 2.0 * c.K * c.eta;
     const Block spread = sqrt(max(rest, Block(0.0)));
     // Rounded up: the smaller root in the form without a difference.
     c.inner = SLACK_OF_SUMS * (2.0 * c.eta / (left + spread));
@@ -134,9 +134,11 @@ STEP void decide(Certificate& c, const Block& S) {
     c.holds = (left > Block(0.0)) & (rest > Block(0.0)) & (c.inner <= r) & (S * r <= Block(LARGEST_BALL));
 }
 
-// The certificate at a joint vector whose loop is `at`. f: its factors.
+// The certificate at a joint vector whose loop is `at`. f: its factors. ball: the bounds hold in it; there is no other root in it
+// where outer is as large.
 template <class V>
-PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal<V>& f, const Growth& growth) {
+PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal<V>& f, const Growth& growth,
+                         const Block& ball = 0.0) {
     const Inverse<V> C = inverse_of(f);
     const Block l = loop.length, size = sqrt(square_of(at.error));
     const Block of_rotation = ROUNDING_OF_ROTATION * growth.all, of_position = loop.rounding * growth.all;
@@ -167,14 +169,14 @@ PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal
         out.E = max(out.E, off + row * (16.0 * UNIT * S + 6.0 * of_twist));
     }
     out.eta = SLACK_OF_SUMS * out.eta, out.E = SLACK_OF_SUMS * out.E + 16.0 * UNIT;
-    const Block third = GROWTH * longest_row * S * S * S * (4.0 * out.eta);
+    const Block r = max(4.0 * out.eta, ball), third = GROWTH * longest_row * S * S * S * r;
     out.K = SLACK_OF_SUMS * (longest_row * S * S + third);
-    decide(out, S);
+    decide(out, S, r);
     const auto near = square(at.off) < Block(SAME_BRANCH);
-    if (any(!out.holds & near)) {
+    if (any(!(out.holds & (out.outer >= ball)) & near)) {
         const Block H = second_derivatives(at.twist, C) + longest_row * S * (32.0 * UNIT * S + 12.0 * of_twist);
         out.K = SLACK_OF_SUMS * (H + third);
-        decide(out, S);
+        decide(out, S, r);
     }
     out.holds = out.holds & near;
     return out;

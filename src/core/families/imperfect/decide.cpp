@@ -89,10 +89,9 @@ PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer
 }
 
 // One bit per branch: in `found` if it is a solution, in `open` if it is undecided.
-Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family) {
+Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family, Known known) {
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     Answers now;
-    Known known;
     for (int first = 0; first < 8; first += BLOCK) family.answer(family.arm, {target.R, target.p}, first, now);
     for (int round = 0; round < CORRECTIONS && known.open; ++round) decide(arm, target, family, now, known);
     for (const double each : now.arms) known.least_arm = min(known.least_arm, each);

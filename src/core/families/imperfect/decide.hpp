@@ -23,6 +23,7 @@ struct IdealAnswer {
     void (*answer)(const void* arm, const Seen<Block>& seen, int first, Answers& to);
 };
 
-Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family);
+// known: which branches are open.
+Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family, Known known);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -6,7 +6,10 @@
 // q, correct the target by the difference between the two arms at q, and solve the same branch again. A few rounds come close.
 // Newton's method on W does the rest.
 //
-// A branch is decided in one of two ways:
+// Up to an imperfection of CLOSE_BY the result is proven first, by boxes that hold all real solutions for every displacement
+// I(q) W(q)^-1: see certified.hpp. The rounds follow where a box stays open, and on arms farther off.
+//
+// A branch is decided by rounds in one of two ways:
 // - It is a solution: Newton's method, started with all margins above zero, moved by less than half of the Jacobian's smallest
 //   singular value and converged. The Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so
 //   by Kantorovich's theorem there is one solution about the start, and no second one.
@@ -22,7 +25,7 @@
 #pragma once
 
 #include "families/general/complete.hpp"
-#include "families/imperfect/decide.hpp"
+#include "families/imperfect/certified.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -53,14 +56,25 @@ template <class Family> struct Imperfect {
         store(at.arms, to.arms + first);
     }
 
+    static PART void include_branches(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
+                                      Boxes& to) {
+        include<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, first, to);
+    }
+
     static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }
 
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
         unsigned open = 255;
-        bool loose = by_quartic;
+        bool loose = by_quartic, proven = false;
+        const double off = arm.family.ideal.imperfection;
+        const bool close = off < CLOSE_BY;
         if constexpr (!by_quartic) {
-            const Known known = decide_all(arm.both, seen, {&arm.family, answer});
+            Known known;
+            if (close)
+                known = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, {&arm.family, include_branches});
+            proven = !known.open;
+            if (!proven) known = decide_all(arm.both, seen, {&arm.family, answer}, known);
             open = known.open;
             loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
             for (int b = 0; b < 8; ++b) {
@@ -68,16 +82,20 @@ template <class Family> struct Imperfect {
                 for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
-            if (!open && columns.count() % 2 == 0) return;
+            if (proven) return;
+            if (!open && columns.count() % 2 == 0) {
+                if (close) set_status(columns.flags[0], Status::incomplete);
+                return;
+            }
         }
-        const double off = arm.family.ideal.imperfection;
-        if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
+        if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
-        if (complete(arm.elimination, goal, columns) != Status::complete) {
+        const bool counted = complete(arm.elimination, goal, columns) == Status::complete;
+        if (!counted) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
-            set_status(columns.flags[0], Status::incomplete);
         }
+        if (!counted || (close && !by_quartic)) set_status(columns.flags[0], Status::incomplete);
     }
 
     // Collects candidates until a block is full; Newton's method then runs on all of them side by side.

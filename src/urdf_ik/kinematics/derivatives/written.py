@@ -136,6 +136,31 @@ class WrittenChain(Frozen):
             tip = moved.at if moved.sign > 0.0 else moved.parent
         return np.array(tip)
 
+    def screws(self, values: ArrayLike) -> tuple[Array, Array, Array]:
+        """Directions H (n, 3), steps P (n + 1, 3) and rotation R_tip (3, 3) of the chain with other numbers.
+
+        They are what :class:`urdf_ik.Chain` holds, for a chain whose joints each drive one axis.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("planar_2r").chain
+            >>> geometry = written(chain)
+            >>> bool(abs(geometry.screws(geometry.values)[1] - chain.P).max() < 1e-15)
+            True
+        """
+        _, numbers = self._checked(np.zeros(self.dof), values)
+        H, points, tip = np.zeros((self.dof, 3)), np.zeros((self.dof + 1, 3)), np.eye(4)
+        for moved in self._walk(np.zeros(self.dof), numbers):
+            joint, start = self.joints[moved.joint], self.starts[moved.joint]
+            if joint.column is not None:
+                u = numbers[start + 6 : start + 9]
+                direction = moved.sign * joint.multiplier * (moved.before[:3, :3] @ u)
+                H[joint.column] = direction / np.linalg.norm(direction)
+                points[joint.column] = moved.before[:3, 3]
+            tip = moved.at if moved.sign > 0.0 else moved.parent
+        points[-1] = tip[:3, 3]
+        return H, np.diff(points, axis=0, prepend=np.zeros((1, 3))), np.ascontiguousarray(tip[:3, :3])
+
     def twists(self, q: ArrayLike, values: ArrayLike | None = None, parameters: Sequence[Any] | None = None) -> Array:
         """The tip's twist for each of the URDF's numbers, the joints held still.
 

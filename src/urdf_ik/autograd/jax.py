@@ -1,0 +1,146 @@
+"""``urdf_ik.jax.ik``: every branch as a differentiable function of jax, under ``jit`` and ``vmap`` too."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.autograd.kinematics import residual
+from urdf_ik.autograd.solving import Answers, Differentiable
+from urdf_ik.errors import ArgumentError, MissingPackage
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+
+
+_KEPT = 32  # arms whose compiled functions are kept
+
+
+class Branches(NamedTuple):
+    """Joint vectors of every branch.
+
+    Attributes:
+        q: (..., B, n) array, rad or m, NaN where there is no solution.
+        valid: (..., B) array of truth values.
+
+    Example:
+        >>> Branches(q=0.5, valid=True).valid
+        True
+    """
+
+    q: Any
+    valid: Any
+
+
+def geometry(arm: Arm) -> Any:
+    """The numbers (p,) of an arm's URDF as an array, in the order of ``written(arm.chain).parameters``.
+
+    Raises:
+        MissingPackage: jax is not installed.
+        ArgumentError: jax computes with 32 bits.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.jax.geometry(urdf_ik.load("planar_2r")).shape  # doctest: +SKIP
+        (26,)
+    """
+    return _jax().numpy.asarray(Differentiable(arm, "nan").geometry.values)
+
+
+def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_folds: str = "raise") -> Branches:
+    """Every solution of poses, with derivatives by the poses, the URDF's numbers and the redundancy parameters.
+
+    The solutions are those of :meth:`urdf_ik.Arm.ik`, which jax calls back. Two steps of Newton's method with the
+    inverse at the solution, which change nothing, carry the derivatives: they are exact up to the second order
+    (implicit function theorem). Works under ``jit``, ``vmap``, ``grad``, ``jvp``, ``jacfwd`` and ``jacrev``.
+
+    Args:
+        arm: the arm. A redundancy parameter must be the value of a joint; joints must not mimic others.
+        T: (..., 4, 4) array of poses [m], float64. Its entries may change one by one: what counts is the nearest pose.
+        geometry: (p,) array of the URDF's numbers, see :func:`geometry`; default: as written.
+        redundancy: (...) array or numbers, (..., k) of k parameters; default: the arm's.
+        at_folds: 'raise': a singular solution is refused in words; 'nan': its derivative is NaN; 'clip': its derivative
+            is that of damped least squares.
+
+    Returns:
+        q (..., B, n), NaN where there is no solution, and valid (..., B). Columns are the arm's branches, in order.
+
+    Raises:
+        MissingPackage: jax is not installed.
+        ArgumentError: jax computes with 32 bits, a solution is singular, or an argument does not fit.
+        PoseError: a pose is none. Under ``jit`` jax raises an error of its own that holds the message.
+        UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
+
+    Example:
+        >>> import jax  # doctest: +SKIP
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+        >>> jax.jacfwd(lambda T: urdf_ik.jax.ik(arm, T).q)(T).shape  # doctest: +SKIP
+        (8, 6, 4, 4)
+    """
+    jnp = _jax().numpy
+    T = jnp.asarray(T, dtype=jnp.float64)
+    at = () if redundancy is None else (jnp.asarray(redundancy, dtype=jnp.float64),)
+    function = _differentiable(arm, at_folds)
+    values = jnp.asarray(function.geometry.values) if geometry is None else jnp.asarray(geometry, dtype=jnp.float64)
+    return Branches(*_compiled(arm, at_folds)(T, values, *at))
+
+
+@lru_cache(maxsize=_KEPT)
+def _differentiable(arm: Arm, at_folds: str) -> Differentiable:
+    return Differentiable(arm, at_folds)
+
+
+@lru_cache(maxsize=_KEPT)
+def _compiled(arm: Arm, at_folds: str) -> Any:
+    """The function of poses, numbers and redundancy parameters, compiled once for each shape."""
+    jax = _jax()
+    jnp = jax.numpy
+    function = _differentiable(arm, at_folds)
+    n, k, held = arm.dof, len(function.held), np.array(function.held, dtype=int)
+
+    def solved(*arrays: Any) -> Answers:
+        return function.answers(*map(np.asarray, arrays))
+
+    def branches(T: Any, values: Any, *at: Any) -> tuple[Any, Any]:
+        batch = T.shape[:-2]
+        if at:
+            batch = jnp.broadcast_shapes(batch, at[0].shape[: at[0].ndim - (k > 1)])
+        shape = (*batch, function.branches)
+        like = Answers(
+            jax.ShapeDtypeStruct((*shape, n), jnp.float64),
+            jax.ShapeDtypeStruct((*shape, n, 6 + k), jnp.float64),
+            jax.ShapeDtypeStruct(shape, jnp.bool_),
+        )
+        given = [jax.lax.stop_gradient(each) for each in (T, values, *at)]
+        start, inverse, valid = jax.pure_callback(solved, like, *given, vmap_method="sequential")
+        q = start
+        for _ in range(2):
+            off = residual(jnp, jnp.asarray, function.geometry, q, values, T)
+            if k:
+                by = q[..., held] - start[..., held]
+                if at:
+                    change = at[0] - jax.lax.stop_gradient(at[0])
+                    by = by - (change[..., None] if k == 1 else change)[..., None, :]
+                off = jnp.concatenate([jnp.broadcast_to(off, (*shape, 6)), by], -1)
+            q = q - (inverse @ off[..., None])[..., 0]
+        return jnp.where(valid[..., None], q, jnp.nan), valid
+
+    return jax.jit(branches)
+
+
+def _jax() -> Any:
+    try:
+        jax: Any = import_module("jax")
+    except ImportError:
+        raise MissingPackage("urdf_ik.jax needs jax: pip install 'urdf-ik[jax]'") from None
+    if not jax.config.jax_enable_x64:
+        raise ArgumentError(
+            "jax computes with 32 bits, which is too few for poses of 1e-9; call "
+            "jax.config.update('jax_enable_x64', True) first"
+        )
+    return jax

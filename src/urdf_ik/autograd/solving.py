@@ -1,0 +1,164 @@
+"""The answers of ``ik`` that torch and jax differentiate: joint vectors, and the inverses that lead on from them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.ik.pose_solving import solve
+from urdf_ik.kinematics.chain.redundancy import LOCKED_JOINT
+from urdf_ik.kinematics.derivatives import WrittenChain, written
+from urdf_ik.support import inputs
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solutions import IKSolutions
+    from urdf_ik.ik.solver import Solver
+
+    Array = NDArray[np.float64]
+
+FOLDS = ("raise", "nan", "clip")
+"""What happens to the derivative at a singular solution: refused in words, NaN, or that of damped least squares."""
+
+
+class Answers(NamedTuple):
+    """Joint vectors of every branch and what their derivatives follow from.
+
+    Attributes:
+        q: (..., B, n) rad or m, zeros where there is no solution.
+        inverse: (..., B, n, 6 + k) joints by the target's twist and by redundancy parameters, zeros likewise.
+        valid: (..., B) whether there is a solution.
+
+    Example:
+        >>> Answers(np.zeros((8, 6)), np.zeros((8, 6, 6)), np.zeros(8, dtype=bool)).q.shape
+        (8, 6)
+    """
+
+    q: Array
+    inverse: Array
+    valid: NDArray[np.bool_]
+
+
+class Differentiable:
+    """An arm as a function of poses, of redundancy parameters, and of its URDF's numbers.
+
+    Attributes:
+        geometry: the chain by the numbers of its URDF.
+        held: indices of the joints that are redundancy parameters.
+        branches: number of columns.
+
+    Example:
+        >>> import urdf_ik
+        >>> Differentiable(urdf_ik.load("zyyzyz_6r"), "raise").branches
+        8
+    """
+
+    def __init__(self, arm: Arm, at_folds: str) -> None:
+        """Take an arm.
+
+        Raises:
+            ArgumentError: an unknown ``at_folds``.
+            UnsupportedArm: joints mimic others, or a redundancy parameter is not the value of a joint.
+        """
+        inputs.arm(arm)
+        self._at_folds = inputs.choice(at_folds, "at_folds", FOLDS)
+        self._solver: Solver = arm.solver
+        self._solver.require_member()
+        if arm.chain.axes is not arm.chain:
+            raise UnsupportedArm(
+                f"{arm.name}: derivatives with joints that mimic others are not offered to torch and jax"
+            )
+        if other := [each.label for each in arm.solver.parameters if each.kind != LOCKED_JOINT]:
+            raise UnsupportedArm(
+                f"{arm.name}: torch and jax take the value of a joint as redundancy parameter, and this arm has the "
+                f"{other[0]}; urdf_ik.load(..., redundancy=[joint]) or arm.with_locked({{joint: value}}) makes it one"
+            )
+        self.geometry: WrittenChain = written(arm.chain)
+        self.held = [arm.joint_names.index(each.joint) for each in arm.solver.parameters]
+        self.branches = len(self._solver.branches)
+
+    def answers(self, T: Any, values: Any = None, redundancy: Any = None) -> Answers:
+        """Every solution of poses (..., 4, 4).
+
+        Args:
+            T: poses [m].
+            values: (p,) numbers of the URDF; None: as written.
+            redundancy: (...) or (..., k) values of the redundancy parameters; None: the defaults.
+
+        Raises:
+            PoseError: a pose is none.
+            ArgumentError: a solution is singular, and ``at_folds`` is 'raise'.
+            UnsupportedArm: the changed arm has other branches.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> Differentiable(arm, "raise").answers(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).inverse.shape
+            (8, 6, 6)
+        """
+        solver = self._solver if values is None else self._changed(np.asarray(values, dtype=np.float64))
+        poses = np.ascontiguousarray(T, dtype=np.float64)
+        found = solve(solver, poses, None, redundancy)
+        columns = self._columns(solver)
+        X = found.dq_dT()
+        if self.held:
+            X = np.concatenate([X, found.dq_dredundancy()], axis=-1)
+        folded = found.valid & np.isnan(X).any(axis=(-2, -1))
+        if folded.any():
+            X = self._at_fold(found, X, folded)
+        q, X = (np.take(each, columns, axis=len(found.shape)) for each in (found.q, X))
+        valid = np.take(found.valid, columns, axis=-1)
+        return Answers(np.where(valid[..., None], q, 0.0), np.where(valid[..., None, None], X, 0.0), valid)
+
+    def _at_fold(self, found: IKSolutions, X: Array, folded: NDArray[np.bool_]) -> Array:
+        """The inverses with those at singular solutions as asked."""
+        if self._at_folds == "nan":
+            return X
+        if self._at_folds == "raise":
+            *place, column = (int(k) for k in np.argwhere(folded)[0])
+            where = f"pose {place}: " if place else ""
+            raise ArgumentError(
+                f"{where}the solution {found.branches[column]!r} is singular and has no derivative; at_folds='clip' "
+                f"takes that of damped least squares, 'nan' leaves it open ({int(folded.sum())} such solutions)"
+            )
+        chain = found.solver.chain
+        share = np.where(np.arange(6) < 3, 1.0 / chain.size, 1.0)
+        own = np.where(chain.prismatic, chain.size, 1.0)
+        A = chain.jacobian(found.q[folded]) * share[:, None]
+        rows = np.broadcast_to(np.eye(chain.n)[self.held], (len(A), len(self.held), chain.n))
+        U, s, Vt = np.linalg.svd(np.concatenate([A, rows], axis=1) * own, full_matrices=False)
+        damped = np.swapaxes(Vt, 1, 2) @ ((s / (s**2 + DEFAULT.damped**2))[..., None] * np.swapaxes(U, 1, 2))
+        damped = damped * own[:, None]
+        damped[..., :6] *= share
+        out = X.copy()
+        out[folded] = damped
+        return out
+
+    def _changed(self, values: Array) -> Solver:
+        """The solver of the arm with other numbers."""
+        if values.shape != self.geometry.values.shape or not np.isfinite(values).all():
+            raise ArgumentError(
+                f"geometry of shape {values.shape} given; {len(self.geometry.values)} numbers are needed"
+            )
+        if np.array_equal(values, self.geometry.values):
+            return self._solver
+        chain = self._solver.chain
+        H, P, R_tip = self.geometry.screws(values)
+        return self._solver.again(chain=replace(chain, H=H, P=P, R_tip=R_tip))
+
+    def _columns(self, solver: Solver) -> list[int]:
+        """The columns of the arm's own branches in the answers of a changed one."""
+        names = list(solver.branches)
+        lost = [name for name in self._solver.branches if name not in names]
+        if lost:
+            raise UnsupportedArm(
+                f"{solver.name}: with these numbers it is solved as {solver.structure.family}, which has no branch "
+                f"{lost[0]!r}; keep its structure, or take smaller changes"
+            )
+        return [names.index(name) for name in self._solver.branches]

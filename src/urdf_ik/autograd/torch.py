@@ -1,0 +1,140 @@
+"""``urdf_ik.torch.ik``: every branch as a differentiable function of torch, by both modes, of any order up to two."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.autograd.kinematics import residual
+from urdf_ik.autograd.solving import Differentiable
+from urdf_ik.errors import MissingPackage
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+
+
+class Branches(NamedTuple):
+    """Joint vectors of every branch.
+
+    Attributes:
+        q: (..., B, n) tensor, rad or m, NaN where there is no solution.
+        valid: (..., B) tensor of truth values.
+
+    Example:
+        >>> Branches(q=0.5, valid=True).valid
+        True
+    """
+
+    q: Any
+    valid: Any
+
+
+def geometry(arm: Arm) -> Any:
+    """The numbers (p,) of an arm's URDF as a tensor, in the order of ``written(arm.chain).parameters``.
+
+    Raises:
+        MissingPackage: torch is not installed.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.torch.geometry(urdf_ik.load("planar_2r")).shape  # doctest: +SKIP
+        torch.Size([26])
+    """
+    return _torch().tensor(Differentiable(arm, "nan").geometry.values.copy())
+
+
+def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_folds: str = "raise") -> Branches:
+    """Every solution of poses, with derivatives by the poses, the URDF's numbers and the redundancy parameters.
+
+    The solutions are those of :meth:`urdf_ik.Arm.ik`. Two steps of Newton's method with the inverse at the solution,
+    which change nothing, carry the derivatives: they are exact up to the second order (implicit function theorem).
+    Works under ``torch.func`` (``grad``, ``jvp``, ``vmap``, ``jacrev``).
+
+    Args:
+        arm: the arm. A redundancy parameter must be the value of a joint; joints must not mimic others.
+        T: (..., 4, 4) tensor of poses [m], float64. Its entries may change one by one: what counts is the nearest pose.
+        geometry: (p,) tensor of the URDF's numbers, see :func:`geometry`; default: as written.
+        redundancy: (...) tensor or numbers, (..., k) of k parameters; default: the arm's.
+        at_folds: 'raise': a singular solution is refused in words; 'nan': its derivative is NaN; 'clip': its derivative
+            is that of damped least squares.
+
+    Returns:
+        q (..., B, n), NaN where there is no solution, and valid (..., B): ``q[valid]`` has derivatives. Columns are the
+        arm's branches, in their order.
+
+    Raises:
+        MissingPackage: torch is not installed.
+        PoseError: a pose is none.
+        ArgumentError: a solution is singular, or an argument does not fit.
+        UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
+
+    Example:
+        >>> import torch  # doctest: +SKIP
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> T = torch.tensor(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), requires_grad=True)  # doctest: +SKIP
+        >>> urdf_ik.torch.ik(arm, T).q.sum().backward()  # doctest: +SKIP
+    """
+    torch = _torch()
+    function = Differentiable(arm, at_folds)
+    values = torch.as_tensor(function.geometry.values.copy()) if geometry is None else geometry
+    at = None if redundancy is None else torch.as_tensor(redundancy, dtype=torch.float64)
+    still = [None if each is None else each.detach() for each in (T, geometry, at)]
+    start, inverse, valid = _solve().apply(function, *still)
+
+    def constant(numbers: Any) -> Any:
+        return torch.as_tensor(np.asarray(numbers), dtype=torch.float64)
+
+    q = start
+    for _ in range(2):
+        off = residual(torch, constant, function.geometry, q, values, T)
+        if function.held:
+            by = q[..., function.held] - start[..., function.held]
+            if at is not None:
+                change = at - at.detach()
+                change = change[..., None] if len(function.held) == 1 else change
+                by = by - change[..., None, :]
+            off = torch.cat([off, by], -1)
+        q = q - (inverse @ off[..., None])[..., 0]
+    return Branches(torch.where(valid[..., None], q, torch.nan), valid)
+
+
+@cache
+def _solve() -> Any:
+    """The solver as a function of torch without a derivative."""
+    torch = _torch()
+
+    function: Any = torch.autograd.Function
+
+    class Solve(function):  # type: ignore[misc]
+        @staticmethod
+        def forward(function: Differentiable, T: Any, values: Any, at: Any) -> tuple[Any, ...]:
+            arrays = [None if each is None else each.cpu().numpy() for each in (T, values, at)]
+            return tuple(torch.as_tensor(each) for each in function.answers(*arrays))
+
+        @staticmethod
+        def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+            ctx.mark_non_differentiable(*output)
+
+        @staticmethod
+        def vmap(info: Any, in_dims: Any, function: Differentiable, T: Any, values: Any, at: Any) -> tuple[Any, Any]:
+            def one(each: Any, dim: int | None, k: int) -> Any:
+                return each if dim is None else each.select(dim, k)
+
+            found = [
+                Solve.apply(function, *(one(*pair, k) for pair in zip((T, values, at), in_dims[1:], strict=True)))
+                for k in range(info.batch_size)
+            ]
+            return tuple(torch.stack(each) for each in zip(*found, strict=True)), (0, 0, 0)
+
+    return Solve
+
+
+def _torch() -> Any:
+    try:
+        return import_module("torch")
+    except ImportError:
+        raise MissingPackage("urdf_ik.torch needs torch: pip install 'urdf-ik[torch]'") from None

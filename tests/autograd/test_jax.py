@@ -1,0 +1,51 @@
+"""``urdf_ik.jax.ik`` against jax's own numerical derivatives and against the package's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+import urdf_ik
+from urdf_ik.errors import ArgumentError
+
+jax = pytest.importorskip("jax", reason="jax is not installed: pip install 'urdf-ik[jax]'")
+
+SIX = urdf_ik.load("zyyzyz_6r")
+T = SIX.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+
+
+@pytest.fixture(autouse=True)
+def double() -> Iterator[None]:
+    """64 bits while a test runs."""
+    before = jax.config.jax_enable_x64
+    jax.config.update("jax_enable_x64", True)
+    yield
+    jax.config.update("jax_enable_x64", before)
+
+
+def test_check_grads_of_both_modes_and_both_orders() -> None:
+    """Entries of the pose change one by one."""
+    from jax.test_util import check_grads
+
+    check_grads(lambda T: urdf_ik.jax.ik(SIX, T).q, (T,), order=2, eps=1e-6, atol=1e-3, rtol=1e-3)
+
+
+def test_jit_vmap_and_the_urdf() -> None:
+    """Under jit and vmap the values are those of ik, the derivatives those of dq_dT and dq_dgeometry."""
+    s = SIX.ik(np.stack([T, T]))
+    found = jax.jit(jax.vmap(lambda T: urdf_ik.jax.ik(SIX, T)))(np.stack([T, T]))
+    np.testing.assert_allclose(found.q, s.q, atol=1e-12)
+    np.testing.assert_array_equal(found.valid, s.valid)
+    J = jax.jit(jax.jacfwd(lambda T: urdf_ik.jax.ik(SIX, T).q))(T)
+    np.testing.assert_allclose(J[..., :3, 3], s.dq_dT()[0, ..., :3], atol=1e-9)
+    G = jax.jacrev(lambda g: urdf_ik.jax.ik(SIX, T, geometry=g).q)(urdf_ik.jax.geometry(SIX))
+    np.testing.assert_allclose(G, s.dq_dgeometry()[0], atol=1e-9)
+
+
+def test_single_precision_is_refused_in_words() -> None:
+    """The error says which setting is needed."""
+    jax.config.update("jax_enable_x64", False)
+    with pytest.raises(ArgumentError, match="jax_enable_x64"):
+        urdf_ik.jax.ik(SIX, T)

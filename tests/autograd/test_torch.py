@@ -1,0 +1,118 @@
+"""``urdf_ik.torch.ik`` against torch's own numerical derivatives and against the package's."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import urdf_ik
+from urdf_ik.errors import ArgumentError, UnsupportedArm
+
+torch = pytest.importorskip("torch", reason="torch is not installed: pip install 'urdf-ik[torch]'")
+func = pytest.importorskip("torch.func")
+
+# What torch itself imports for its forward mode calls a function of its own that it has deprecated.
+pytestmark = pytest.mark.filterwarnings("ignore:.*torch.jit.script:DeprecationWarning")
+
+SIX, SEVEN = (urdf_ik.load(name) for name in ("zyyzyz_6r", "panda"))
+Q6 = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+Q7 = np.array([0.1, 0.3, 0.2, -1.5, 0.3, 1.8, 0.4])
+
+
+def poses(m: int) -> torch.Tensor:
+    """Poses (m, 4, 4) near a regular one."""
+    return torch.tensor(SIX.fk(Q6 + np.random.default_rng(0).uniform(-0.1, 0.1, (m, 6))))
+
+
+def test_the_branches_are_those_of_ik() -> None:
+    """Same values, same order, NaN where there is no solution; importing the package does not import torch."""
+    T = poses(5)
+    T[2, 0, 3] += 9.0
+    found = urdf_ik.torch.ik(SIX, T)
+    s = SIX.ik(T.numpy())
+    np.testing.assert_allclose(found.q.numpy(), s.q, atol=1e-12)
+    np.testing.assert_array_equal(found.valid.numpy(), s.valid)
+    code = "import sys, urdf_ik; urdf_ik.load('planar_2r'); assert not {'torch', 'jax'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=300)
+
+
+def test_gradcheck_of_poses_in_both_modes_and_twice() -> None:
+    """Entries of the pose change one by one; second derivatives too."""
+    T = poses(1)[0].requires_grad_(True)
+    assert torch.autograd.gradcheck(
+        lambda T: urdf_ik.torch.ik(SIX, T).q, (T,), eps=1e-7, atol=1e-4, check_forward_ad=True
+    )
+    assert torch.autograd.gradgradcheck(lambda T: urdf_ik.torch.ik(SIX, T).q[:2], (T,), eps=1e-7, atol=1e-3, rtol=1e-3)
+
+
+def test_derivatives_by_the_urdf_are_those_of_dq_dgeometry() -> None:
+    """For every number of the URDF and every branch."""
+    T, g = poses(1)[0], urdf_ik.torch.geometry(SIX)
+    J = torch.autograd.functional.jacobian(lambda g: urdf_ik.torch.ik(SIX, T, geometry=g).q, g)
+    np.testing.assert_allclose(J.numpy(), SIX.ik(T.numpy()).dq_dgeometry(), atol=1e-9)
+
+
+def test_other_numbers_of_the_urdf_give_the_other_arm() -> None:
+    """A longer link: the solutions are those of a URDF with that link, by its own forward kinematics."""
+    g = urdf_ik.torch.geometry(SIX)
+    longer = urdf_ik.load(SIX.model.xml.decode().replace('origin xyz="0 0 1"', 'origin xyz="0 0 1.1"'))
+    changed = torch.tensor(urdf_ik.torch.geometry(longer).numpy())
+    assert (changed != g).any()
+    T = torch.tensor(longer.fk(Q6))
+    found = urdf_ik.torch.ik(SIX, T, geometry=changed)
+    np.testing.assert_allclose(found.q.numpy(), longer.ik(T.numpy()).q, atol=1e-9)
+
+
+def test_function_transforms() -> None:
+    """With vmap over poses, jvp and jacrev agree with dq_dT."""
+    T = poses(3)
+    s = SIX.ik(T.numpy())
+    np.testing.assert_allclose(func.vmap(lambda T: urdf_ik.torch.ik(SIX, T).q)(T).numpy(), s.q, atol=1e-12)
+    J = func.vmap(func.jacrev(lambda T: urdf_ik.torch.ik(SIX, T).q))(T)[..., :3, 3]
+    np.testing.assert_allclose(J.numpy(), s.dq_dT()[..., :3], atol=1e-9)
+    step = torch.zeros(3, 4, 4, dtype=torch.float64)
+    step[:, 1, 3] = 1.0
+    _, change = func.jvp(lambda T: urdf_ik.torch.ik(SIX, T).q, (T,), (step,))
+    np.testing.assert_allclose(change.numpy(), s.dq_dT()[..., 1], atol=1e-9)
+
+
+def test_a_redundancy_parameter_is_an_input() -> None:
+    """Derivatives by a given joint are those of dq_dredundancy."""
+    T, value = torch.tensor(SEVEN.fk(Q7)), torch.tensor(0.4, dtype=torch.float64)
+    J = torch.autograd.functional.jacobian(lambda v: urdf_ik.torch.ik(SEVEN, T, redundancy=v).q, value)
+    s = SEVEN.ik(T.numpy(), redundancy=0.4)
+    np.testing.assert_allclose(J.numpy()[s.valid], s.dq_dredundancy()[..., 0][s.valid], atol=1e-9)
+
+
+def test_missing_branches_do_not_spoil_the_gradient() -> None:
+    """A loss over the valid solutions has finite gradients where some poses have none."""
+    T = poses(2)
+    T[1, 0, 3] += 9.0
+    T.requires_grad_(True)
+    found = urdf_ik.torch.ik(SIX, T)
+    found.q[found.valid].sum().backward()
+    assert torch.isfinite(T.grad).all() and (T.grad[0] != 0.0).any() and (T.grad[1] == 0.0).all()
+
+
+def test_folds_are_refused_or_clipped() -> None:
+    """A stretched wrist: refused by its branch's name, NaN, or a bounded derivative."""
+    T = torch.tensor(SIX.fk([0.3, -0.5, 0.8, 0.4, 0.0, -0.2]), requires_grad=True)
+    with pytest.raises(ArgumentError, match="is singular and has no derivative"):
+        urdf_ik.torch.ik(SIX, T)
+    with pytest.raises(ArgumentError, match="'raise', 'nan', 'clip'"):
+        urdf_ik.torch.ik(SIX, T, at_folds="ignore")
+    sums = {}
+    for how in ("nan", "clip"):
+        found = urdf_ik.torch.ik(SIX, T, at_folds=how)
+        (sums[how],) = torch.autograd.grad(found.q[found.valid].sum(), T)
+    assert torch.isnan(sums["nan"]).any()
+    assert torch.isfinite(sums["clip"]).all()
+
+
+def test_a_swivel_angle_is_refused_in_words() -> None:
+    """Only the value of a joint is a parameter here."""
+    with pytest.raises(UnsupportedArm, match="swivel angle"):
+        urdf_ik.torch.ik(urdf_ik.load("srs_7r"), torch.eye(4, dtype=torch.float64))
