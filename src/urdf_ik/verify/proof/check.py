@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
 _ROUNDS = 20  # of the search for complex roots
 _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
+_TOGETHER = 1e-5  # rad; the roots of a cluster as narrow as that may stand as one solution
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
 
 
@@ -192,10 +193,12 @@ def _by_account(loop: Loop, solutions: Array, proof: Proof) -> tuple[bool | None
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
         if not isinstance(counted, str):
             clusters.append(counted)
-        elif len(members := _members(loop, each)) == each.count:
-            singles += members
-        else:
+        elif len(members := _members(loop, each)) < each.count:
             return False, f"cluster {k}: {counted}"
+        elif each.along < _TOGETHER:
+            clusters.append(ClusterEnclosure(tuple(exact(each.centre)), arb(each.along + each.across), each.count))
+        else:
+            singles += members
     if (same := _overlap(singles, clusters)) is not None:
         return False, f"{same[0]} and {same[1]} are not apart"
     total = len(singles) + sum(each.count for each in clusters)
