@@ -23,7 +23,8 @@ import zstandard  # noqa: E402
 from websockets.exceptions import ConnectionClosed, InvalidStatus  # noqa: E402
 from websockets.sync.client import connect  # noqa: E402
 
-from urdf_ik.show.viewer import Viewer, guard, uploads  # noqa: E402
+from urdf_ik.show.viewer import Viewer, guard  # noqa: E402
+from urdf_ik.show.viewer.work import uploads  # noqa: E402
 
 PATIENCE = 60.0
 PROTOCOL = f"viser-v{viser.__version__}"

@@ -89,8 +89,8 @@ class Viewer:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.show.viewer import arm_and_gizmo, arm_panel, page_messages, path_panel, surroundings, uploads
-        from urdf_ik.show.viewer.work import panel, saved_page, sources
+        from urdf_ik.show.viewer import arm_and_gizmo, arm_panel, page_messages, path_panel, surroundings
+        from urdf_ik.show.viewer.work import panel, saved_page, sources, uploads
 
         address.check(host, port)
         self._parts, self._plain = (arm_panel.Panel, arm_and_gizmo.Drawing), arm_panel.plain

@@ -35,6 +35,7 @@ SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21,
 _ROUNDS = 20  # of the search for complex roots
 _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
 _BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
+_TOGETHER = 1e-5  # rad; the roots of a cluster as narrow as that may stand as one solution
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
 
 
@@ -195,10 +196,13 @@ def _by_account(
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
         if not isinstance(counted, str):
             clusters.append(counted)
-        elif len(members := _members(loop, each)) == each.count:
-            singles += members
-        else:  # the solver's bounds are finer: that these fail disproves nothing
+        elif len(members := _members(loop, each)) < each.count:
+            # The solver's bounds are finer: that these fail disproves nothing.
             return _by_search(loop, solutions, rng, f"cluster {k}: {counted}")
+        elif each.along < _TOGETHER:
+            clusters.append(ClusterEnclosure(tuple(exact(each.centre)), arb(each.along + each.across), each.count))
+        else:
+            singles += members
     if (same := _overlap(singles, clusters)) is not None:
         return False, f"{same[0]} and {same[1]} are not apart"
     total = len(singles) + sum(each.count for each in clusters)

@@ -1,1 +1,1 @@
-"""What makes the viewer a tool: poses and joint vectors as text, postures, keys, the saved page."""
+"""What makes the viewer a tool: text to paste and copy, postures, keys, another arm, uploads, the saved page."""
