@@ -129,7 +129,7 @@ _MODULE = {
 }
 
 # The differentiable functions of torch and jax, which need not be installed: urdf_ik.torch.ik, urdf_ik.jax.ik.
-_AUTOGRAD = {"jax": "autograd", "torch": "autograd"}
+_AUTOGRAD = {"jax": "interop.autograd", "torch": "interop.autograd"}
 
 __getattr__ = attributes(__name__, _MODULE | _AUTOGRAD)
 

@@ -33,8 +33,8 @@ ROOMS = ["urdf_ik", *PACKAGES, *(name for name in FILES if name != "urdf_ik._cor
 WITHOUT_EXAMPLE = {
     "urdf_ik.cli.main": "the command itself: it reads sys.argv and ends the process",
     "urdf_ik.ik.cuspidality.nonsingular_change": "searches for seconds, and finds nothing on the bundled arms",
-    "urdf_ik.interop.ViserArm": "moves what a page on a port shows",
-    "urdf_ik.interop.add_to_viser": "adds to the scene of a page on a port",
+    "urdf_ik.interop.other_programs.ViserArm": "moves what a page on a port shows",
+    "urdf_ik.interop.other_programs.add_to_viser": "adds to the scene of a page on a port",
     "urdf_ik.show.plot.slider_panel.interact": "sliders of a notebook, which has to be open",
     "urdf_ik.show.plot.slider_panel.show": "opens a window, and waits until somebody closes it",
     "urdf_ik.show.viewer.page.Viewer": "serves a page on a port, for a browser",

@@ -22,7 +22,7 @@ FLOORS = (
     {"cell"},
     {"paths"},
     {"arm"},
-    {"autograd", "calibration", "export", "maps", "verify"},
+    {"calibration", "export", "maps", "verify"},
     {"interop", "show"},
     {"cli"},
 )

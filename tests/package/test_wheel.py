@@ -134,8 +134,8 @@ def test_wheel_says_what_it_is(installed: Installed) -> None:
     assert metadata["Name"] == "urdf-ik"
     assert metadata["License-Expression"] == "BSD-3-Clause"
     assert metadata["Requires-Python"] == ">=3.11"
-    own = {"docs", "interop", "mjcf", "notebooks", "plot", "robots", "scale", "tables", "timing", "viewer", "xacro"}
-    extras = {*own, "bench", "dev"}
+    own = {"docs", "interop", "mjcf", "notebooks", "plot", "proof", "robots", "scale", "tables", "timing", "viewer"}
+    extras = {*own, "jax", "torch", "xacro", "bench", "dev"}
     assert extras == set(metadata.get_all("Provides-Extra", []))
 
 
@@ -223,8 +223,8 @@ def test_the_steps_of_the_page_about_ci_run_where_the_wheel_is_all_there_is(
     pytest_of_this.write_text(f"#!{programs / 'python'}\nimport sys, pytest\nsys.exit(pytest.console_main())\n")
     pytest_of_this.chmod(0o755)
     folder = tmp_path / "project"
-    (folder / "wheels").mkdir(parents=True)
-    (folder / "wheels" / installed.wheel.name).symlink_to(installed.wheel)
+    (folder / "dist").mkdir(parents=True)
+    (folder / "dist" / installed.wheel.name).symlink_to(installed.wheel)
     arm = catalogue.resolve("zyyzyz_6r").path.read_text()
     (folder / "my_arm.urdf").write_text(arm)
 

@@ -50,7 +50,14 @@ class Report(Written):
         raise NotImplementedError
 
     def sections(self) -> tuple[Section, ...]:
-        """The tables; none for a report of lines alone."""
+        """The tables; none for a report of lines alone.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.freeze(arm).verify(arm).sections()
+            ()
+        """
         return ()
 
     def lines(self) -> tuple[str, ...]:

@@ -35,7 +35,10 @@ OPTIONAL = {
     "mjcf": ("mujoco",),
     "tables": ("pandas", "xarray"),
     "interop": ("pin-pink", "daqp", "rerun-sdk"),
-    "notebooks": ("ipykernel", "ipywidgets"),
+    "notebooks": ("ipykernel", "ipywidgets", "nbconvert"),
+    "proof": ("python-flint",),
+    "torch": ("torch",),
+    "jax": ("jax",),
     "scale": ("dask", "distributed", "zarr", "pyarrow", "xarray"),
     "timing": ("toppra",),
 }

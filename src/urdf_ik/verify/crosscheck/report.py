@@ -207,7 +207,7 @@ class Report(reports.Report):
             >>> import urdf_ik
             >>> from urdf_ik.verify import crosscheck
             >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).sections()[0].rows[0][0]
-            'forward kinematics, position'
+            'joints and limits'
         """
         rows = tuple(row.cells() for row in self.rows)
         return (Section("", _HEADER, rows, left=("property", "unit", "result")),)

@@ -80,11 +80,25 @@ class ProofCheck(Report):
         return not self.refused
 
     def title(self) -> str:
-        """The arm and the number of poses."""
+        """The arm and the number of poses.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> check_proof(arm, arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))).title()
+            'proofs of zyyzyz_6r, 1 poses, in ball arithmetic'
+        """
         return f"proofs of {self.robot}, {self.poses} poses, in ball arithmetic"
 
     def lines(self) -> tuple[str, ...]:
-        """The counts, and every answer that was not accepted."""
+        """The counts, and every answer that was not accepted.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> check_proof(arm, arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))).lines()[0]
+            'accepted 1'
+        """
         counts = (
             f"accepted {self.accepted}",
             f"not claimed to be complete {self.unproven}",
@@ -95,7 +109,14 @@ class ProofCheck(Report):
         return (*counts, *rest)
 
     def verdict(self) -> str:
-        """The last line."""
+        """The last line.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> check_proof(arm, arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))).verdict()
+            'PASSED'
+        """
         return "PASSED" if self.passed else f"FAILED: {len(self.refused)} answers claim more than holds"
 
     def _marked(self) -> list[tuple[str, Refusal]]:

@@ -127,6 +127,30 @@ class SolverAtEach:
     def one_near(self, *_: Any) -> None:
         """None: single poses are solved by ``solve``."""
 
+    def many(
+        self,
+        kind: Any,
+        solver: Any,
+        branches: tuple[str, ...],
+        T: Array,
+        q_ref: Array | None,
+        values: Array | None,
+        threads: int | None,
+        out: Any,
+    ) -> Any:
+        """The solutions of poses (..., 4, 4) as a ``kind``, in the memory of ``out`` if given; None: one is no pose."""
+        batch = T.shape[:-2]
+        count = int(np.prod(batch))
+        q = np.empty((count, self.branches, self.joints))
+        flags = np.empty((count, self.branches), np.uint8)
+        if self.solve(T.reshape(-1, 4, 4), q_ref, q, flags, values, threads or 1) >= 0:
+            return None
+        q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
+        if out is None:
+            return kind(solver, T, q, flags, branches, redundancy=values)
+        out._poses[...], out._q[...], out._info[...] = T, q, flags
+        return out
+
     def solve(
         self,
         T: Array,

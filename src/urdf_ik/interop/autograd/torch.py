@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.autograd.kinematics import residual
-from urdf_ik.autograd.solving import Differentiable
 from urdf_ik.errors import MissingPackage
+from urdf_ik.interop.autograd.kinematics import residual
+from urdf_ik.interop.autograd.solving import Differentiable
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
