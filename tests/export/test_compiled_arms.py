@@ -20,9 +20,11 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import _core
-from urdf_ik.errors import UnsupportedArm, UrdfError
+from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
 from urdf_ik.export import require_current
 from urdf_ik.ik.solutions import limits
+from urdf_ik.verify import judge
+from urdf_ik.verify.judging import solver_of
 
 Array = NDArray[np.float64]
 
@@ -217,3 +219,22 @@ def test_the_c_interface(tmp_path: Path) -> None:
     ]
     assert lines[-1] == "0"
     assert native_arms.refusal(tmp_path / "none.json", "c_interface.c").endswith("none.json: it cannot be read\n")
+
+
+def test_the_judge_passes_a_library_with_the_c_interface(tmp_path: Path) -> None:
+    """The library for C, loaded from a file and judged by Pinocchio, lacks nothing; what is missing is named."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    file, library = tmp_path / "arm.json", tmp_path / "liburdf_ik.so"
+    file.write_text(urdf_ik.compile(arm))
+    archive = str(native_arms.FOLDER / "liburdf_ik_library.a")
+    whole = ("-Wl,--whole-archive", archive, "-Wl,--no-whole-archive")
+    native_arms.run(native_arms.compiler("CXX"), "-shared", "-fPIC", *whole, "-o", str(library))
+    solve = solver_of(f"library:{library},{file}", arm)
+    assert judge(arm, solve, n=3, name="the C interface").passed
+    np.testing.assert_array_equal(solve(arm.fk(np.ones(6))), arm.ik(arm.fk(np.ones(6))).to_array())
+    with pytest.raises(ArgumentError, match="cannot be read"):
+        solver_of(f"library:{library},{tmp_path / 'none.json'}", arm)
+    with pytest.raises(ArgumentError, match="cannot be loaded"):
+        solver_of(f"library:{tmp_path / 'none.so'},{file}", arm)
+    with pytest.raises(ArgumentError, match="names no compiled arm"):
+        solver_of(f"library:{library}", arm)

@@ -9,8 +9,9 @@ True
 
 from __future__ import annotations
 
+from urdf_ik.verify.judging.c_library import CLibrary
 from urdf_ik.verify.judging.judge import judge, replay
 from urdf_ik.verify.judging.report import Fault, Judgement, Kind
 from urdf_ik.verify.judging.solvers import IKFastLibrary, SolverProcess, solver_of
 
-__all__ = ["Fault", "IKFastLibrary", "Judgement", "Kind", "SolverProcess", "judge", "replay", "solver_of"]
+__all__ = ["CLibrary", "Fault", "IKFastLibrary", "Judgement", "Kind", "SolverProcess", "judge", "replay", "solver_of"]

@@ -20,6 +20,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support.text import quoted
 from urdf_ik.verify.judging import peers
+from urdf_ik.verify.judging.c_library import CLibrary
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 FORMS = (
-    "module:function, file.py:function, process:COMMAND, ikfast:LIBRARY.so, or the name of a peer: "
-    "eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM, frankik, roboticstoolbox:python, "
+    "module:function, file.py:function, process:COMMAND, ikfast:LIBRARY.so, library:LIBRARY.so,ARM.json, or the "
+    "name of a peer: eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM, frankik, roboticstoolbox:python, "
     "roboticstoolbox:c"
 )
 TIMEOUT = 60.0
@@ -49,7 +50,8 @@ def solver_of(spec: str, arm: Arm) -> Callable[[Array], Any]:
 
     Args:
         spec: ``module:function`` or ``file.py:function``, which takes a pose; ``process:COMMAND``, see
-            :class:`SolverProcess`; ``ikfast:LIBRARY``, see :class:`IKFastLibrary`; or the name of a peer, see
+            :class:`SolverProcess`; ``ikfast:LIBRARY``, see :class:`IKFastLibrary`; ``library:LIBRARY,ARM.json``, see
+            :class:`~urdf_ik.verify.judging.c_library.CLibrary`; or the name of a peer, see
             :mod:`urdf_ik.verify.judging.peers`.
         arm: the arm that it is to solve, which peers are built from.
 
@@ -72,6 +74,11 @@ def solver_of(spec: str, arm: Arm) -> Callable[[Array], Any]:
         return SolverProcess(shlex.split(rest))
     if kind == "ikfast":
         return IKFastLibrary(rest)
+    if kind == "library":
+        library, comma, compiled = rest.rpartition(",")
+        if not comma:
+            raise ArgumentError(f"solver {quoted(spec)} names no compiled arm: library:LIBRARY.so,ARM.json is needed")
+        return CLibrary(library, compiled)
     place, _, name = spec.rpartition(":")
     try:
         module = _from_file(place) if place.endswith(".py") else importlib.import_module(place)
