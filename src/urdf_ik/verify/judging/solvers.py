@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 FORMS = (
     "module:function, file.py:function, process:COMMAND, ikfast:LIBRARY.so, library:LIBRARY.so,ARM.json, or the "
-    "name of a peer: eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM, frankik, roboticstoolbox:python, "
-    "roboticstoolbox:c"
+    "name of a peer: eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM, frankik, "
+    "roboticstoolbox:python, roboticstoolbox:c"
 )
 TIMEOUT = 60.0
 """Seconds that a process may take for a pose."""
