@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import threading
 from collections.abc import Callable, Hashable, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -132,7 +133,7 @@ class Viewer:
             lambda why: self._latest.put("refused", lambda: self._say(why)),
             lambda: self._latest.put("agree", lambda: None),
         )
-        self.server.on_client_connect(lambda client: self._look(client.camera, client.camera.aspect))
+        self.server.on_client_connect(self._greet)
         try:
             if plan is not None:
                 self.show_plan(plan)
@@ -320,6 +321,12 @@ class Viewer:
         for client in self.server.get_clients().values():
             self._look(client.camera, client.camera.aspect)
         self._show(state)
+
+    def _greet(self, client: Any) -> None:
+        """Have a new page see the arm, if it is still open: viser warns of each message to a closed one."""
+        with suppress(UserWarning):
+            if client.client_id in self.server.get_clients():
+                self._look(client.camera, client.camera.aspect)
 
     def _look(self, camera: Any, aspect: float | None = None) -> None:
         """Have a page see the whole arm; ``aspect`` is its window's."""
