@@ -4,35 +4,19 @@ from __future__ import annotations
 
 from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.interop.autograd.kinematics import residual
-from urdf_ik.interop.autograd.solving import Answers, Differentiable
+from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
 
 
 _KEPT = 32  # arms whose compiled functions are kept
-
-
-class Branches(NamedTuple):
-    """Joint vectors of every branch.
-
-    Attributes:
-        q: (..., B, n) array, rad or m, NaN where there is no solution.
-        valid: (..., B) array of truth values.
-
-    Example:
-        >>> Branches(q=0.5, valid=True).valid
-        True
-    """
-
-    q: Any
-    valid: Any
 
 
 def geometry(arm: Arm) -> Any:

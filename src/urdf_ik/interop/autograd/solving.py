@@ -27,6 +27,22 @@ FOLDS = ("raise", "nan", "clip")
 """What happens to the derivative at a singular solution: refused in words, NaN, or that of damped least squares."""
 
 
+class Branches(NamedTuple):
+    """Joint vectors of every branch, as arrays of torch or of jax.
+
+    Attributes:
+        q: (..., B, n) rad or m, NaN where there is no solution.
+        valid: (..., B) truth values.
+
+    Example:
+        >>> Branches(q=0.5, valid=True).valid
+        True
+    """
+
+    q: Any
+    valid: Any
+
+
 class Answers(NamedTuple):
     """Joint vectors of every branch and what their derivatives follow from.
 

@@ -4,32 +4,16 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import MissingPackage
 from urdf_ik.interop.autograd.kinematics import residual
-from urdf_ik.interop.autograd.solving import Differentiable
+from urdf_ik.interop.autograd.solving import Branches, Differentiable
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
-
-
-class Branches(NamedTuple):
-    """Joint vectors of every branch.
-
-    Attributes:
-        q: (..., B, n) tensor, rad or m, NaN where there is no solution.
-        valid: (..., B) tensor of truth values.
-
-    Example:
-        >>> Branches(q=0.5, valid=True).valid
-        True
-    """
-
-    q: Any
-    valid: Any
 
 
 def geometry(arm: Arm) -> Any:

@@ -221,7 +221,9 @@ def _by_account(
             # The solver's bounds are finer: that these fail disproves nothing.
             return _by_search(loop, solutions, rng, f"cluster {k}: {counted}")
         elif each.along < _TOGETHER:
-            clusters.append(ClusterEnclosure(tuple(exact(each.centre)), arb(each.along + each.across), each.count))
+            # The members are that close to the centre in every joint; the radius is in the 2-norm.
+            radius = arb(6).sqrt() * arb(each.along + each.across)
+            clusters.append(ClusterEnclosure(tuple(exact(each.centre)), radius, each.count))
         else:
             singles += members
     if (same := _overlap(singles, clusters)) is not None:
@@ -274,6 +276,7 @@ def _by_family(loop: Loop, near: Loop, solutions: Array, rng: np.random.Generato
     singles: list[Enclosure] = []
     for each in boxes:
         if not each.may_be_real:
+            singles.append(each)  # no solution, but one near it may stand for such a pair
             continue
         # A box around real numbers that holds this one, and exactly one root of the arm as written, which is real.
         found = enclosed(loop, [acb(value.real) for value in each.centre], 2 * each.radius)
