@@ -26,7 +26,7 @@ from urdf_ik.maps import workspaces
 from urdf_ik.show.plot import figures
 from urdf_ik.verify import check_proof, completeness, crosscheck, judging, surveys
 
-HELD_OPEN = {"Folder", "IKFastLibrary", "RerunArm", "Sliders", "SolverProcess", "Viewer", "ViserArm"}
+HELD_OPEN = {"CLibrary", "Folder", "IKFastLibrary", "RerunArm", "Sliders", "SolverProcess", "Viewer", "ViserArm"}
 """Classes whose objects hold a window, a server, a process, a library, a recording or a locked store."""
 INNER = ("urdf_ik.cli", "urdf_ik.ik.families")
 """Packages without objects for users: the command, and how an arm is solved."""
