@@ -17,6 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -71,6 +72,12 @@ def checked(wheel: Path) -> str:
     return found
 
 
+def different(wheel: Path, again: Path) -> list[str]:
+    """Names of the files that the one holds and the other does not hold, or holds with other bytes."""
+    one, other = ({info.filename: info.CRC for info in zipfile.ZipFile(file).infolist()} for file in (wheel, again))
+    return sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
+
+
 def main() -> None:
     """Build, check, and compare with a second build where that is asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -81,15 +88,16 @@ def main() -> None:
     place.mkdir(exist_ok=True)
     for old in place.glob("*.whl"):
         old.unlink()
-    first = checked(built(ROOT, place, given.levels))
+    wheel = built(ROOT, place, given.levels)
+    first = checked(wheel)
     if given.twice:
         with tempfile.TemporaryDirectory() as folder:
             other = Path(folder, "sources")
             ignored = shutil.ignore_patterns(".venv", "build", "dist", ".git", "__pycache__", "_build", ".*_cache")
             shutil.copytree(ROOT, other, ignore=ignored)
-            second = checked(built(other, Path(folder), given.levels))
-        if second != first:
-            sys.exit("two builds of the same sources differ")
+            again = built(other, Path(folder), given.levels)
+            if checked(again) != first:
+                sys.exit(f"two builds of the same sources differ: {', '.join(different(wheel, again)) or 'the archive'}")
         print("built twice: the same bytes")
 
 

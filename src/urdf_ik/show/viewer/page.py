@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from urdf_ik.show.viewer.surroundings import PathDrawing
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
+"""The command that installs what the viewer needs."""
 
 
 class Viewer:
