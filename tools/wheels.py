@@ -97,7 +97,8 @@ def main() -> None:
             shutil.copytree(ROOT, other, ignore=ignored)
             again = built(other, Path(folder), given.levels)
             if checked(again) != first:
-                sys.exit(f"two builds of the same sources differ: {', '.join(different(wheel, again)) or 'the archive'}")
+                files = ", ".join(different(wheel, again)) or "the archive alone"
+                sys.exit(f"two builds of the same sources differ in {files}")
         print("built twice: the same bytes")
 
 
