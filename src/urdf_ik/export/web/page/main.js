@@ -46,7 +46,8 @@ async function start() {
     const found = fromHash(location.hash, arm.joints.length, arm.parameters.length);
     if (found?.q) state.moveJoints(found.q);
     if (found?.r) state.redundancy = found.r;
-    if (found?.T) state.moveTarget([...found.T, 0, 0, 0, 1]);
+    // Where the arm stands at the target, its joint vector keeps its digits.
+    if (found?.T?.some((value, i) => Math.abs(value - state.T[i]) > 1e-9)) state.moveTarget([...found.T, 0, 0, 0, 1]);
   }, 'the link');
   show(state);
   follow();
