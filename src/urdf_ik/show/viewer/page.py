@@ -48,7 +48,8 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
-        work: the widgets to paste, copy, and choose postures with.
+        work: the widgets to paste, copy, choose postures and ghosts, and measure with.
+        recorder: the widgets that record the page.
         track: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
@@ -92,13 +93,13 @@ class Viewer:
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
         from urdf_ik.show.viewer import arm_and_gizmo, arm_panel, page_messages, path_panel, surroundings
-        from urdf_ik.show.viewer.work import panel, saved_page, sources, uploads
+        from urdf_ik.show.viewer.work import panel, recording, saved_page, sources, uploads
 
         address.check(host, port)
         self._parts, self._plain = (arm_panel.Panel, arm_and_gizmo.Drawing), arm_panel.plain
         self._upload_part, self._work_part = uploads.Uploads, panel.WorkPanel
         self._beside, self._saved = surroundings.points_beside, saved_page.with_names
-        self._source_part = sources.add
+        self._source_part, self._record_part = sources.add, recording.Recorder
         self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)
@@ -315,7 +316,9 @@ class Viewer:
         self.drawing = drawing(self.server.scene, arm, self._dark)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
         self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
-        self.work = self._work_part(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
+        self.work = self._work_part(
+            self.server.gui, self.server.scene, arm, lambda step: self._update(object(), step), self._say
+        )
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         self._look(self.server.initial_camera)
@@ -328,6 +331,10 @@ class Viewer:
         with suppress(UserWarning):
             if client.client_id in self.server.get_clients():
                 self._look(client.camera, client.camera.aspect)
+
+    def _framed(self, event: Any) -> None:
+        if event.client is not None:
+            self._greet(event.client)
 
     def _look(self, camera: Any, aspect: float | None = None) -> None:
         """Have a page see the whole arm; ``aspect`` is its window's."""
@@ -435,6 +442,9 @@ class Viewer:
     def _add_sources(self) -> None:
         """The widgets that stay: another arm, and the scene as a file."""
         self.sources = self._source_part(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
+        self.recorder = self._record_part(self.server.gui, lambda: self.state.arm.name, self._say)
+        frame = self.server.gui.add_command("Frame arm, path and obstacles", hotkey="F")
+        frame.on_trigger(self._framed)
         _, upload, base, tip, _ = self.sources
         self.uploads = self._upload_part(
             self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
