@@ -22,6 +22,7 @@ from PIL import Image  # noqa: E402  it comes with viser
 
 from urdf_ik.show.viewer import Viewer  # noqa: E402
 from urdf_ik.show.viewer import state as states  # noqa: E402
+from urdf_ik.show.viewer.surroundings import points_beside  # noqa: E402
 from urdf_ik.show.viewer.work import recording, typed_text  # noqa: E402
 
 ARM = "zyyzyz_6r"
@@ -184,7 +185,7 @@ def test_the_camera_sees_the_path_and_the_table(arm: urdf_ik.Arm) -> None:
     world.add("table", urdf_ik.Box((0.1, 0.1, 0.1)), urdf_ik.pose([0.0, 1.5, 0.0]))
     with Viewer(arm, port=0) as alone, Viewer(arm, port=0, world=world) as beside:
         (_, middle), (_, other) = (
-            shown.drawing.camera(shown.state, 1.3, None, shown._beside(None, shown.state.world, arm.chain.size))
+            shown.drawing.camera(shown.state, 1.3, None, points_beside(None, shown.state.world, arm.chain.size))
             for shown in (alone, beside)
         )
     assert other[1] > middle[1]

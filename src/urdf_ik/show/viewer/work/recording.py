@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PIL import Image
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
+    from PIL import Image
 
     Frame = tuple[float, Image.Image]
 
@@ -85,6 +85,8 @@ class Recorder:
 
 def reduced(pixels: NDArray[np.uint8]) -> Image.Image:
     """A frame (h, w, 3 or more) in 256 colours: a byte a pixel."""
+    from PIL import Image  # viser brings it
+
     return Image.fromarray(np.ascontiguousarray(pixels[..., :3])).quantize(256)
 
 
@@ -93,6 +95,7 @@ def written(frames: Sequence[Frame], kind: str) -> bytes:
 
     Example:
         >>> import numpy as np
+        >>> from PIL import Image
         >>> frames = [(0.1 * k, reduced(np.full((4, 6, 3), 60 * k, np.uint8))) for k in range(3)]
         >>> Image.open(io.BytesIO(written(frames, "GIF"))).n_frames
         3
