@@ -24,8 +24,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // (Tolerances::reach, 1e-10).
 inline constexpr double TINY_MARGIN = 1e-11;
 inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
-// A margin empties a box only if it is below -EMPTY_MARGIN. Two roots that are not real, but whose margin is above, keep the pose to
-// about the margin at their real part: Tolerances::reach would verify it, and another rounding of the pose would make them real.
+// A margin empties a box only if it is below -EMPTY_MARGIN. Two roots that are not real, but whose margin is above, keep the pose
+// to about the margin at their real part: Tolerances::reach would verify it, and another rounding of the pose would make them real.
 // Their box stays, and without a solution in it nothing is proven.
 inline constexpr double EMPTY_MARGIN = 1e-10;
 
