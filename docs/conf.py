@@ -14,6 +14,7 @@ sys.path.insert(0, str(HERE))
 
 import drawings  # noqa: E402  beside this file
 import gallery  # noqa: E402
+import live  # noqa: E402
 import names  # noqa: E402
 
 import urdf_ik  # noqa: E402
@@ -31,6 +32,8 @@ html_theme_options = {"source_repository": "", "navigation_with_keys": True}
 html_show_sphinx = False
 copyright = "2026, the urdf-ik authors"  # noqa: A001  Sphinx's name for it; the footer shows it
 html_static_path = ["_static"]
+html_extra_path = ["_generated/live"]  # filled before the pages are written
+(HERE / "_generated" / "live").mkdir(parents=True, exist_ok=True)
 html_css_files = ["pages.css"]
 
 myst_enable_extensions = ["dollarmath", "colon_fence"]
@@ -74,6 +77,7 @@ def copy_sources(app: Any) -> None:
         shutil.copy(ROOT / f"{name}.md", HERE / f"{name.lower()}.md")
     drawings.write(HERE / "_generated")
     gallery.write(HERE / "_generated")
+    live.write(HERE / "_generated")
     names.write(HERE / "reference")
 
 

@@ -173,7 +173,7 @@ def test_the_saved_page_names_the_branches(viewer: Viewer, arm: urdf_ik.Arm) -> 
     """Each solution that is drawn stands there in words, and the one that the arm stands at is said."""
     viewer.move_target(arm.fk(Q))
     assert viewer.settle(30.0)
-    page = viewer.html()
+    page = viewer.html(scene=True)
     legend = page[page.index('<ul id="branches"') :].partition("</ul>")[0]
     assert legend.count("<li>") == 1 + len(viewer.state.ghosts)
     assert all(ghost.branch in legend for ghost in viewer.state.ghosts) and legend.count("(the arm)") == 1
@@ -232,7 +232,7 @@ def test_a_pinned_ghost_stays_where_it_is(viewer: Viewer, arm: urdf_ik.Arm) -> N
     link, handle = viewer.drawing._pinned[-1]
     np.testing.assert_allclose(handle.batched_positions[ghost.column], places[link][:3, 3], atol=1e-6)
     assert handle.batched_scales.tolist() == [float(k == ghost.column) for k in range(8)]
-    assert "(pinned)" in viewer.html() and "pinned" in viewer.panel.branches[ghost.column].label
+    assert "(pinned)" in viewer.html(scene=True) and "pinned" in viewer.panel.branches[ghost.column].label
     press(choice.actions, "Unpin")
     assert viewer.settle(30.0) and not viewer.state.pinned and not handle.batched_scales.any()
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik import export
 from urdf_ik.arm import load
-from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
+from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
 from urdf_ik.model.poses import pose
 from urdf_ik.show.viewer import address, guard, page_messages, playback
 from urdf_ik.show.viewer import state as states
@@ -190,8 +191,16 @@ class Viewer:
         """Wait until all that was asked for is shown; false if that takes longer than ``timeout`` [s]."""
         return self._latest.settle(timeout)
 
-    def html(self) -> str:
-        """The scene as it stands, as one HTML page that needs no server."""
+    def html(self, *, scene: bool = False) -> str:
+        """The arm as one HTML page that needs no server, on which it is still solved; see :func:`urdf_ik.export.html`.
+
+        Args:
+            scene: the scene as it stands instead, in which nothing moves. So it is, too, with a plan, obstacles or a
+                map, and where an installation or an arm has no such page.
+        """
+        if not scene and self._path is None and self.map is None and self.state.world is None:
+            with suppress(MissingPackage, UnsupportedArm):
+                return str(export.html(self.state.arm, q=self.state.q))
         target = self.drawing.target
         target.visible = False  # handles that would move nothing
         try:

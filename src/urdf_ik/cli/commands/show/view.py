@@ -108,7 +108,7 @@ def command(
     if output is not None:
         with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
             _begin(viewer, layer, first)
-            console.write(viewer.html(), output)
+            console.write(viewer.html(scene=True), output)
         return
     roots = chosen.mesh_root or ()
     with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
