@@ -192,12 +192,7 @@ class Viewer:
         return self._latest.settle(timeout)
 
     def html(self, *, scene: bool = False) -> str:
-        """The arm as one HTML page that needs no server, on which it is still solved; see :func:`urdf_ik.export.html`.
-
-        Args:
-            scene: the scene as it stands instead, in which nothing moves. So it is, too, with a plan, obstacles or a
-                map, and where an installation or an arm has no such page.
-        """
+        """Page of :func:`urdf_ik.export.html`; where there is none, beside other things, or asked for: the scene."""
         if not scene and self._path is None and self.map is None and self.state.world is None:
             with suppress(MissingPackage, UnsupportedArm):
                 return str(export.html(self.state.arm, q=self.state.q))
