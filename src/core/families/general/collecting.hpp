@@ -192,7 +192,7 @@ STEP bool is_known(const Account& account, const Number (&q)[6]) {
 STEP bool may_be_real(const Cluster& cluster) {
     double square_off = 0.0;
     for (const Number& each : cluster.q) square_off += each.im * each.im;
-    return sqrt(square_off) <= radius_of(cluster);
+    return !cluster.apart && sqrt(square_off) <= radius_of(cluster);
 }
 
 STEP void as_numbers(const double* row, Number (&q)[6]) {

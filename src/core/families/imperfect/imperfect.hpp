@@ -61,20 +61,32 @@ template <class Family> struct Imperfect {
         include<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, first, to);
     }
 
+    static PART void include_boxes(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift,
+                                   const Signs<Block>& signs, const Arcs<Ball<Block>>& known, BoxBlock& to) {
+        include_within<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, signs, known, to);
+    }
+
     static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }
 
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
         unsigned open = 255;
-        bool loose = by_quartic, proven = false;
+        bool loose = by_quartic;
         const double off = arm.family.ideal.imperfection;
         const bool close = off < CLOSE_BY;
         if constexpr (!by_quartic) {
             Known known;
-            if (close)
-                known = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, {&arm.family, include_branches});
-            proven = !known.open;
-            if (!proven) known = decide_all(arm.both, seen, {&arm.family, answer}, known);
+            const Certified all = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen,
+                                              {&arm.family, include_branches, include_boxes}, known);
+            if (all.status != Status::incomplete) {
+                for (int i = 0; i < all.many; ++i) {
+                    const auto& each = all.root[i];
+                    keep(columns, each.branch, each.q, each.singular ? singular_marks(arm.family.written, goal, each.q, 0) : 0);
+                }
+                set_status(columns.flags[0], all.status);
+                return;
+            }
+            known = decide_all(arm.both, seen, {&arm.family, answer}, known);
             open = known.open;
             loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
             for (int b = 0; b < 8; ++b) {
@@ -82,7 +94,6 @@ template <class Family> struct Imperfect {
                 for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
-            if (proven) return;
             if (!open && columns.count() % 2 == 0) {
                 if (close) set_status(columns.flags[0], Status::incomplete);
                 return;
