@@ -24,6 +24,8 @@ template <Shoulder kind> struct SphericalWrist {
     using Arm = SphericalWristArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Shoulder::general;
+    // Joints that lead in a box; see Inclusion.
+    static constexpr int before_elbow = 1, after_elbow = 5;
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
     // Angles of a block that are computed together, which gives the processor independent work: t1 of both fronts and

@@ -80,6 +80,8 @@ template <Hand kind> struct ThreeParallel {
     using Arm = ThreeParallelArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
+    // Joints that lead in a box; see Inclusion.
+    static constexpr int before_elbow = 5, after_elbow = 1;
 
     // Angles of a block that are computed together, which gives the processor independent work: joints 1 and 5 of both
     // shoulders; phi and joint 6 of both, or of all four wrists; the elbow's bend for these; joint 2 of all branches.

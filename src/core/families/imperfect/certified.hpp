@@ -13,6 +13,9 @@ struct Inclusion {
     void (*include)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first, Boxes& to);
     void (*within)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, const Signs<Block>& signs,
                    const Arcs<Ball<Block>>& known, BoxBlock& to);
+    // The joints that others follow from, in the order of the steps: a box is halved along the first one that is wide. It decides the
+    // cost only.
+    int leading[3];
 };
 
 // The targets of the ideal arm for the joint vectors in a block of boxes: those within `turn` and `shift` of `middle`.

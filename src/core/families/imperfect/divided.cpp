@@ -2,15 +2,12 @@
 #include "families/imperfect/divided.hpp"
 
 #include "certificate/cluster.hpp"
-#include <cstdio>
-#include <algorithm>
-#include <cstdlib>
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Blocks of boxes that are looked at before a pose is left open, and boxes that may wait. None of the numbers here decides what is
-// proven.
-inline constexpr int BLOCKS_OF_BOXES = 300, WAITING = 512;
+// Boxes that are looked at before a pose is left open, and boxes that may wait: where more wait, they hardly shrink. None of the
+// numbers here decides what is proven.
+inline constexpr int MOST_BOXES = 2400, WAITING = 64;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
 // Half the width [rad] of a box below which a region about a singular root is looked for, and how many times.
@@ -18,6 +15,8 @@ inline constexpr double NEAR_A_ROOT = 0.06;
 inline constexpr int REGIONS = 256, LOOKS = 256;
 // It is looked for again in boxes narrower by this factor, and a pose is left open where a box of half this width [rad] is.
 inline constexpr double NARROWER = 0.4, NARROWEST = 1e-10;
+// A leading joint is halved first where it is at least this share of the widest.
+inline constexpr double LEADS = 0.3;
 // Rounding of an arc's ends [rad].
 inline constexpr double ROUNDED_ARC = 4e-15;
 
@@ -29,12 +28,12 @@ struct Box {
 };
 
 // A region that holds the roots that were found in it, and no others: |across| and |along| from its centre.
-struct Region6 {
+struct Surroundings {
     double q[6], direction[6][6], across, along;
 };
 
 // Whether a box of joint values lies in the region.
-STEP bool holds(const Region6& region, const double (&q)[6], const double (&half)[6]) {
+STEP bool holds(const Surroundings& region, const double (&q)[6], const double (&half)[6]) {
     double d[6], across = 0.0, along = 0.0;
     for (int j = 0; j < 6; ++j) d[j] = wrap(wrap(q[j] - region.q[j]));
     for (int k = 0; k < 6; ++k) {
@@ -51,7 +50,7 @@ struct Divider {
     Certified& out;
     Box box[WAITING + BLOCK];
     int waiting = 0;
-    Region6 region[REGIONS];
+    Surroundings region[REGIONS];
     int regions = 0, tried = 0;
     bool blurred = false;
 
@@ -76,7 +75,7 @@ struct Divider {
     }
 
     void keep_region(const double (&q)[6], const Number (&direction)[6][6], double across, double along) {
-        Region6& to = region[regions++];
+        Surroundings& to = region[regions++];
         for (int k = 0; k < 6; ++k) {
             to.q[k] = q[k];
             for (int j = 0; j < 6; ++j) to.direction[k][j] = direction[k][j].re;
@@ -141,7 +140,6 @@ struct Divider {
         values_of(each, start);
         if (no_root(each, start)) return;
         for (int j = 0; j < 6; ++j) q[j] = start[j];
-        if (getenv("DBG")) printf("LOOK %.2e\n", *std::max_element(each.half, each.half+6));
         const double error = polish_one<true>(of.written, of.goal, q, {40, FINISHED, LONG_PATIENCE}).error;
         double far = 0.0;
         for (int j = 0; j < 6; ++j) far = max(far, abs(wrap(wrap(q[j] - start[j]))));
@@ -150,7 +148,6 @@ struct Divider {
         Number from[6];
         for (int k = 0; k < 6; ++k) from[k] = q[k];
         Cluster pair;
-        if (0) { const bool ok = cluster_near(of.loop, from, 1, pair); printf("look err %.1e far %.1e cluster %d R %.2e rho %.2e large %.2e %.2e starts %d apart %d blurred %d\n", error, far, ok, pair.along, pair.across, pair.larger_along, pair.larger_across, pair.starts, pair.apart, pair.blurred); }
         if (cluster_near(of.loop, from, 1, pair) && add_pair_of_roots(pair, each.branch)) return;
         Region found;
         Local at;
@@ -169,7 +166,7 @@ struct Divider {
     bool add_pair_of_roots(const Cluster& pair, int branch) {
         double centre[6];
         for (int k = 0; k < 6; ++k) centre[k] = wrap(wrap(pair.q[k].re));
-        Region6 all = {};
+        Surroundings all = {};
         for (int k = 0; k < 6; ++k) {
             all.q[k] = centre[k];
             for (int j = 0; j < 6; ++j) all.direction[k][j] = pair.direction[k][j].re;
@@ -190,7 +187,6 @@ struct Divider {
         double between = 0.0;
         for (int j = 0; j < 6 && good == 2; ++j) between += square(wrap(wrap(q[0][j] - q[1][j])));
         const auto radius = [](const Region& r) { return sqrt(r.across * r.across + r.along * r.along); };
-        if (getenv("DBG")) { printf("good %d between %.2e radii %.2e %.2e\n", good, sqrt(between), radius(found[0]), radius(found[1])); }
         const bool both = good == 2 && sqrt(between) > radius(found[0]) + radius(found[1]) + 1e-14;
         if (!both && !pair.blurred && !pair.apart) return false;
         int kept = 0;
@@ -223,6 +219,12 @@ struct Divider {
             const double weight = apart.turn[j + 1] * (1.0 + apart.length[j + 1] / size) + apart.shift[j + 1] / size;
             const double moves = (weight + 1e-12) * each.half[j];
             if (moves > most) most = moves, widest = j;
+        }
+        double wide = 0.0;
+        for (const double half : each.half) wide = max(wide, half);
+        for (int k = 2; k >= 0; --k) {
+            const int j = of.family.leading[k];
+            if (each.half[j] >= LEADS * wide && wide > NEAR_A_ROOT) widest = j;
         }
         if (waiting + 2 > WAITING) return false;
         for (int side = -1; side <= 1; side += 2) {
@@ -303,8 +305,7 @@ struct Divider {
                 if (is_decided(now[l])) continue;
                 now[l].look = NARROWER * widest[l];
             }
-            if (widest[l] < NARROWEST) { if (getenv("DBG")) { puts("NARROWEST"); double qq[6]; values_of(now[l], qq); for (double x : qq) printf("%.12g ", x); puts(""); } return false; }
-            if (getenv("DBG")) { printf("halve b%d ", now[l].branch); for (int j=0;j<6;++j) printf("%.4g+-%.1e ", now[l].middle[j], now[l].half[j]); puts(""); }
+            if (widest[l] < NARROWEST) return false;
             if (!halve(now[l])) return false;
         }
         return true;
@@ -323,8 +324,7 @@ void divide(const Division& of, const Boxes& boxes, unsigned open, Certified& ou
             to.middle[j] = arc ? atan2(s, c) : 0.0, to.half[j] = arc ? x + 0.056 * x * x * x + ROUNDED_ARC : PI;
         }
     }
-    for (int k = 0; k < BLOCKS_OF_BOXES; ++k) {
-        if (getenv("DBG")) printf("step %d waiting %d roots %d regions %d\n", k, divider.waiting, out.many, divider.regions);
+    for (int k = 0; k < MOST_BOXES; k += BLOCK) {
         if (!divider.waiting) {
             out.status = divider.blurred ? Status::clustered : Status::complete;
             return;

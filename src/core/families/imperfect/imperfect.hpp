@@ -77,7 +77,8 @@ template <class Family> struct Imperfect {
         if constexpr (!by_quartic) {
             Known known;
             const Certified all = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen,
-                                              {&arm.family, include_branches, include_boxes}, known);
+                                              {&arm.family, include_branches, include_boxes, {0, Family::before_elbow, Family::after_elbow}},
+                                              known);
             if (all.status != Status::incomplete) {
                 for (int i = 0; i < all.many; ++i) {
                     const auto& each = all.root[i];
