@@ -13,12 +13,13 @@ ROOT = HERE.parent
 sys.path.insert(0, str(HERE))
 
 import drawings  # noqa: E402  beside this file
+import gallery  # noqa: E402
 import names  # noqa: E402
 
 import urdf_ik  # noqa: E402
 
 project = "urdf-ik"
-author = "the authors of urdf-ik"
+author = "the urdf-ik authors"
 release = version = urdf_ik.__version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode", "formulas"]
@@ -27,6 +28,8 @@ html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"urdf-ik {release}"
 html_theme_options = {"source_repository": "", "navigation_with_keys": True}
+html_show_sphinx = False
+copyright = "2026, the urdf-ik authors"  # noqa: A001  Sphinx's name for it; the footer shows it
 html_static_path = ["_static"]
 html_css_files = ["pages.css"]
 
@@ -40,6 +43,7 @@ nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # sliders need a kernel, and their scripts a network
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings give types, shapes and units
@@ -51,7 +55,12 @@ napoleon_use_rtype = False
 default_role = "code"
 
 # Links of the pages to files outside docs/, and their places in the build.
-OUTSIDE = {"../notebooks/": "/notebooks/", "../CHANGELOG.md": "/changelog.md", "../CONTRIBUTING.md": "/contributing.md"}
+OUTSIDE = {
+    "../notebooks/": "/notebooks/",
+    "../../notebooks/": "/notebooks/",
+    "../CHANGELOG.md": "/changelog.md",
+    "../CONTRIBUTING.md": "/contributing.md",
+}
 
 
 def copy_sources(app: Any) -> None:
@@ -64,6 +73,7 @@ def copy_sources(app: Any) -> None:
     for name in ("CHANGELOG", "CONTRIBUTING"):
         shutil.copy(ROOT / f"{name}.md", HERE / f"{name.lower()}.md")
     drawings.write(HERE / "_generated")
+    gallery.write(HERE / "_generated")
     names.write(HERE / "reference")
 
 
@@ -75,7 +85,14 @@ def point_inside(app: Any, name: str, source: list[str]) -> None:
         source[0] = re.sub(r"\]\(docs/", "](/", source[0]).replace("](CHANGELOG.md)", "](/changelog.md)")
 
 
+def whole_sentences(app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
+    """Give a constant its sentence back: napoleon takes what stands before a colon for a type."""
+    if what in ("attribute", "data") and lines and lines[-1].startswith(":type: "):
+        lines[0] = f"{lines.pop().removeprefix(':type: ')}: {lines[0]}"
+
+
 def setup(app: Any) -> None:
-    """Connect both functions to the build."""
+    """Connect these functions to the build."""
+    app.connect("autodoc-process-docstring", whole_sentences, priority=600)  # after napoleon's 500
     app.connect("builder-inited", copy_sources)
     app.connect("source-read", point_inside)

@@ -88,12 +88,10 @@ DRAWINGS = {
 
 
 def write(folder: Path) -> None:
-    """Draw every arm as SVG into `folder`, and the first page's picture."""
+    """Draw every arm as SVG into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, drawing in DRAWINGS.items():
         plot.save(axes_of(drawing.load(name), np.array(drawing.q), drawing.marked), str(folder / f"{name}.svg"))
-    arm = urdf_ik.load("zyyzyz_6r")
-    plot.save(plot.branches(arm.ik(arm.fk([0.5, -0.7, -1.4, -1.8, 0.8, 1.6])), shapes=True), str(folder / "index.png"))
     fold(folder / "fold.svg")
 
 

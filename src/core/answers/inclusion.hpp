@@ -24,6 +24,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // (Tolerances::reach, 1e-10).
 inline constexpr double TINY_MARGIN = 1e-11;
 inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
+// A margin empties a box only if it is below -EMPTY_MARGIN. Two roots that are not real, but whose margin is above, keep the pose
+// to about the margin at their real part: Tolerances::reach would verify it, and another rounding of the pose would make them real.
+// Their box stays, and without a solution in it nothing is proven.
+inline constexpr double EMPTY_MARGIN = 1e-10;
 
 // Whether three signs tell a family's branches apart.
 template <class Family> constexpr bool branches_have_signs() {
@@ -64,7 +68,7 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
     const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
     for (int k = 0; k < 3; ++k) {
         const Block most = margins[k]->greatest();
-        const unsigned below = bits(most < Block(0.0)), above = bits(margins[k]->least() > Block(0.0));
+        const unsigned below = bits(most < Block(-EMPTY_MARGIN)), above = bits(margins[k]->least() > Block(0.0));
         to.empty |= below << first, to.open[k] |= (~above & ((1u << BLOCK) - 1)) << first;
         to.tiny[k] |= bits(most <= Block(TINY_MARGIN)) << first;
     }

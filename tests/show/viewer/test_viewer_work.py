@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,9 +18,12 @@ from urdf_ik.model import catalogue
 
 pytest.importorskip("viser")
 
+from PIL import Image  # noqa: E402  it comes with viser
+
 from urdf_ik.show.viewer import Viewer  # noqa: E402
 from urdf_ik.show.viewer import state as states  # noqa: E402
-from urdf_ik.show.viewer.work import typed_text  # noqa: E402
+from urdf_ik.show.viewer.surroundings import points_beside  # noqa: E402
+from urdf_ik.show.viewer.work import recording, typed_text  # noqa: E402
 
 ARM = "zyyzyz_6r"
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
@@ -137,7 +142,7 @@ def test_ghosts_can_be_hidden(viewer: Viewer, arm: urdf_ik.Arm) -> None:
     viewer.move_target(arm.fk(Q))
     counts = {}
     for what in states.SHOWN:
-        by_reader(viewer.work.shown, what)
+        by_reader(viewer.work.ghosts.shown, what)
         assert viewer.settle(30.0)
         counts[what] = len(viewer.state.drawn)
         sizes = [handle.batched_scales for _, handle in viewer.drawing._ghosts]
@@ -180,7 +185,90 @@ def test_the_camera_sees_the_path_and_the_table(arm: urdf_ik.Arm) -> None:
     world.add("table", urdf_ik.Box((0.1, 0.1, 0.1)), urdf_ik.pose([0.0, 1.5, 0.0]))
     with Viewer(arm, port=0) as alone, Viewer(arm, port=0, world=world) as beside:
         (_, middle), (_, other) = (
-            shown.drawing.camera(shown.state, 1.3, None, shown._beside(None, shown.state.world, arm.chain.size))
+            shown.drawing.camera(shown.state, 1.3, None, points_beside(None, shown.state.world, arm.chain.size))
             for shown in (alone, beside)
         )
     assert other[1] > middle[1]
+
+
+def press(widget: Any, value: str) -> None:
+    """What a reader does with one button of a group."""
+    widget.value = value
+    for call in widget._impl.update_cb:
+        call(SimpleNamespace(client_id=0, client=None, target=widget))
+
+
+def test_single_ghosts_are_hidden_and_shown(viewer: Viewer, arm: urdf_ik.Arm) -> None:
+    """The named branch is no longer drawn, its button says so, and the keys pass it over; then it is there again."""
+    viewer.move_target(arm.fk(Q))
+    assert viewer.settle(30.0)
+    ghost = next(each for each in viewer.state.drawn if not each.outside)
+    choice = viewer.work.ghosts
+    by_reader(choice.branch, ghost.branch)
+    press(choice.actions, "Hide")
+    assert viewer.settle(30.0)
+    assert ghost.branch not in [each.branch for each in viewer.state.drawn]
+    assert "hidden" in viewer.panel.branches[ghost.column].label
+    assert all(handle.batched_scales[ghost.column] == 0.0 for _, handle in viewer.drawing._ghosts)
+    around = viewer.state
+    for _ in range(8):
+        around = states.with_next(around, 1)
+        assert np.abs(around.q - ghost.q).max() > 1e-6
+    press(choice.actions, "Show")
+    assert viewer.settle(30.0) and ghost.branch in [each.branch for each in viewer.state.drawn]
+
+
+def test_a_pinned_ghost_stays_where_it_is(viewer: Viewer, arm: urdf_ik.Arm) -> None:
+    """The target moves on, the pinned solution does not; unpinned it is gone."""
+    viewer.move_target(arm.fk(Q))
+    assert viewer.settle(30.0)
+    choice, ghost = viewer.work.ghosts, viewer.state.ghosts[3]
+    by_reader(choice.branch, ghost.branch)
+    press(choice.actions, "Pin")
+    viewer.move_target(arm.fk(0.5 * Q))
+    assert viewer.settle(30.0)
+    assert [each.q.tolist() for each in viewer.state.pinned] == [ghost.q.tolist()]
+    places = arm.link_poses(ghost.q)
+    link, handle = viewer.drawing._pinned[-1]
+    np.testing.assert_allclose(handle.batched_positions[ghost.column], places[link][:3, 3], atol=1e-6)
+    assert handle.batched_scales.tolist() == [float(k == ghost.column) for k in range(8)]
+    assert "(pinned)" in viewer.html() and "pinned" in viewer.panel.branches[ghost.column].label
+    press(choice.actions, "Unpin")
+    assert viewer.settle(30.0) and not viewer.state.pinned and not handle.batched_scales.any()
+
+
+def test_a_measure_is_that_of_the_two_frames(viewer: Viewer, arm: urdf_ik.Arm) -> None:
+    """From the base to the tip: the distance, the way in the base and the turn of the tip's pose; a line along it."""
+    measure = viewer.work.measure
+    by_reader(measure.ends[0], arm.base)
+    assert not measure.line.visible
+    by_reader(measure.ends[1], arm.tip)
+    for q in (Q, 0.5 * Q):
+        by_reader(viewer.work.text, f"q = {q.tolist()}")
+        assert viewer.settle(30.0)
+        T = arm.fk(q)
+        x, y, z = T[:3, 3]
+        angle = np.rad2deg(np.arccos(np.clip(0.5 * (np.trace(T[:3, :3]) - 1.0), -1.0, 1.0)))
+        words = measure.words.content
+        assert f"{np.linalg.norm(T[:3, 3]):.4f} m" in words and f"{angle:.2f} deg" in words
+        assert f"x {x:.4f}, y {y:.4f}, z {z:.4f} m" in words
+        np.testing.assert_allclose(measure.line.points[0], [np.zeros(3), T[:3, 3]], atol=1e-6)
+    by_reader(measure.ends[1], "-")
+    assert not measure.line.visible and not measure.words.content
+
+
+def test_a_recording_keeps_frames_and_their_times() -> None:
+    """A GIF has every frame, in its colours, for as long as it was seen; a zip has each as a PNG."""
+    shades = (0, 120, 240)
+    frames = [
+        (0.5 * k, recording.reduced(np.full((30, 40, 3), shade, dtype=np.uint8))) for k, shade in enumerate(shades)
+    ]
+    moving = Image.open(io.BytesIO(recording.written(frames, recording.KINDS[0])))
+    assert moving.n_frames == 3
+    for k, shade in enumerate(shades):
+        moving.seek(k)
+        assert moving.info["duration"] == 500
+        assert np.abs(np.array(moving.convert("RGB"), dtype=int) - shade).max() <= 4
+    with zipfile.ZipFile(io.BytesIO(recording.written(frames, recording.KINDS[1]))) as archive:
+        assert archive.namelist() == ["0000.png", "0001.png", "0002.png"]
+        assert np.array(Image.open(archive.open("0002.png")).convert("RGB"))[0, 0].tolist() == [240] * 3

@@ -25,6 +25,7 @@ _T = TypeVar("_T")
 _LONGEST = 1000
 """Greatest length of an attribute with numbers [characters]; three numbers with 17 digits take far fewer."""
 MOVABLE = ("revolute", "continuous", "prismatic")
+"""Types of joints that move a chain."""
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
 
 # Decimal numbers only, as urdfdom takes them: float() would also take nan, inf, 1_000 and other scripts' digits.

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from urdf_ik.maps.workspaces import PlanarWorkspace, StoredMap, WorkspaceMap
 
 SUFFIXES = (".png", ".svg", ".pdf")
+"""Endings of the files that a picture is written to."""
 _COLUMNS = 4
 _DPI = 110
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_OPACITY = 0.4
+_OPACITY, _PINNED_OPACITY = 0.4, 0.75
 # rad, and share of the arm's size, by which links of two solutions differ that are not in the same place.
 _SAME = 1e-6
 # Where the camera stands, as seen from the arm; how far the arm is left of the middle, where the panel is not; and what
@@ -29,6 +29,7 @@ _FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
 _MOST_FACES = 4000
 _ABOVE = 0.45
 """Share of a narrow window's height that the panel below leaves for the arm."""
+_PINNED_WIDTH = 5.0
 _LINE, _LINE_ON_BLACK = (40, 40, 40), (215, 215, 215)
 _NAMED = 2
 """Greatest number of shapes that could not be read which the page names one by one."""
@@ -62,6 +63,9 @@ class Drawing:
         self._lines: list[Any] = []
         self._bodies: list[tuple[str, Any]] = []
         self._ghosts: list[tuple[str, Any]] = []
+        self._pinned: list[tuple[str, Any]] = []  # made when the first ghost is pinned
+        self._pinned_lines: list[Any] = []
+        self._forms: dict[str, trimesh.Trimesh] = {}
         self._edges = [
             (joint.parent, joint.child) for joint in arm.model.joints if np.linalg.norm(joint.origin[:3, 3]) > 0.0
         ]
@@ -69,8 +73,10 @@ class Drawing:
             self._bodies.append((body.link, scene.add_mesh_trimesh(f"/robot/body_{k}", body.mesh)))
         moving = self._moving()
         for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
-            self._ghosts.append((link, self._add_ghosts([b.mesh for b in shapes.bodies if b.link == link])))
-        self._axes = None
+            whole = link_shapes.joined([body.mesh for body in shapes.bodies if body.link == link])
+            self._forms[link] = link_shapes.simplified(whole, _MOST_FACES)
+        self._ghosts = self._add_ghosts("ghosts", _OPACITY)
+        self._axes: Any = None
         if self.missing or not self.has_shapes:
             self._add_lines()
         scene.add_frame("/robot/base", axes_length=0.15 * self._size, axes_radius=0.004 * self._size)
@@ -85,8 +91,9 @@ class Drawing:
             keep_target: leave the handles alone, as they are being dragged.
         """
         drawn = state.drawn
-        vectors = np.stack([state.q, *(ghost.q for ghost in drawn)])
-        poses = self._arm.link_poses(vectors)
+        vectors = np.stack([state.q, *(ghost.q for ghost in (*drawn, *state.pinned))])
+        every = self._arm.link_poses(vectors)
+        poses = {link: T[: 1 + len(drawn)] for link, T in every.items()}
         for link, handle in self._bodies:
             _place(handle, poses[link][0])
         _place(self._tip, poses[self._arm.tip][0])
@@ -96,7 +103,11 @@ class Drawing:
             new = np.flatnonzero(_first_of_their_kind(poses[link], _SAME * self._size)[1:])
             self._place_ghosts(handle, [columns[k] for k in new], poses[link][1 + new])
         if self._lines:
-            self._place_lines(columns, poses)
+            self._place_lines(self._lines, [0, *(1 + column for column in columns)], poses)
+            here = np.stack([poses[link][0] for link in self._arm.model.links])
+            self._axes.batched_positions = here[:, :3, 3].astype(np.float32)
+            self._axes.batched_wxyzs = to_quat_wxyz(here).astype(np.float32)
+        self._place_pinned([ghost.column for ghost in state.pinned], every)
         if not keep_target:
             _place(self.target, state.target)
 
@@ -132,7 +143,7 @@ class Drawing:
             aspect: width of the window as a share of its height; a narrow one has the panel below. Default: a wide one.
             beside: (k, 3) m, what else is to be seen: waypoints, and obstacles.
         """
-        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in (*state.ghosts, *state.pinned))]))
         points = np.concatenate([poses[link].reshape(-1, 4, 4)[:, :3, 3] for link in self._arm.model.links])
         if beside is not None:
             points = np.concatenate([points, beside])
@@ -160,21 +171,27 @@ class Drawing:
         poses = self._arm.link_poses(np.stack([np.zeros(self._arm.dof), np.ones(self._arm.dof)]))
         return {link for link, (first, second) in poses.items() if not np.array_equal(first, second)}
 
-    def _add_ghosts(self, meshes: list[trimesh.Trimesh]) -> Any:
-        one = link_shapes.simplified(link_shapes.joined(meshes), _MOST_FACES)
-        return self._scene.add_batched_meshes_simple(
-            f"/robot/ghosts_{len(self._ghosts)}",
-            one.vertices,
-            one.faces,
-            np.tile([1.0, 0.0, 0.0, 0.0], (self._capacity, 1)),
-            np.zeros((self._capacity, 3)),
-            batched_scales=np.zeros(self._capacity),
-            batched_colors=self._colours,
-            opacity=_OPACITY,
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
+    def _add_ghosts(self, name: str, opacity: float) -> list[tuple[str, Any]]:
+        """Each moving link as many times as there are branches, in their colours and of no size yet."""
+        return [
+            (
+                link,
+                self._scene.add_batched_meshes_simple(
+                    f"/robot/{name}_{k}",
+                    one.vertices,
+                    one.faces,
+                    np.tile([1.0, 0.0, 0.0, 0.0], (self._capacity, 1)),
+                    np.zeros((self._capacity, 3)),
+                    batched_scales=np.zeros(self._capacity),
+                    batched_colors=self._colours,
+                    opacity=opacity,
+                    lod="off",
+                    cast_shadow=False,
+                    receive_shadow=False,
+                ),
+            )
+            for k, (link, one) in enumerate(self._forms.items())
+        ]
 
     def _place_ghosts(self, handle: Any, columns: list[int], poses: Array) -> None:
         # Columns without a ghost are scaled to nothing: another number of instances would build them all anew.
@@ -186,18 +203,33 @@ class Drawing:
             places.astype(np.float32), turns.astype(np.float32), sizes.astype(np.float32)
         )  # fmt: skip
 
-    def _add_lines(self) -> None:
+    def _place_pinned(self, columns: list[int], every: dict[str, Array]) -> None:
+        if columns and not (self._pinned or self._pinned_lines):
+            self._pinned = self._add_ghosts("pinned", _PINNED_OPACITY)
+            if self._lines:
+                self._pinned_lines = self._add_segments("pinned_line", list(self._colours), [_PINNED_WIDTH])
+        behind = {link: T[len(T) - len(columns) :] for link, T in every.items()}
+        for link, handle in self._pinned:
+            self._place_ghosts(handle, columns, behind[link])
+        if self._pinned_lines:
+            self._place_lines(self._pinned_lines, columns, behind)
+
+    def _add_segments(self, name: str, shades: list[Any], widths: list[float]) -> list[Any]:
+        """An object of lines along the links for each shade; the last of the widths is that of all others."""
         shape = (max(len(self._edges), 1), 2, 3)
-        for k, colour in enumerate([self._own_line, *self._colours]):
-            self._lines.append(
-                self._scene.add_line_segments(
-                    f"/robot/line_{k}",
-                    np.zeros(shape),
-                    np.broadcast_to(colour, shape),
-                    thickness=6.0 if k == 0 else 3.0,
-                    thickness_units="screen",
-                )
+        return [
+            self._scene.add_line_segments(
+                f"/robot/{name}_{k}",
+                np.zeros(shape),
+                np.broadcast_to(shade, shape),
+                thickness=widths[min(k, len(widths) - 1)],
+                thickness_units="screen",
             )
+            for k, shade in enumerate(shades)
+        ]
+
+    def _add_lines(self) -> None:
+        self._lines = self._add_segments("line", [self._own_line, *self._colours], [6.0, 3.0])
         count = len(self._arm.model.links)
         self._axes = self._scene.add_batched_axes(
             "/robot/axes",
@@ -207,17 +239,14 @@ class Drawing:
             axes_radius=0.003 * self._size,
         )
 
-    def _place_lines(self, columns: list[int], poses: dict[str, Array]) -> None:
-        points = np.zeros((len(self._lines), max(len(self._edges), 1), 2, 3), dtype=np.float32)
+    def _place_lines(self, lines: list[Any], at: list[int], poses: dict[str, Array]) -> None:
+        """Put the lines of these numbers along the links, and the others nowhere."""
+        points = np.zeros((len(lines), max(len(self._edges), 1), 2, 3), dtype=np.float32)
         for k, ends in enumerate(self._edges):
             for end, link in enumerate(ends):
-                points[[0, *(1 + column for column in columns)], k, end] = poses[link][:, :3, 3]
-        for handle, each in zip(self._lines, points, strict=True):
+                points[at, k, end] = poses[link][:, :3, 3]
+        for handle, each in zip(lines, points, strict=True):
             handle.points = each
-        here = np.stack([poses[link][0] for link in self._arm.model.links])
-        if self._axes is not None:
-            self._axes.batched_positions = here[:, :3, 3].astype(np.float32)
-            self._axes.batched_wxyzs = to_quat_wxyz(here).astype(np.float32)
 
 
 def _first_of_their_kind(poses: Array, distance: float) -> NDArray[np.bool_]:

@@ -87,12 +87,14 @@ class Panel:
         """Set every widget to what ``state`` says, except for ``keep``, which is being moved."""
         self.status.content = _status(state)
         chosen, by_column = state.chosen, {ghost.column: k for k, ghost in enumerate(state.ghosts)}
+        pinned = {ghost.column for ghost in state.pinned}
         for column, button in enumerate(self.branches):
             k = by_column.get(column)
             button.visible = k is not None
             if k is not None:
                 ghost = state.ghosts[k]
-                button.label = _label(ghost.branch, ghost.marks, k == chosen)
+                seen = ["hidden"] * (column in state.hidden) + ["pinned"] * (column in pinned)
+                button.label = _label(ghost.branch, (*ghost.marks, *seen), k == chosen)
         for slider, value in zip(self.sliders, state.q, strict=True):
             if slider is not keep:
                 turn_to(slider, float(value))

@@ -14,10 +14,17 @@ import numpy as np
 from urdf_ik.arm import load
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.model.poses import pose
-from urdf_ik.show.viewer import address, guard, playback
+from urdf_ik.show.viewer import address, guard, page_messages, playback
 from urdf_ik.show.viewer import state as states
+from urdf_ik.show.viewer.arm_and_gizmo import Drawing
+from urdf_ik.show.viewer.arm_panel import STYLE, Panel, plain
 from urdf_ik.show.viewer.embedding import Embedded, picture
+from urdf_ik.show.viewer.path_panel import PathPanel
 from urdf_ik.show.viewer.request_queue import Latest
+from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
+from urdf_ik.show.viewer.work import recording, saved_page, sources
+from urdf_ik.show.viewer.work.panel import WorkPanel
+from urdf_ik.show.viewer.work.uploads import Uploads
 from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
@@ -31,12 +38,11 @@ if TYPE_CHECKING:
     from urdf_ik.paths import Plan
     from urdf_ik.paths.planned_motion import Stop
     from urdf_ik.show.viewer.map_view import MapView
-    from urdf_ik.show.viewer.path_panel import PathPanel
     from urdf_ik.show.viewer.playback import Track
     from urdf_ik.show.viewer.state import State
-    from urdf_ik.show.viewer.surroundings import PathDrawing
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
+"""The command that installs what the viewer needs."""
 
 
 class Viewer:
@@ -47,7 +53,8 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
-        work: the widgets to paste, copy, and choose postures with.
+        work: the widgets to paste, copy, choose postures and ghosts, and measure with.
+        recorder: the widgets that record the page.
         track: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
@@ -90,15 +97,7 @@ class Viewer:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.show.viewer import arm_and_gizmo, arm_panel, page_messages, path_panel, surroundings
-        from urdf_ik.show.viewer.work import panel, saved_page, sources, uploads
-
         address.check(host, port)
-        self._parts, self._plain = (arm_panel.Panel, arm_and_gizmo.Drawing), arm_panel.plain
-        self._upload_part, self._work_part = uploads.Uploads, panel.WorkPanel
-        self._beside, self._saved = surroundings.points_beside, saved_page.with_names
-        self._source_part = sources.add
-        self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)
         self.message = ""
@@ -123,7 +122,7 @@ class Viewer:
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
         self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
-        self.server.gui.add_html(arm_panel.STYLE, order=-1e9)
+        self.server.gui.add_html(STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
@@ -196,7 +195,7 @@ class Viewer:
         target = self.drawing.target
         target.visible = False  # handles that would move nothing
         try:
-            return str(self._saved(self.server.scene.as_html(), self.state, self._dark))
+            return str(saved_page.with_names(self.server.scene.as_html(), self.state, self._dark))
         finally:
             target.visible = True
 
@@ -305,16 +304,17 @@ class Viewer:
 
     def _say(self, text: str) -> None:
         self.message = text
-        self._message.content = "\n\n".join(self._plain(line) for line in text.splitlines())
+        self._message.content = "\n\n".join(plain(line) for line in text.splitlines())
 
     def _show_arm(self, state: State) -> None:
         """Build scene and panel of another arm."""
-        panel, drawing = self._parts
         self.state, arm = state, state.arm
-        self.drawing = drawing(self.server.scene, arm, self._dark)
-        self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
-        self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
-        self.work = self._work_part(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
+        self.drawing = Drawing(self.server.scene, arm, self._dark)
+        self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
+        self.obstacles = Obstacles(self.server.scene, state.world, arm.chain.size)
+        self.work = WorkPanel(
+            self.server.gui, self.server.scene, arm, lambda step: self._update(object(), step), self._say
+        )
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         self._look(self.server.initial_camera)
@@ -328,9 +328,13 @@ class Viewer:
             if client.client_id in self.server.get_clients():
                 self._look(client.camera, client.camera.aspect)
 
+    def _framed(self, event: Any) -> None:
+        if event.client is not None:
+            self._greet(event.client)
+
     def _look(self, camera: Any, aspect: float | None = None) -> None:
         """Have a page see the whole arm; ``aspect`` is its window's."""
-        beside = self._beside(self.track, self.state.world, self.state.arm.chain.size)
+        beside = points_beside(self.track, self.state.world, self.state.arm.chain.size)
         camera.position, camera.look_at = self.drawing.camera(self.state, camera.fov, aspect, beside)
 
     def _show(self, state: State, held: object = None) -> None:
@@ -362,10 +366,9 @@ class Viewer:
         if plan is None:
             return
         self.track = playback.track(plan)
-        panel, drawing, _ = self._path_parts
         self._path = (
-            panel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end, self._dark),
-            drawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
+            PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end, self._dark),
+            PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
         )
         self._go_to(0.0)
         for client in self.server.get_clients().values():
@@ -433,8 +436,11 @@ class Viewer:
 
     def _add_sources(self) -> None:
         """The widgets that stay: another arm, and the scene as a file."""
-        self.sources = self._source_part(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
+        self.sources = sources.add(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
+        self.recorder = recording.Recorder(self.server.gui, lambda: self.state.arm.name, self._say)
+        frame = self.server.gui.add_command("Frame arm, path and obstacles", hotkey="F")
+        frame.on_trigger(self._framed)
         _, upload, base, tip, _ = self.sources
-        self.uploads = self._upload_part(
+        self.uploads = Uploads(
             self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
         )

@@ -77,6 +77,8 @@ class State:
         intervals: where along its one redundancy parameter the target has solutions inside the limits; None for an
             arm without one, or one whose intervals are not known.
         shown: which ghosts are drawn, one of ``SHOWN``.
+        hidden: columns of branches whose ghosts are not drawn.
+        pinned: solutions of earlier targets that stay where they are, at most one of each branch.
     """
 
     arm: Arm
@@ -90,12 +92,14 @@ class State:
     model: CollisionModel | None = None
     intervals: Intervals | None = None
     shown: str = SHOWN[0]
+    hidden: frozenset[int] = frozenset()
+    pinned: tuple[Ghost, ...] = ()
 
     @property
     def drawn(self) -> tuple[Ghost, ...]:
         """The ghosts that are drawn: those that are to be shown, but for the one that the arm stands at."""
         everything, inside, clean, _ = (self.shown == each for each in SHOWN)
-        kept = (g for k, g in enumerate(self.ghosts) if k != self.chosen)
+        kept = (g for k, g in enumerate(self.ghosts) if k != self.chosen and g.column not in self.hidden)
         return tuple(g for g in kept if everything or (inside and not g.outside) or (clean and not g.marks))
 
     @property
@@ -172,9 +176,23 @@ def with_shown(state: State, what: str) -> State:
     return replace(state, shown=what)
 
 
+def with_hidden(state: State, columns: frozenset[int], hidden: bool) -> State:
+    """The ghosts of these branches no longer drawn, or drawn again."""
+    return replace(state, hidden=state.hidden | columns if hidden else state.hidden - columns)
+
+
+def with_pinned(state: State, columns: frozenset[int], pinned: bool) -> State:
+    """The solutions of these branches drawn where they are now, wherever the target goes; or no longer."""
+    others = tuple(ghost for ghost in state.pinned if ghost.column not in columns)
+    return replace(state, pinned=(*others, *(g for g in state.ghosts if pinned and g.column in columns)))
+
+
 def with_next(state: State, step: int) -> State:
-    """The arm moved to the next solution of its target inside the limits, by branch; ``step`` -1: to the one before."""
-    inside = [ghost for ghost in state.ghosts if not ghost.outside]
+    """The arm moved to the next solution of its target inside the limits, by branch; ``step`` -1: to the one before.
+
+    Solutions of hidden branches are passed over.
+    """
+    inside = [ghost for ghost in state.ghosts if not ghost.outside and ghost.column not in state.hidden]
     if not inside:
         return state
     at = state.nearest(tuple(inside))

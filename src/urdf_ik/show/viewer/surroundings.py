@@ -32,18 +32,41 @@ _FOUND, _FOUND_ON_BLACK, _MISSED = (30, 30, 30), (225, 225, 225), (214, 39, 40)
 
 
 _FAR = 3.0
-"""Obstacles whose places are within so many sizes of the arm are looked at."""
+"""Obstacles, and corners of them, within so many sizes of the arm are looked at."""
+_CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
 def points_beside(track: Track | None, world: World | None, size: float) -> Array | None:
-    """Points (k, 3) [m] that a camera is to see besides the arm: waypoints, and the places of near obstacles.
+    """Points (k, 3) [m] that a camera is to see besides the arm: waypoints, and the corners of near obstacles.
 
     None without any; ``size`` is the arm's [m].
     """
-    places = [each.pose[:3, 3] for each in world or () if not isinstance(each.shape, HalfSpace)]
-    near = [place for place in places if np.linalg.norm(place) < _FAR * size]
-    points = [*near, *([] if track is None else track.plan.poses[:, :3, 3])]
-    return np.array(points) if points else None
+    points = [] if track is None else [track.plan.poses[:, :3, 3]]
+    for each in world or ():
+        if not isinstance(each.shape, HalfSpace) and np.linalg.norm(each.pose[:3, 3]) < _FAR * size:
+            corners = each.pose[:3, 3] + (_CORNERS * half_extents(each.shape)) @ each.pose[:3, :3].T
+            points.append(corners[np.linalg.norm(corners, axis=1) < _FAR * size])
+    return np.concatenate(points) if points else None
+
+
+def half_extents(shape: Shape) -> Array:
+    """(3,) m, half of the box around a shape in its own frame; of a mesh, whose file may be large, zero.
+
+    Example:
+        >>> half_extents(Capsule(0.1, 0.6)).round(3).tolist()
+        [0.1, 0.1, 0.4]
+    """
+    match shape:
+        case Box():
+            return 0.5 * np.array(shape.size)
+        case Sphere():
+            return np.full(3, shape.radius)
+        case Cylinder() | Capsule():
+            end = shape.radius if isinstance(shape, Capsule) else 0.0
+            return np.array([shape.radius, shape.radius, 0.5 * shape.length + end])
+        case Points():
+            return np.asarray(np.abs(shape.points).max(axis=0) + shape.radius)
+    return np.zeros(3)
 
 
 class Obstacles:

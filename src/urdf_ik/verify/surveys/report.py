@@ -9,9 +9,16 @@ from urdf_ik.errors import printable
 from urdf_ik.support.text import Section
 from urdf_ik.verify.reports import Report
 
-PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM = "passed", "FAILED", "REFUSED", "not checked", "not an arm"
-"""Results of a file: every property holds; one does not; no arm can be read from it; no check is for such an arm; no
-chain of joints is in it, as in a URDF of obstacles."""
+PASSED = "passed"
+"""Result of a file: every property holds."""
+FAILED = "FAILED"
+"""Result of a file: a property does not hold."""
+REFUSED = "REFUSED"
+"""Result of a file: no arm can be read from it."""
+NOT_CHECKED = "not checked"
+"""Result of a file: no check is for such an arm."""
+NOT_AN_ARM = "not an arm"
+"""Result of a file: no chain of joints is in it, as in a URDF of obstacles."""
 RESULTS = (PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM)
 
 _HEADER = ("file", "joints", "family", "found", "result")

@@ -1,4 +1,4 @@
-"""The part of the page for work: paste or copy a pose or joint vector, postures by name, which ghosts are drawn."""
+"""The part of the page for work: paste or copy a pose or joint vector, postures by name; keys, ghosts, a measure."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.work import typed_text
+from urdf_ik.show.viewer.work.ghost_choice import GhostChoice
+from urdf_ik.show.viewer.work.measure import Measure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,16 +29,18 @@ class WorkPanel:
     Attributes:
         text: where a pose or a joint vector is pasted.
         postures: names of postures.
-        shown: which ghosts are drawn.
         form: how the joint vector and the target are written.
         copied: these two, to be selected and copied.
+        ghosts: which ghosts are drawn.
+        measure: what lies between two frames.
     """
 
-    def __init__(self, gui: Any, arm: Arm, change: Change, say: Callable[[str], None]) -> None:
+    def __init__(self, gui: Any, scene: Any, arm: Arm, change: Change, say: Callable[[str], None]) -> None:
         """Add the widgets.
 
         Args:
             gui: of the viser server.
+            scene: of the viser server.
             arm: the arm that is shown.
             change: called with what makes the next state.
             say: called with what is wrong with a text.
@@ -50,28 +54,29 @@ class WorkPanel:
                 "Pose or q", "", hint="q = [...], 16 numbers of a matrix, or x y z and a quaternion"
             )
             self.postures = gui.add_dropdown("Posture", (_NO_POSTURE, *self._postures))
-            self.shown = gui.add_dropdown("Ghosts", states.SHOWN)
             self.form = gui.add_dropdown("Copy as", typed_text.FORMS)
             self.copied = gui.add_markdown("")
+        self.ghosts, self.measure = GhostChoice(gui, arm, change), Measure(gui, scene, arm)
         self._keys = [
             gui.add_command("Next solution", hotkey=NEXT),
             gui.add_command("Solution before", hotkey=BEFORE),
         ]
         self.text.on_update(self._typed)
         self.postures.on_update(self._posed)
-        self.shown.on_update(self._shown)
         self.form.on_update(lambda _: self._write())
         for key, step in zip(self._keys, (1, -1), strict=True):
             key.on_trigger(lambda _, step=step: change(lambda state: states.with_next(state, step)))
 
     def show(self, state: State) -> None:
-        """Write the joint vector and the target of ``state``."""
+        """Write the joint vector and the target of ``state``, and measure in it."""
         self._state = state
         self._write()
+        self.measure.show(state)
 
     def remove(self) -> None:
         """Take the widgets out of the panel again."""
-        self.folder.remove()
+        for part in (self.folder, self.ghosts, self.measure):
+            part.remove()
         for key in self._keys:
             key.remove()
 
@@ -96,8 +101,3 @@ class WorkPanel:
         q = self._postures.get(self.postures.value)
         if event.client_id is not None and q is not None:
             self._change(lambda state: states.with_joints(state, q))
-
-    def _shown(self, event: Any) -> None:
-        what = self.shown.value
-        if event.client_id is not None:
-            self._change(lambda state: states.with_shown(state, what))

@@ -27,9 +27,10 @@ def with_names(page: str, state: State, dark: bool = False) -> str:
     shades = colours(max(len(state.arm.structure.branches), 1), dark)
     shown = [ghost for k, ghost in enumerate(state.ghosts) if k == state.chosen or ghost in state.drawn]
     lines = []
-    for ghost in shown:
+    for ghost in (*shown, *state.pinned):
         red, green, blue = shades[ghost.column]
         here = " (the arm)" if state.chosen is not None and ghost is state.ghosts[state.chosen] else ""
+        here = " (pinned)" if ghost in state.pinned else here
         marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
         dot = f'<span style="color:rgb({red},{green},{blue})">&#9679;</span>'
         lines.append(f"<li>{dot} {escape(ghost.branch + marks + here)}</li>")
