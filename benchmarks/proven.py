@@ -3,8 +3,8 @@
 
     python benchmarks/proven.py SET ... [--poses N] [--seed S] [--only NAME ...] [--all] [--md]
 
-SET is a folder with index.csv (name, base_link, tip_link) and urdf/. Arms whose six joints turn are asked; --all asks those of other
-kinds too. Kinds of pose:
+SET is a folder with index.csv (name, base_link, tip_link) and urdf/. Arms whose six joints turn are asked; --all asks
+those of other kinds too. Kinds of pose:
 
     random   joint vectors over the whole torus
     near     1e-4 rad, in a random direction, from a joint vector at which the Jacobian's determinant changes its sign
@@ -23,6 +23,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+
 import urdf_ik
 
 STATUSES = ("complete", "clustered", "continuum", "incomplete")

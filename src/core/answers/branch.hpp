@@ -14,11 +14,12 @@ template <class V> struct Branch {
     Turn<V> turn[6];
     V shoulder, elbow, wrist, arms;
 };
-// Arcs that a branch's angles are known to lie in. A closed form runs without them, or, on balls, with one arc for each joint: a turn
-// that a step leaves wide or free is then taken from its arc.
+// Arcs that a branch's angles are known to lie in. A closed form runs without them, or, on balls, with one arc for each joint: a
+// turn that a step leaves wide or free is then taken from its arc.
 struct NoArcs {
     template <class V> STEP Turn<V> met(int, const Turn<V>& turn) const { return turn; }
-    template <class V> STEP WristTurns<V> met(int, int, const Rot<V>&, const Turn<V>&, const Twists&, const WristTurns<V>& t) const {
+    template <class V> STEP WristTurns<V> met(int, int, const Rot<V>&, const Turn<V>&, const Twists&,
+                                              const WristTurns<V>& t) const {
         return t;
     }
 };

@@ -102,7 +102,7 @@ PART void include_within(const typename Family::Arm& arm, const Seen<Block>& tar
     const Branch<Number> at = branch();
     to.empty = known.empty;
     const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
-    for (const Number* margin : margins) to.empty |= bits(margin->greatest() < Block(0.0));
+    for (const Number* margin : margins) to.empty |= bits(margin->greatest() < Block(-EMPTY_MARGIN));
     for (int j = 0; j < 6; ++j) {
         const Turn<Number>& t = at.turn[j];
         to.c[j] = t.c.mid, to.s[j] = t.s.mid, to.chord[j] = t.c.rad;

@@ -7,6 +7,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // step leaves of a wide box fails to converge and waits for the next pass.
 inline constexpr int STEPS = 1;
 
+// Boxes are not divided where the arms differ by less: what the ideal arm leaves free keeps the pose to about that.
+inline constexpr double FINEST = 1e-9;
 // How often boxes are made from smaller sets of displacements before a pose is left open.
 inline constexpr int PASSES = 4;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
@@ -32,12 +34,12 @@ STEP Middle middle_of(const Boxes& boxes, const IdealFrames& ideal, int first) {
 }
 
 // Turning joint j by an angle of chord x replaces the displacement X of what joint j carries by one that has been turned with the
-// joint. So the target turns by at most turn_j x, and shifts by at most (shift_j + turn_j (length_j + 2 e)) x: a point that is e from
-// the tip of the arm as written is at most length_j + e from joint j, and X shifts it by at most shift_j + turn_j e.
+// joint. So the target turns by at most turn_j x, and shifts by at most (shift_j + turn_j (length_j + 2 e)) x: a point that is e
+// from the tip of the arm as written is at most length_j + e from joint j, and X shifts it by at most shift_j + turn_j e.
 //
 // In a small box the first derivatives at its middle say more. D = I W^-1 changes with joint j like a motion with the angular
-// velocity z_j - D z'_j, where z_j and z'_j are the joint's axes in both arms, and moves the target's point by the difference of the
-// velocities that both axes give to it. The second derivative by joints i <= j turns X by one more axis: at most turn_j, and
+// velocity z_j - D z'_j, where z_j and z'_j are the joint's axes in both arms, and moves the target's point by the difference of
+// the velocities that both axes give to it. The second derivative by joints i <= j turns X by one more axis: at most turn_j, and
 // shift_j + turn_j (length_i + length_j + 3 e) for a point.
 Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Turn<Block> (&turn)[6],
                    const Block (&chord)[6], const Block (&half)[6]) {
@@ -53,7 +55,8 @@ Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Bl
         shifted += (apart.shift[j + 1] + apart.turn[j + 1] * (apart.length[j + 1] + 2.0 * reach)) * chord[j];
     }
     const Seen<Block> middle = {each(goal.R, through), I.p + through(off)};
-    Block turned_once = CORRECTION_ROUNDING, shifted_once = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
+    Block turned_once = CORRECTION_ROUNDING,
+          shifted_once = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
     Block before = 0.0, lever = 0.0;  // of the joints up to j: sums of half, and of half times length
     for (int j = 0; j < 6; ++j) {
         const Vec<Block>&z = joint_I[j].R.z, &other = joint_W[j].R.z;
@@ -196,7 +199,7 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
         if (!out.add(q, radii[b], b, false)) known.found &= ~(1u << b);
     }
     if (!known.open) out.status = Status::complete;
-    else divide({written, both, ideal, goal, target, loop, family}, boxes, known.open, out);
+    else if (ideal.imperfection > FINEST) divide({written, both, ideal, goal, target, loop, family}, boxes, known.open, out);
     return out;
 }
 

@@ -13,8 +13,8 @@ struct Inclusion {
     void (*include)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first, Boxes& to);
     void (*within)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, const Signs<Block>& signs,
                    const Arcs<Ball<Block>>& known, BoxBlock& to);
-    // The joints that others follow from, in the order of the steps: a box is halved along the first one that is wide. It decides the
-    // cost only.
+    // The joints that others follow from, in the order of the steps: a box is halved along the first one that is wide. It decides
+    // the cost only.
     int leading[3];
 };
 
@@ -38,8 +38,8 @@ struct Rooted {
 // q, half: middle and half the width of each box; only lanes in `wanted` are computed.
 Rooted root_of(const Loop& loop, const Block (&q)[6], const Block& half, unsigned wanted);
 
-// Certified roots, joint values of the arm as written, each with the branch of the box that led there. There is no other root within
-// its radius. singular: roots that stand as one, or one whose Jacobian nearly loses a rank.
+// Certified roots, joint values of the arm as written, each with the branch of the box that led there. There is no other root
+// within its radius. singular: roots that stand as one, or one whose Jacobian nearly loses a rank.
 struct Certified {
     static constexpr int most = 16;
     struct Root {
