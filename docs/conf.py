@@ -43,6 +43,7 @@ nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # sliders need a kernel, and their scripts a network
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings give types, shapes and units

@@ -89,7 +89,7 @@ def test_the_groups_hold_at_most_six_commands() -> None:
 def test_the_help_of_a_command_fits_two_screens(command: str) -> None:
     """Two terminals of 80 columns and 50 lines; options stand in named groups."""
     lines = succeed(command, "--help", COLUMNS="80").splitlines()
-    assert len(lines) <= TWO_SCREENS
+    assert sum(max(1, -(-len(line) // 80)) for line in lines) <= TWO_SCREENS  # an example may go on in another line
     assert all(len(line) <= 80 for line in lines if not line.startswith("    urdf-ik "))
 
 

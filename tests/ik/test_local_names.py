@@ -59,6 +59,33 @@ def test_a_plan_keeps_the_number_that_it_begins_with(seed: int) -> None:
         assert len({name.split(", ")[1] for name in other.branches}) == 1
 
 
+@pytest.mark.parametrize("kind", ["wrist, general", "2||3||4", "1||2||3", "2x3x4", "2x3x4, reversed"])
+def test_roots_of_a_quartic_have_a_sign_that_lasts(kind: str) -> None:
+    """Where a closed form numbers the roots of its quartic, Pinocchio's sign stands before; half have each."""
+    arm = described(kind, 0)
+    q = np.random.default_rng(3).uniform(-np.pi, np.pi, (20, 6))
+    s = arm.ik(arm.fk(q))
+    regular = np.flatnonzero((s.singular == 0).all(axis=-1))
+    assert len(regular) > 10
+    for k in regular:
+        one = s[int(k)]
+        assert [each.branch.split(",")[0] for each in one] == [f"determinant {sign_at(arm, each.q)}" for each in one]
+        assert all("position " in each.branch for each in one)
+        assert sum(each.branch.startswith("determinant +") for each in one) * 2 == len(one)
+
+
+def test_three_joints_have_the_sign_of_their_position() -> None:
+    """The determinant of the upper three rows of Pinocchio's Jacobian; on a motion without a zero it stays."""
+    arm = urdf_ik.load("positioning_3r")
+    q = np.random.default_rng(2).uniform(-2.5, 2.5, (50, 3))
+    s = arm.ik(arm.fk(q)[:, :3, 3], task="position")
+    for k in range(len(q)):
+        for each in s[k]:
+            det = np.linalg.det(arm.cell.reference.jacobian(each.q)[:3])
+            if not each.singular:
+                assert each.branch.startswith(f"determinant {'+' if det > 0.0 else '-'}, solution ")
+
+
 def test_names_of_geometry_stay() -> None:
     """Closed forms have the names that they had, and arms with fewer joints than a pose has numbers no sign."""
     for name in ("puma_560", "ur5", "scara_rrpr", "planar_2r"):

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_LOCAL = ("solution ", "further ")
+_LOCAL = ("solution ", "further ", "position ")
+# Rows of the Jacobian by the task; there is a determinant where as many joints move.
+_ROWS = {"pose": 6, "position": 3}
 _SIGNS = np.array(["", "determinant +, ", "determinant -, "], dtype=np.object_)
 
 
@@ -55,8 +57,8 @@ def signed(names: NDArray[np.object_], q: Array, singular: NDArray[np.uint8], so
 def determinant_signs(solver: Solver, q: Array) -> NDArray[np.int8] | None:
     """(...) 1 or -1, the sign of the Jacobian's determinant at joint vectors (..., n); 0 for rows of NaN.
 
-    Joints whose values are redundancy parameters are left out. None where the rest are not six, or the task is not a
-    pose.
+    The Jacobian is that of the task: of a pose, or of the position of three joints. Joints whose values are redundancy
+    parameters are left out. None where the task has another number of rows than joints are left, or is another one.
 
     Example:
         >>> import urdf_ik
@@ -66,10 +68,11 @@ def determinant_signs(solver: Solver, q: Array) -> NDArray[np.int8] | None:
     held = {each.joint for each in solver.parameters if each.kind == LOCKED_JOINT}
     moving = [k for k, name in enumerate(solver.joint_names) if name not in held]
     others = len(solver.parameters) > len(held)
-    if len(moving) != 6 or others or solver.task != "pose":
+    rows = _ROWS.get(solver.task)
+    if len(moving) != rows or others:
         return None
     whole, gone = filled(q)
-    J = np.array(solver.chain.jacobian(whole))[..., moving]
+    J = np.array(solver.chain.jacobian(whole))[..., :rows, moving]
     J[..., :3, :] /= solver.chain.size
     signs = np.where(gone, 0, np.sign(np.linalg.det(J)))
     return np.asarray(signs, dtype=np.int8)

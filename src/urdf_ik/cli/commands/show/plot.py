@@ -8,7 +8,7 @@ Examples:
     urdf-ik plot zyyzyz_6r branches -o all_branches.png
     urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png
     urdf-ik plot zyyzyz_6r path --poses seam.csv -o path.png
-    urdf-ik plot srs_7r intervals --q 0.3,0.5,-0.4,0.9,0.2,-0.6,0.1 -o intervals.png
+    urdf-ik plot srs_7r intervals -o intervals.png
 """
 
 from __future__ import annotations
