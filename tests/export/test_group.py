@@ -50,7 +50,7 @@ def solutions(data: bytes, n: int) -> list[Array]:
 def test_solutions_are_inside_limits_and_nearest_first(
     name: str, arm: urdf_ik.Arm, links: tuple[str, ...], tmp_path: Path
 ) -> None:
-    """All images inside the limits, by distance to the seed; callback, consistency, timeout: see the program's checks."""
+    """All images inside the limits, by distance to the seed; the program checks callback, consistency and timeout."""
     file = tmp_path / "arm.json"
     file.write_text(urdf_ik.compile(arm))
     q, seeds = joint_vectors(arm, POSES, 1), joint_vectors(arm, POSES, 2)
@@ -67,8 +67,8 @@ def test_solutions_are_inside_limits_and_nearest_first(
         assert (np.diff(apart) >= -1e-9).all()
         if arm.redundancy is None and np.isfinite(arm.limits).all():
             every = arm.ik(T[i])
-            images = [len(list(limits.iter_turns(row, arm.limits, arm.chain.image_turns))) for row in every.q[every.valid]]
-            assert len(rows) == sum(images)
+            images = [limits.iter_turns(row, arm.limits, arm.chain.image_turns) for row in every.q[every.valid]]
+            assert len(rows) == sum(len(list(each)) for each in images)
         if arm.redundancy is None:
             assert np.abs(np.remainder(rows - q[i] + np.pi, 2 * np.pi) - np.pi).max(axis=1).min() < 1e-6
 
