@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wheel wheels sanitize arm64 m7 sweep signals soak nightly bench million clean
+.PHONY: help run test lint docs format stub wasm page wheel wheels sanitize arm64 m7 sweep signals soak nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -36,6 +36,8 @@ help:
 	@echo "make docs     the pages in docs/_build/html, notebooks executed; warnings are errors"
 	@echo "make format   lays out the core's sources as make lint wants them"
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
+	@echo "make wasm     the solvers as WebAssembly, for the npm module and the page: src/urdf_ik/export/web/urdf_ik.wasm"
+	@echo "make page     the script of urdf-ik export --html, with three.js; needs npm"
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
 	@echo "make wheels   the wheel that is published: every instruction set, manylinux, checked; ARGS=--twice compares two builds"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
@@ -71,6 +73,13 @@ format: $(VENV)/.dev-installed
 
 stub: $(VENV)/.dev-installed
 	$(BIN)/python -m nanobind.stubgen -q -m urdf_ik._core -o src/urdf_ik/_core.pyi
+
+# What they make is in no repository; a wheel that is built afterwards holds it.
+wasm: $(BIN)/python
+	@$(BIN)/python tools/wasm.py
+
+page: $(BIN)/python
+	@$(BIN)/python tools/page.py
 
 wheel: $(VENV)/.build-installed
 	$(WITH_COMPILER) $(PIP) wheel --no-build-isolation --no-deps --wheel-dir dist .
