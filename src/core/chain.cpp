@@ -3,17 +3,23 @@
 
 #include "answers/blocks.hpp"
 #include "arithmetic/least_squares.hpp"
+#include "families/seven_joints/swivel.hpp"
 #include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The pose of the tip for `many` joint vectors, one per lane. Calls each(k, frame of joint k before it moves) for every joint.
-template <class Each> STEP Frame<Block> walk(const ChainArm& arm, const double* Q, int many, const Each& each) {
+// The pose of the tip for `many` joint vectors, one per lane; the last one fills the lanes that are left. Calls each(k, frame of
+// joint k before it moves) for every joint. N: the number of joints, where it is known.
+template <int N = 0, class Each> STEP Frame<Block> walk(const ChainArm& arm, const double* Q, int many, const Each& each) {
+    const int n = N ? N : arm.joints;
+    const double* from[BLOCK];
+    for (int i = 0; i < BLOCK; ++i) from[i] = Q + n * (i < many ? i : many - 1);
     Frame<Block> at = constant_frame<Block>(arm.step[0]);
-    for (int k = 0; k < arm.joints; ++k) {
+#pragma GCC unroll 7
+    for (int k = 0; k < n; ++k) {
         each(k, at);
-        Block q = 0.0;
-        for (int i = 0; i < many; ++i) q.set(i, Q[arm.joints * i + k]);
+        Block q;
+        for (int i = 0; i < BLOCK; ++i) q.set(i, from[i][k]);
         at = arm.slides[k] ? Frame<Block>{at.R, at.p + q * at.R.z} : turned(at, cos_sin_of_any(q));
         at = beyond(at, arm.step[k + 1]);
     }
@@ -71,33 +77,67 @@ static void jacobians(const ChainArm& arm, const double* Q, long m, double* J) {
     });
 }
 
-template <int N>
-static void inverses_of(const ChainArm& arm, const double* Q, const double* row, long apart, const InverseScale& scale, long m,
-                        double* X) {
-    constexpr int rows = N == 7 ? 7 : 6, numbers = N * rows;
+// The derivative of an S-R-S arm's swivel angle by the joints, from axes and Jacobian in the base. Axis 4 turns about the unit
+// vector w from shoulder to wrist, and the normal of the plane of w and axis 1 turns too: the angle's rate is that of the first
+// less that of the second. NaN where the wrist lies on axis 1, where the angle jumps.
+STEP Rows<7, Block> swivel_slopes(const SwivelEnds& ends, const Frame<Block> (&joints)[7], const Frame<Block>& tip) {
+    const Vec<Block> wrist = tip.p + combine(tip.R, ends.wrist[0], ends.wrist[1], ends.wrist[2]);
+    const Vec<Block> up = {ends.up[0], ends.up[1], ends.up[2]}, axis = joints[3].R.z;
+    const Vec<Block> W = wrist - Vec<Block>{ends.shoulder[0], ends.shoulder[1], ends.shoulder[2]};
+    const Block per_length = inverse_sqrt(dot(W, W) + TINY);
+    const Vec<Block> w = per_length * W, across = cross(w, axis), normal = cross(up, W);
+    const Block aside = dot(normal, normal), wide = quotient(Block(1.0), dot(across, across) + TINY);
+    // What the velocity of the wrist, and the turning of axis 4, count.
+    const Vec<Block> by_speed =
+        (dot(axis, w) * per_length * wide) * across + quotient(Block(1.0), aside + TINY) * cross(cross(w, normal), up);
+    const Vec<Block> by_turning = wide * cross(axis, across);
+    const auto off_axis = aside > Block(ON_AXIS * ON_AXIS) * dot(W, W);
+    Rows<7, Block> slope;
+    for (int k = 0; k < 7; ++k) {
+        Vec<Block> by = cross(Block(-1.0) * (wrist - joints[k].p), by_speed);
+        if (k < 3) by = by + by_turning;
+        slope[k] = select(off_axis, dot(joints[k].R.z, by), __builtin_nan(""));
+    }
+    return slope;
+}
+
+// M: how many columns are inverted. Seven joints have six of them where a joint is held, and seven with the swivel angle.
+template <int N, int M> static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale& scale, long m,
+                                                double* X) {
+    constexpr int rows = M == 7 ? 7 : 6, width = N == 7 ? 7 : 6, numbers = N * width;
     const double share = 1.0 / scale.size;
     in_blocks(m, [&](long from, int many) {
         Frame<Block> joints[N];
-        const Vec<Block> tip = walk(arm, Q + N * from, many, [&](int k, const Frame<Block>& joint) {
-                                   joints[k].p = joint.p, joints[k].R.z = joint.R.z;
-                               }).p;
-        Rows<rows, Block> J[N];
-        for (int k = 0; k < N; ++k) {
-            const Six<Block> column = jacobian_column(joints[k], arm.slides[k], tip, share);
+        const Frame<Block> tip = walk<N>(
+            arm, Q + N * from, many, [&](int k, const Frame<Block>& joint) { joints[k].p = joint.p, joints[k].R.z = joint.R.z; });
+        Rows<rows, Block> J[M];
+        Six<Block> held;
+        const auto free = [&](int k) { return N == M || k < scale.held ? k : k + 1; };
+        for (int k = 0; k < M; ++k) {
+            const Six<Block> column = jacobian_column(joints[free(k)], arm.slides[free(k)], tip.p, share);
             for (int r = 0; r < 6; ++r) J[k][r] = column[r];
-            if constexpr (rows == 7) {
-                Block more = 0.0;
-                for (int i = 0; i < many; ++i) more.set(i, row[apart * (from + i) + k]);
-                J[k][6] = arm.slides[k] ? more * scale.size : more;
+        }
+        if constexpr (M == 7) {
+            const Rows<7, Block> slopes = swivel_slopes(scale.swivel, joints, tip);
+            for (int k = 0; k < 7; ++k) J[k][6] = slopes[k];
+        }
+        if constexpr (N != M) held = jacobian_column(joints[scale.held], arm.slides[scale.held], tip.p, share);
+        Block own[M * rows], x[numbers];
+        const auto regular = inverse(J, own) > Block(scale.singular);
+        const auto unit = [&](int k) { return arm.slides[k] ? scale.size : 1.0; };
+        for (int k = 0; k < M; ++k) {
+            Block* const row = x + width * free(k);
+            for (int c = 0; c < rows; ++c) {
+                row[c] = select(regular, own[rows * k + c] * (unit(free(k)) * (c < 3 ? share : 1.0)), __builtin_nan(""));
+            }
+            if constexpr (N != M) {
+                Block sum = 0.0;
+                for (int c = 0; c < 6; ++c) sum -= own[6 * k + c] * held[c];
+                row[6] = select(regular, sum * (unit(free(k)) / unit(scale.held)), __builtin_nan(""));
             }
         }
-        Block x[numbers];
-        const auto regular = inverse(J, x) > Block(scale.singular);
-        for (int k = 0; k < N; ++k) {
-            for (int c = 0; c < rows; ++c) {
-                const double unit = (arm.slides[k] ? scale.size : 1.0) * (c < 3 ? share : 1.0);
-                x[rows * k + c] = select(regular, x[rows * k + c] * unit, __builtin_nan(""));
-            }
+        if constexpr (N != M) {
+            for (int c = 0; c < 7; ++c) x[width * scale.held + c] = select(regular, Block(c < 6 ? 0.0 : 1.0), __builtin_nan(""));
         }
         if (many == BLOCK) return store_rows<Write::plain, numbers>(x, X + numbers * from);
         double part[numbers * BLOCK];
@@ -106,11 +146,10 @@ static void inverses_of(const ChainArm& arm, const double* Q, const double* row,
     });
 }
 
-static void inverses(const ChainArm& arm, const double* Q, const double* row, long apart, const InverseScale& scale, long m,
-                     double* X) {
-    constexpr decltype(&inverses_of<1>) of[] = {inverses_of<1>, inverses_of<2>, inverses_of<3>, inverses_of<4>,
-                                                inverses_of<5>, inverses_of<6>, inverses_of<7>};
-    of[arm.joints - 1](arm, Q, row, apart, scale, m, X);
+static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
+    constexpr decltype(&inverses_of<1, 1>) of[] = {inverses_of<1, 1>, inverses_of<2, 2>, inverses_of<3, 3>, inverses_of<4, 4>,
+                                                   inverses_of<5, 5>, inverses_of<6, 6>, inverses_of<7, 6>, inverses_of<7, 7>};
+    of[arm.joints == 7 && scale.held < 0 ? 7 : arm.joints - 1](arm, Q, scale, m, X);
 }
 
 extern const ChainFunctions chain_functions;

@@ -1,6 +1,7 @@
 """The compiled solvers."""
 
 import types
+from collections.abc import Sequence
 from typing import Annotated
 
 import numpy
@@ -47,7 +48,11 @@ class Chain:
 
     def axes(self, arg: object, /) -> object: ...
 
-    def inverse(self, q: object, row: object | None, size: float, singular: float) -> object: ...
+    def inverse(self, q: object, size: float, singular: float) -> object: ...
+
+    def inverse_holding_joint(self, q: object, joint: int, size: float, singular: float) -> object: ...
+
+    def inverse_holding_swivel(self, q: object, wrist: Sequence[float], shoulder: Sequence[float], up: Sequence[float], size: float, singular: float) -> object: ...
 
 def image_range(q: object, bounds: object, turns: object) -> tuple:
     """

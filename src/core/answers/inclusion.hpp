@@ -125,7 +125,8 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
 }
 
 // The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
-// the branches apart: a solution of its own decides it. A box without one is decided if each of its open roots is tiny and one of
+// the branches apart: a solution of its own decides it, up to the rounding of the pose where a root may have either sign. A box
+// without one is decided if each of its open roots is tiny and one of
 // its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes
 // it.
 template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
@@ -146,7 +147,7 @@ template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, con
         if (alone & boxes.sure()) alone &= boxes.sure();
         owned |= alone & -alone;
     }
-    Status status = Status::complete;
+    Status status = owned & ~boxes.sure() ? Status::clustered : Status::complete;
     for (int b = 0; b < 8; ++b) {
         const unsigned bit = 1u << b;
         if (!(there & ~owned & bit)) continue;

@@ -16,9 +16,9 @@ template <int N, class V> struct Triangle {
     V R[N][N], w[N];
 };
 
-// One over the Frobenius norm of R's inverse.
-template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
-    V square = 0.0, inverse[N][N];
+// R's inverse, upper triangular. Returns one over its Frobenius norm.
+template <int N, class V> STEP V invert(const Triangle<N, V>& f, V (&inverse)[N][N]) {
+    V square = 0.0;
 #pragma GCC unroll 7
     for (int k = N - 1; k >= 0; --k) {
         inverse[k][k] = f.w[k];
@@ -33,6 +33,10 @@ template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
         }
     }
     return inverse_sqrt(square);
+}
+template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
+    V inverse[N][N];
+    return invert(f, inverse);
 }
 
 // Solve J x = e in the least-squares sense; damped: minimise |J x - e|^2 + |damping x|^2. J is overwritten.
@@ -86,8 +90,9 @@ STEP Solved<N, V> least_squares(Rows<rows, V> (&J)[N], Rows<rows, V> e, const V&
     return out;
 }
 
-// The least-squares inverse X (N, rows) of J: J x = e is solved by x = X e. J is overwritten. Returns the lower bound of
-// Solved::least.
+// The least-squares inverse X (N, rows) of J: J x = e is solved by x = X e. J becomes Q. Returns the lower bound of
+// Solved::least. X = R^-1 Q^T: Q^T Q differs from the identity by rounding times the condition of J (Bjorck), and so does X
+// from the inverse, relative to its size.
 template <int N, int rows, class V> STEP V inverse(Rows<rows, V> (&J)[N], V (&X)[N * rows]) {
     Triangle<N, V> f;
 #pragma GCC unroll 7
@@ -97,24 +102,19 @@ template <int N, int rows, class V> STEP V inverse(Rows<rows, V> (&J)[N], V (&X)
 #pragma GCC unroll 7
         for (int l = k + 1; l < N; ++l) f.R[k][l] = dot(J[k], J[l]), J[l] = less(J[l], f.R[k][l], J[k]);
     }
+    V inverse[N][N];
+    const V least = invert(f, inverse);
 #pragma GCC unroll 7
-    for (int c = 0; c < rows; ++c) {
-        // The unit vector e of row c, against the columns one by one as in least_squares().
-        V y[N];
-        Rows<rows, V> e;
-        for (int i = 0; i < rows; ++i) e[i] = i == c ? 1.0 : 0.0;
-        y[0] = J[0][c];
+    for (int k = 0; k < N; ++k) {
 #pragma GCC unroll 7
-        for (int k = 1; k < N; ++k) e = less(e, y[k - 1], J[k - 1]), y[k] = dot(J[k], e);
+        for (int c = 0; c < rows; ++c) {
+            V sum = inverse[k][k] * J[k][c];
 #pragma GCC unroll 7
-        for (int k = N - 1; k >= 0; --k) {
-#pragma GCC unroll 7
-            for (int l = k + 1; l < N; ++l) y[k] -= f.R[k][l] * y[l];
-            y[k] *= f.w[k];
-            X[rows * k + c] = y[k];
+            for (int l = k + 1; l < N; ++l) sum += inverse[k][l] * J[l][c];
+            X[rows * k + c] = sum;
         }
     }
-    return least_stretch(f);
+    return least;
 }
 
 // The smallest singular value of J and its right singular vector.

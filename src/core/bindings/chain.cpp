@@ -1,8 +1,11 @@
 // Bindings of a chain's forward kinematics. They use NumPy's C-API; see answer.cpp.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <vector>
+
+#include <nanobind/stl/array.h>
 
 #include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
@@ -119,17 +122,14 @@ struct PyChain {
     }
 
     // Least-squares inverses of the Jacobians at joint vectors (..., n), which may be NaN: an array (..., n, 6), or (..., 7, 7)
-    // with a further row (7) or (..., 7).
-    nb::object inverse(nb::handle q, nb::handle row, const InverseScale& scale) const {
-        PyArrayObject *from = doubles(q), *more = row.is_none() ? nullptr : doubles(row);
+    // with the derivative by the parameter that seven joints hold.
+    nb::object inverse(nb::handle q, const InverseScale& scale) const {
+        PyArrayObject* from = doubles(q);
         const int n = arm.joints, dimensions = from ? PyArray_NDIM(from) : 0;
         if (n < 1 || n > 7 || !dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != n) {
             throw nb::value_error("joint vectors (..., n) of one to seven joints are needed, float64 in C order");
         }
-        if ((n == 7) != (more != nullptr) || (more && PyArray_SIZE(more) != 7 && PyArray_SIZE(more) != PyArray_SIZE(from))) {
-            throw nb::value_error("seven joints need a further row, (7) or one for each joint vector; fewer take none");
-        }
-        const long apart = more && PyArray_SIZE(more) == PyArray_SIZE(from) ? 7 : 0;
+        if (scale.held >= n) throw nb::value_error("there is no such joint to hold");
         npy_intp shape[NPY_MAXDIMS];
         long m = 1;
         for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
@@ -137,11 +137,10 @@ struct PyChain {
         nb::object made = nb::steal(PyArray_SimpleNew(dimensions + 1, shape, NPY_DOUBLE));
         if (!made.is_valid()) throw nb::python_error();
         double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
-        const double *Q = (const double*)PyArray_DATA(from), *given = more ? (const double*)PyArray_DATA(more) : nullptr;
+        const double* Q = (const double*)PyArray_DATA(from);
         without_gil([&](const Stop& stop) {
             for (long i = 0; i < m && !stop.asked(); i += AT_ONCE) {
-                level().chain->inverses(arm, Q + i * n, given ? given + apart * i : nullptr, apart, scale, std::min(AT_ONCE, m - i),
-                                        to + i * n * shape[dimensions]);
+                level().chain->inverses(arm, Q + i * n, scale, std::min(AT_ONCE, m - i), to + i * n * shape[dimensions]);
             }
         });
         return made;
@@ -176,10 +175,30 @@ void bind_chain(nb::module_& m) {
         .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().axes, 6, self.arm.joints); })
         .def(
             "inverse",
-            [](const PyChain& self, nb::handle q, nb::handle row, double size, double singular) {
-                return self.inverse(q, row, {size, singular});
+            [](const PyChain& self, nb::handle q, double size, double singular) {
+                if (self.arm.joints == 7) throw nb::value_error("seven joints hold a parameter");
+                return self.inverse(q, {size, singular, -1, {}});
             },
-            nb::arg("q"), nb::arg("row").none(), nb::arg("size"), nb::arg("singular"));
+            nb::arg("q"), nb::arg("size"), nb::arg("singular"))
+        .def(
+            "inverse_holding_joint",
+            [](const PyChain& self, nb::handle q, int joint, double size, double singular) {
+                if (self.arm.joints != 7 || joint < 0) throw nb::value_error("a joint of seven is held");
+                return self.inverse(q, {size, singular, joint, {}});
+            },
+            nb::arg("q"), nb::arg("joint"), nb::arg("size"), nb::arg("singular"))
+        .def(
+            "inverse_holding_swivel",
+            [](const PyChain& self, nb::handle q, const std::array<double, 3>& wrist, const std::array<double, 3>& shoulder,
+               const std::array<double, 3>& up, double size, double singular) {
+                if (self.arm.joints != 7) throw nb::value_error("seven joints have a swivel angle");
+                InverseScale scale = {size, singular, -1, {}};
+                for (int i = 0; i < 3; ++i) {
+                    scale.swivel.wrist[i] = wrist[i], scale.swivel.shoulder[i] = shoulder[i], scale.swivel.up[i] = up[i];
+                }
+                return self.inverse(q, scale);
+            },
+            nb::arg("q"), nb::arg("wrist"), nb::arg("shoulder"), nb::arg("up"), nb::arg("size"), nb::arg("singular"));
 }
 
 }  // namespace urdf_ik

@@ -152,7 +152,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMem
         value_of=lambda Q, T: _swivels(chain, ends, Q)[:, None],
         explain=lambda T: _explain(arm, T, 0.0),
         explain_at=lambda T, value: _explain(arm, T, float(value[0])),
-        slope_of=lambda Q: _swivel_slopes(chain, ends, Q),
+        swivel=ends,
     )
 
 
@@ -196,31 +196,6 @@ def _swivels(chain: Chain, ends: Ends, Q: Array) -> Array:
     across = np.cross(along, normal)
     swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
     return swivels
-
-
-def _swivel_slopes(chain: Chain, ends: Ends, Q: Array) -> Array:
-    """Derivatives (m, 7) of ``_swivels`` by the joints; NaN where the wrist lies on axis 1, where the angle jumps.
-
-    The angle is that about w, the unit vector from shoulder to wrist, from the normal n of the plane of w and axis 1 to
-    axis 4. Its rate is that at which axis 4 turns about w, less that at which n does.
-    """
-    T, J = chain.fk(Q), chain.jacobian(Q)
-    up = ends.base_rotation[2]
-    at = T[:, :3, :3] @ ends.tool_point
-    W = at + T[:, :3, 3] - ends.base_origin
-    length = np.linalg.norm(W, axis=1)[:, None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        w = W / length
-        z, axis = np.swapaxes(J[:, 3:], 1, 2), J[:, 3:, 3]
-        speed = np.swapaxes(J[:, :3], 1, 2) + np.cross(z, at[:, None])  # (m, 7, 3) of the wrist
-        turning = np.where(np.arange(7)[:, None] < 3, np.cross(z, axis[:, None]), 0.0)  # of axis 4
-        swing = (speed - np.einsum("mki,mi->mk", speed, w)[..., None] * w[:, None]) / length[..., None]
-        along = (axis * w).sum(axis=1)[:, None, None]
-        across, normal = np.cross(w, axis), np.cross(up, W)
-        own = np.einsum("mki,mi->mk", turning - along * swing, across) / (across**2).sum(axis=1)[:, None]
-        plane = np.einsum("mki,mi->mk", np.cross(up, speed), np.cross(w, normal)) / (normal**2).sum(axis=1)[:, None]
-    aside = np.linalg.norm(normal, axis=1)[:, None]
-    return np.where(aside > _ON_AXIS * length, own - plane, np.nan)
 
 
 def _error(chain: Chain, S: Array, W: Array) -> float:

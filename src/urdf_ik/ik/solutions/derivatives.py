@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.ik.solutions.solution import KeptSolutions
+    from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
 
@@ -146,8 +147,17 @@ def _inverse(solutions: KeptSolutions) -> Array:
     held = [each for each in solver.parameters if each.kind != FREE_AXIS]
     weights = _controlled(solutions)
     if weights is None and chain.axes is chain and 0 < chain.n <= 7 and len(held) == int(chain.n == 7):
-        row = None if not held else np.ascontiguousarray(_slopes(solutions, held)[..., 0, :])
-        X = chain.motion.inverse(np.ascontiguousarray(solutions.q), row, chain.size, DEFAULT.singular)
+        q, swivel = np.ascontiguousarray(solutions.q), None
+        if held and held[0].kind == SWIVEL:
+            swivel = solver.redundant_member.swivel
+        if not held:
+            X = chain.motion.inverse(q, chain.size, DEFAULT.singular)
+        elif swivel is None:
+            joint = chain.joint_names.index(held[0].joint)
+            X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular)
+        else:
+            ends = (swivel.tool_point.tolist(), swivel.base_origin.tolist(), swivel.base_rotation[2].tolist())
+            X = chain.motion.inverse_holding_swivel(q, *ends, chain.size, DEFAULT.singular)
     else:
         X = _inverse_of_any(solutions, held, weights)
     singular = solutions.singular
@@ -166,7 +176,8 @@ def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | 
     W = np.eye(6) if weights is None else weights
     A = (W @ J) * share[:, None]
     if held:
-        A = np.concatenate([A, np.broadcast_to(_slopes(solutions, held), (*q.shape[:-1], len(held), chain.n))], axis=-2)
+        slopes = _slopes(solutions.solver, held)
+        A = np.concatenate([A, np.broadcast_to(slopes, (*q.shape[:-1], *slopes.shape))], axis=-2)
     A = A * own
     U, s, Vt = np.linalg.svd(A, full_matrices=False)
     live = s[..., -1] > DEFAULT.singular if A.shape[-2] >= chain.n else np.zeros(s.shape[:-1], np.bool_)
@@ -177,20 +188,15 @@ def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | 
     return np.asarray(X)
 
 
-def _slopes(solutions: KeptSolutions, held: list[Any]) -> Array:
-    """(k, n) or (..., B, k, n) derivatives of the redundancy parameters by the joints."""
-    solver = solutions.solver
-    names = solver.chain.joint_names
-    if all(each.kind == LOCKED_JOINT for each in held):
-        return np.eye(solver.dof)[[names.index(each.joint) for each in held]]
-    slope_of = solver.redundant_member.slope_of
-    if len(held) > 1 or slope_of is None:
+def _slopes(solver: Solver, held: list[Any]) -> Array:
+    """(k, n) derivatives of joints that are redundancy parameters by the joints."""
+    if any(each.kind != LOCKED_JOINT for each in held):
         raise UnsupportedArm(
             f"{solver.name}: derivatives with a swivel angle beside other redundancy parameters are not computed; hold "
             "a joint: arm.with_locked({name: value})"
         )
-    q = _finite(solutions)
-    return np.asarray(slope_of(q.reshape(-1, solver.dof)).reshape(*q.shape[:-1], 1, solver.dof))
+    names = solver.chain.joint_names
+    return np.eye(solver.dof)[[names.index(each.joint) for each in held]]
 
 
 def _controlled(solutions: KeptSolutions) -> Array | None:

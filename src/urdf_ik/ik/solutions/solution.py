@@ -200,7 +200,8 @@ class KeptSolutions(Answer):
         """(...) what is known about each pose's solutions, in one word.
 
         - 'complete': every solution is there, once. Without solutions the pose is unreachable.
-        - 'clustered': every solution is counted; solutions nearer to each other than rounding stand as one.
+        - 'clustered': every solution is counted; the rounding of the pose decides how many a group of close ones
+          has: they stand as one, or each for itself.
         - 'continuum': a curve of solutions keeps the pose. Its representatives are there; other ones may be missing.
         - 'incomplete': solutions may be missing.
 

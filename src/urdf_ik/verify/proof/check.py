@@ -291,8 +291,13 @@ def _by_family(loop: Loop, near: Loop, solutions: Array, rng: np.random.Generato
 def _answered(
     loop: Loop, solutions: Array, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
 ) -> tuple[bool | None, str]:
-    """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one."""
+    """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one.
+
+    A solution that keeps the pose, but is near no real root, leaves the answer open: another rounding of the pose may
+    have it.
+    """
     near: list[list[int]] = [[] for _ in singles]
+    undecided = ""
     for n, q in enumerate(solutions):
         here = exact(q)
         to_single = [root.distance(here) for root in singles]
@@ -300,10 +305,13 @@ def _answered(
         if best is not None and _as_one(loop, singles[best], here):
             if not singles[best].real:
                 off = float(largest([acb(value.imag) for value in singles[best].centre]))
-                return None, f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
-            near[best].append(n)
+                undecided = f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
+            else:
+                near[best].append(n)
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
-            return False, f"solution {n} is near no real root"
+            if not largest(loop.residual(loop.values(here))) < _SAME_POSE:
+                return False, f"solution {n} is near no real root"
+            undecided = f"solution {n} keeps the pose, and is near no real root"
     answered = [root for root, answers in zip(singles, near, strict=True) if answers]
     for root, answers in zip(singles, near, strict=True):
         if len(answers) > 1:
@@ -311,7 +319,7 @@ def _answered(
         if root.real and not answers and not any(_as_one(loop, root, other.centre) for other in answered):
             values = ", ".join(f"{float(c.real):.9f}" for c in root.centre)
             return False, f"the real root ({values}) is not among the solutions"
-    return True, ""
+    return (None, undecided) if undecided else (True, "")
 
 
 def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:

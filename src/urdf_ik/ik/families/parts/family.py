@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik._core import SelfMotion, Solver
+    from urdf_ik.ik.families.parts.ideal import Ends
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.chain.redundancy import Redundancy
     from urdf_ik.kinematics.structure import Structure
@@ -131,14 +132,14 @@ class RedundantMember(FamilyMember):
             joints that mimic others.
         value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
         explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
-        slope_of: joint vectors (m, n) -> derivatives (m, n) of the swivel angle by the joints; None for an arm without.
+        swivel: what a swivel angle is measured from; None for an arm without.
     """
 
     parameters: tuple[Redundancy, ...]
     self_motion: SelfMotion | None
     value_of: Callable[[Array, Array], Array]
     explain_at: Callable[[Array, Array], str]
-    slope_of: Callable[[Array], Array] | None = None
+    swivel: Ends | None = None
 
     @property
     def parameter(self) -> Redundancy:

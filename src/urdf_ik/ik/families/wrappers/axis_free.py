@@ -77,7 +77,7 @@ def prepare(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> RedundantMember
         value_of=value_of,
         explain=plan.explain,
         explain_at=explain_at,
-        slope_of=plan.slope_of if isinstance(plan, RedundantMember) else None,
+        swivel=plan.swivel if isinstance(plan, RedundantMember) else None,
     )
 
 
