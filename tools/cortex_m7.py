@@ -39,26 +39,24 @@ def poses_of(arm: urdf_ik.Arm, many: int) -> NDArray[np.float64]:
     rng = np.random.default_rng(7)
     q = rng.uniform(-3.0, 3.0, (many, arm.dof))
     q[1::3] = np.round(q[1::3] / (np.pi / 4)) * (np.pi / 4)
-    q[2::3] = [singular(arm, row) for row in q[2::3]]
     q[:, [kind == "prismatic" for kind in arm.chain.joint_types]] *= 0.1
+    q[2::3] = singular(arm, q[2::3])
     return arm.fk(q)
 
 
 def singular(arm: urdf_ik.Arm, q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The joint vector with one joint moved to where the least singular value of the Jacobian is least."""
-    best, least = q, np.inf
-    for joint in range(1, arm.dof):
-        low, high = -np.pi, np.pi
-        for _ in range(12):
-            rows = np.repeat(q[None], 65, axis=0)
-            rows[:, joint] = np.linspace(low, high, 65)
-            values = np.linalg.svd(arm.jacobian(rows), compute_uv=False)[:, -1]
-            k = int(values.argmin())
-            if values[k] < least:
-                best, least = rows[k], values[k]
-            step = (high - low) / 64
-            low, high = rows[k, joint] - step, rows[k, joint] + step
-    return best
+    """Joint vectors (m, n), one joint of each moved to where the least singular value of the Jacobian is least."""
+    rows, centre, half = np.arange(len(q)), np.zeros(len(q)), np.pi
+    joint = (1 + rows % max(1, arm.dof - 1)) % arm.dof
+    for _ in range(10):
+        places = centre[:, None] + half * np.linspace(-1.0, 1.0, 17)
+        many = np.repeat(q[:, None], 17, axis=1)
+        many[rows, :, joint] = places
+        values = np.linalg.svd(arm.jacobian(many), compute_uv=False)[..., -1]
+        centre, half = places[rows, values.argmin(axis=1)], half / 8
+    moved = q.copy()
+    moved[rows, joint] = centre
+    return moved
 
 
 def measured(arm: urdf_ik.Arm, many: int, optimise: str) -> tuple[int, int, int, int, int]:

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "urdf_ik.hpp"
+#include <urdf_ik.hpp>
 
 namespace urdf_ik {
 
