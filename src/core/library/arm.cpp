@@ -1,7 +1,6 @@
 // See urdf_ik.hpp.
+#include <cstdio>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <vector>
 
@@ -159,9 +158,11 @@ Arm Arm::parse(std::string_view text, std::string* error) {
 Arm Arm::load(const std::string& file, std::string* error) {
     Arm arm;
     try {
-        std::ifstream in(file, std::ios::binary);
+        const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), std::fclose);
         if (!in) return tell(error, file + ": it cannot be read"), arm;
-        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        std::string text;
+        char part[4096];
+        for (std::size_t read; (read = std::fread(part, 1, sizeof part, in.get())) > 0;) text.append(part, read);
         std::string problem;
         arm = parse(text, &problem);
         if (!arm) tell(error, file + ": " + problem);

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.errors import UnsupportedArm, UrdfIkError
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.export.postures import example
 from urdf_ik.ik.solutions import Singular, distances, limits
 from urdf_ik.model import srdf
 
@@ -28,8 +29,6 @@ SHOWN = ("all", "inside the limits", "without a mark", "none")
 """Which ghosts may be drawn."""
 # rad or m: the arm stands at a solution that is this close to it.
 _SAME = 1e-6
-# Joint vectors among which the first one is chosen, and their seed.
-_DRAWS, _SEED = 64, 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,18 +116,8 @@ class State:
 
 
 def start(arm: Arm, world: World | None = None) -> State:
-    """An arm where it shows most of what it can do: of seeded joint vectors, the one with most solutions."""
-    turning = ~arm.chain.prismatic
-    lower, upper = np.clip(arm.limits.T, *np.where(turning, np.pi, 1.0)[None] * [[-1.0], [1.0]])
-    lower, upper = np.minimum(lower, arm.limits[:, 1]), np.maximum(upper, arm.limits[:, 0])
-    draws = lower + (upper - lower) * np.random.default_rng(_SEED).uniform(0.2, 0.8, (_DRAWS, arm.dof))
-    note = ""
-    try:
-        at = None if arm.redundancy is None else arm.redundancy_of(draws)
-        solutions = arm.ik(arm.fk(draws), redundancy=at).within_limits()
-        best = draws[np.argmax((solutions.valid & (solutions.singular == 0)).sum(axis=-1))]
-    except UnsupportedArm:
-        best = draws[0]
+    """An arm where it shows most of what it can do; see :func:`urdf_ik.export.postures.example`."""
+    best, note = example(arm), ""
     model = arm.cell.collisions.in_world(world) if arm.cell.collisions.has_geometry else None
     if model is None:
         note = f"Self-collision is not checked: {arm.cell.collisions.missing}"
