@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wasm page wheel wheels sanitize arm64 sweep signals soak nightly bench million clean
+.PHONY: help run test lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep signals soak nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -42,6 +42,8 @@ help:
 	@echo "make wheels   the wheel that is published: every instruction set, manylinux, checked; ARGS=--twice compares two builds"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
 	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/ik -k slides' names others"
+	@echo "make m7       arms as one file on an emulated Cortex-M7: sizes, counts, stack; ARGS='ur5 --poses 300' names others"
+	@echo "make outside  compiled arms in C++ and C against Python, 1,000 poses each; ARGS=--timed measures batches"
 	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
 	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
 	@echo "make soak     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
@@ -99,6 +101,12 @@ sanitize: $(VENV)/.dev-installed
 
 arm64:
 	bash tools/arm64.sh $(ARGS)
+
+outside: $(VENV)/.dev-installed
+	@$(BIN)/python benchmarks/outside.py $(ARGS)
+
+m7: $(VENV)/.run-installed
+	@$(BIN)/python tools/cortex_m7.py $(ARGS)
 
 sweep: $(VENV)/.dev-installed
 	URDF_IK_SWEEP=all $(BIN)/python -m pytest -q tests/model/test_real_files.py $(ARGS)

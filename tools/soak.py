@@ -142,8 +142,8 @@ class Soak:
         for k in range(size):
             world.add(f"box {k}", urdf_ik.Box(0.05), places[k])
         for k in range(size, size + 60):
-            name = self.rng.choice(world.names)
-            match self.rng.randrange(3):
+            name = self.rng.choice(world.names) if len(world) else ""
+            match self.rng.randrange(3) if name else 0:
                 case 0:
                     world.add(f"box {k}", urdf_ik.Box(0.05), places[k])
                 case 1:

@@ -30,6 +30,7 @@ set(URDF_IK_UNITS
   families/general/elimination.cpp
   families/imperfect/certified.cpp
   families/imperfect/decide.cpp
+  families/imperfect/divided.cpp
   families/imperfect/imperfect.cpp
   families/imperfect/imperfect_too.cpp
   families/mimics/coupled.cpp

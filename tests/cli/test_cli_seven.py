@@ -13,7 +13,9 @@ from arms_seven import random_seven, skew, sliding
 from oracle import Oracle
 from typer.testing import CliRunner, Result
 
+import urdf_ik
 from urdf_ik.cli import app
+from urdf_ik.model.poses import to_quat_wxyz
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2, 0.6)
 TYPED = ",".join(map(str, Q))
@@ -134,3 +136,18 @@ def test_held_joints(tmp_path: Path) -> None:
     assert "joint_2 at 0.3 m" in shown
     assert "joint_5 at 0.523599 rad" in shown
     assert data("info", str(path), *held)["locked"] == pytest.approx({"joint_2": 0.3, "joint_5": np.pi / 6})
+
+
+def test_nearest_looks_over_all_values_of_the_parameter(swivel: str) -> None:
+    """It is the solution that the library finds; typed values of the parameter stay."""
+    arm = urdf_ik.load(swivel)
+    target = arm.fk(np.array(Q) + 0.3)
+    pose = ("--xyz", ",".join(map(repr, target[:3, 3].tolist())))
+    pose += ("--quat-wxyz", ",".join(map(repr, to_quat_wxyz(target).tolist())))
+    near = arm.ik_nearest(target, Q, within_limits=False)
+    found = json.loads(call("ik", swivel, *pose, "--nearest", TYPED, "-f", "json").stdout)
+    (solution,) = found["poses"][0]["solutions"]
+    np.testing.assert_allclose(solution["q"], near.q[0], atol=1e-6)
+    held = json.loads(call("ik", swivel, *pose, "--nearest", TYPED, "--redundancy", "0.2", "-f", "json").stdout)
+    (other,) = held["poses"][0]["solutions"]
+    assert np.linalg.norm(np.array(other["q"]) - Q) > np.linalg.norm(near.q[0] - Q)

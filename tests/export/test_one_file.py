@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import subprocess
+import sys
+from collections import Counter
 from pathlib import Path
 
+import arms_hollow
+import core_arms
 import native_arms
 import numpy as np
 import pytest
 from command import call
 from native_arms import PROGRAMS, WARNINGS, compiler
+from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import _core, export
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 
+Array = NDArray[np.float64]
+
+ROOT = Path(__file__).resolve().parents[2]
+COMPILERS = [
+    compiler("CXX"),
+    pytest.param("clang++", marks=pytest.mark.skipif(shutil.which("clang++") is None, reason="no clang++ installed")),
+]
+ALL = os.environ.get("URDF_IK_FAMILIES") == "all"
+FEW = {"rail_6r", "srs_7r", "mimic of one joint", "hollow wrist"}
 # The flags of the library, without which the compiler fuses other operations.
 FLAGS = ("-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
 LEVEL = {"v2": ("-march=x86-64-v2",), "v3": ("-march=x86-64-v3",), "v4": ("-march=x86-64-v4",)}.get(_core.isa(), ())
@@ -41,6 +57,87 @@ def test_two_arms_in_one_unit_give_the_same_bits(name: str, beside: str, tmp_pat
     assert (flags == expected._info).all()
     assert found[expected.valid].tobytes() == expected.q[expected.valid].tobytes()
     assert done.stderr == b"0 allocations\n"
+
+
+def targets(arm: urdf_ik.Arm) -> tuple[Array, Array | None]:
+    """Poses (60, 4, 4), random and round, and values (60, p) of what they leave free."""
+    rng = np.random.default_rng(5)
+    q = rng.uniform(-3.0, 3.0, (60, arm.dof))
+    q[:, [kind == "prismatic" for kind in arm.chain.joint_types]] *= 0.1
+    q[::4] = np.round(q[::4] / (np.pi / 4)) * (np.pi / 4)
+    T = arm.fk(q)
+    return T, None if arm.redundancy is None else np.asarray(arm.solver.redundant_member.value_of(q, T))
+
+
+def _chosen() -> list[tuple[str, urdf_ik.Arm]]:
+    """Two arms of each family where URDF_IK_FAMILIES=all, otherwise one of each way in which a solver is built."""
+    seen: Counter[str] = Counter()
+    chosen = []
+    for name, arm in [*core_arms.every_arm(), *mimics()]:
+        family = arm.solver.require_member().name
+        seen[family] += 1
+        if seen[family] <= 2 and (ALL or name in FEW):
+            chosen.append((name, arm))
+    return chosen
+
+
+def mimics() -> list[tuple[str, urdf_ik.Arm]]:
+    """Arms whose joints drive several axes each: one joint that drives two, and a hollow wrist."""
+    xml = urdf_ik.load("planar_2r").model.xml.decode()
+    follower = '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
+    hollow = arms_hollow.hollow("mirrored")
+    return [
+        ("mimic of one joint", urdf_ik.load(xml.replace('<child link="link_2"/>', follower))),
+        ("hollow wrist", urdf_ik.load(hollow, base="base", tip="tool")),
+    ]
+
+
+CHOSEN = _chosen()
+
+
+@pytest.mark.parametrize(("name", "arm"), CHOSEN, ids=[name for name, _ in CHOSEN])
+@pytest.mark.parametrize("compile_with", COMPILERS)
+def test_each_family_gives_the_same_answers(compile_with: str, name: str, arm: urdf_ik.Arm, tmp_path: Path) -> None:
+    """The library's compiler gives its bits without a warning, another one its counts; nothing is allocated."""
+    header, program = tmp_path / "arm.hpp", tmp_path / "program"
+    header.write_text(export.cpp(arm, "arm"))
+    source, macro = str(PROGRAMS / "one_file.cpp"), f'-DARM_FILE="{header}"'
+    command = (compile_with, "-std=c++20", *FLAGS, *LEVEL, *WARNINGS, "-fno-exceptions", "-fno-rtti", macro, source)
+    native_arms.run(*command, "-ffreestanding", "-fsyntax-only")
+    native_arms.run(*command, "-o", str(program))
+    T, values = targets(arm)
+    free_values = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
+    expected = arm.ik(T, **free_values)
+    given = np.array([len(T), values is not None], np.int64).tobytes() + T.tobytes()
+    given += b"" if values is None else np.ascontiguousarray(values).tobytes()
+    done = native_arms.run(str(program), given=given)
+    found = np.frombuffer(done.stdout, count=expected.q.size).reshape(expected.q.shape)
+    flags = np.frombuffer(done.stdout, np.uint8, expected.valid.size, found.nbytes).reshape(expected.valid.shape)
+    assert done.stderr == b"0 allocations\n"
+    zero = np.frombuffer(done.stdout, count=16, offset=found.nbytes + flags.nbytes).reshape(4, 4)
+    assert np.abs(zero - arm.fk(np.zeros(arm.dof))).max() < 1e-12
+    if compile_with == compiler("CXX"):
+        assert (flags == expected._info).all()
+        assert found[expected.valid].tobytes() == expected.q[expected.valid].tobytes()
+    else:
+        valid = (flags & 1) > 0
+        pose, _ = np.nonzero(valid)
+        assert np.abs(arm.fk(found[valid]) - T[pose]).max() < 1e-9 * max(1.0, arm.chain.size)
+        regular = ~expected.singular.any(axis=-1)
+        assert (valid.sum(axis=-1) == expected.valid.sum(axis=-1))[regular].all()
+
+
+@pytest.mark.skipif(
+    any(shutil.which(program) is None for program in ("arm-none-eabi-g++", "qemu-system-arm")),
+    reason="arm-none-eabi-g++ or qemu-system-arm is not installed",
+)
+def test_a_controller_counts_the_same() -> None:
+    """On an emulated Cortex-M7 random, round and singular poses have as many solutions, in 64 kB of stack."""
+    tool = str(ROOT / "tools" / "cortex_m7.py")
+    row = native_arms.run(sys.executable, tool, "--poses", "30", "zyyzyz_6r").stdout.decode().splitlines()[-1]
+    _, name, _, same, _, stack, _ = (word.strip() for word in row.split("|"))
+    assert (name, same) == ("zyyzyz_6r", "30 of 30")
+    assert float(stack) < 64.0
 
 
 def test_no_operating_system_is_needed(tmp_path: Path) -> None:
@@ -77,13 +174,10 @@ def test_a_c_program_solves(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_exported_is_refused() -> None:
-    """A name that is none in C++, and joints that mimic others."""
+    """A name that is none in C++, a task that is not of poses, and a command that asks for no file."""
     arm = urdf_ik.load("planar_2r")
     with pytest.raises(ArgumentError, match="name='2r' given"):
         export.cpp(arm, "2r")
-    xml = arm.model.xml.decode().replace(
-        '<child link="link_2"/>', '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
-    )
-    with pytest.raises(UnsupportedArm, match="urdf-ik compile"):
-        export.cpp(urdf_ik.load(xml))
+    with pytest.raises(UnsupportedArm, match="the task"):
+        export.cpp(arm.for_task("planar position"))
     assert call("export", "planar_2r").exit_code == 2

@@ -207,6 +207,38 @@ def stretched_or_over_itself(case: Case, rng: np.random.Generator, m: int) -> Ar
     return np.stack([second, low], axis=-1)[rng.permutation(len(low))[:m]]
 
 
+def newton(case: Case, q: Array, T: Array) -> Array:
+    """Regular joint vectors at which Newton's method from ``q`` (n, 6) keeps the pose ``T`` to 1e-11."""
+    for _ in range(40):
+        M = np.asarray(case.arm.fk(q))
+        R = T[:3, :3] @ np.swapaxes(M[:, :3, :3], 1, 2)
+        w = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], -1)
+        e = np.concatenate([T[:3, 3] - M[:, :3, 3], w], -1)
+        J = np.asarray(case.arm.jacobian(q))
+        step = np.einsum("nij,nj->ni", np.linalg.pinv(J, rcond=1e-9), e)
+        q = q + step * np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(1), 1e-300))[:, None]
+    ahead = np.trace(R, axis1=1, axis2=2) > 2.0
+    least = np.linalg.svd(J, compute_uv=False)[:, -1]
+    return np.asarray(q[(np.linalg.norm(e, axis=1) < 1e-11) & ahead & (least > 1e-5)])
+
+
+@pytest.mark.parametrize("name", ["industrial rpy 1.5708", "industrial rpy 1.57080"])
+def test_an_aligned_wrist_of_a_rounded_arm_is_proven_and_lacks_nothing(name: str) -> None:
+    """Wrist axes aligned but for 1e-3 rad: most poses are certain, and Newton's method finds no further solution."""
+    case, rng = made(name), np.random.default_rng(3)
+    q = rng.uniform(-np.pi, np.pi, (40, 6))
+    q[:, 4] = rng.choice([0.0, np.pi], 40) + 1e-3 * rng.choice([-1.0, 1.0], 40)
+    T = np.asarray(case.arm.fk(q))
+    found = case.arm.ik(T)
+    certain = np.flatnonzero(np.asarray(found.certain))
+    assert len(certain) >= 30
+    for k in certain[:12]:
+        have = rows(found[int(k)])
+        starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
+        for root in newton(case, starts, T[k]):
+            assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
+
+
 @pytest.mark.parametrize("eps", [1e-6, 1e-5, 1e-4])
 def test_industrial_arm_near_two_singularities_at_once_finds_the_planted_vector(eps: float) -> None:
     """Wrist axes aligned, the elbow straight or the wrist over axis 1: more solutions than branches, none lost."""

@@ -112,7 +112,59 @@ def test_folds_are_refused_or_clipped() -> None:
     assert torch.isfinite(sums["clip"]).all()
 
 
-def test_a_swivel_angle_is_refused_in_words() -> None:
-    """Only the value of a joint is a parameter here."""
-    with pytest.raises(UnsupportedArm, match="swivel angle"):
-        urdf_ik.torch.ik(urdf_ik.load("srs_7r"), torch.eye(4, dtype=torch.float64))
+def redundant() -> dict[str, urdf_ik.Arm]:
+    """An arm with a swivel angle, arms with a free axis, and one with both a joint and a free axis."""
+    return {
+        "swivel": urdf_ik.load("srs_7r"),
+        "free axis": SIX.with_free_axis("z", at=[0.03, 0.0, 0.1]),
+        "free axis and joint": SEVEN.with_free_axis("z"),
+    }
+
+
+@pytest.mark.parametrize("name", ["swivel", "free axis", "free axis and joint"])
+def test_every_redundancy_parameter_is_an_input(name: str) -> None:
+    """Derivatives by the pose and by the parameters are those of dq_dT and dq_dredundancy."""
+    arm = redundant()[name]
+    T = torch.tensor(arm.fk(Q6 if arm.dof == 6 else Q7))
+    values = torch.full((len(arm.solver.parameters),), 0.4, dtype=torch.float64)
+    at = values[0] if len(values) == 1 else values
+    s = arm.ik(T.numpy(), redundancy=at.numpy())
+    regular = s.valid & (np.linalg.norm(s.dq_dredundancy(), axis=(-2, -1)) < 50.0)
+    assert regular.any()
+    by_pose, by_value = torch.autograd.functional.jacobian(
+        lambda T, at: urdf_ik.torch.ik(arm, T, redundancy=at, at_folds="nan").q, (T, at)
+    )
+    np.testing.assert_allclose(by_pose.numpy()[regular][..., :3, 3], s.dq_dT()[regular][..., :3], atol=1e-8)
+    slope = by_value.numpy().reshape(*s.q.shape, -1)
+    np.testing.assert_allclose(slope[regular], s.dq_dredundancy()[regular], atol=1e-8)
+
+
+def test_gradcheck_at_a_swivel_angle_twice() -> None:
+    """Entries of the pose and the angle, first and second derivatives by torch's own differences."""
+    arm = urdf_ik.load("srs_7r")
+    T = torch.tensor(arm.fk(Q7), requires_grad=True)
+    at = torch.tensor(0.3, dtype=torch.float64, requires_grad=True)
+
+    def one(T: torch.Tensor, at: torch.Tensor) -> torch.Tensor:
+        return urdf_ik.torch.ik(arm, T, redundancy=at).q[0]
+
+    assert torch.autograd.gradcheck(one, (T, at), eps=1e-7, atol=1e-4)
+    assert torch.autograd.gradgradcheck(one, (T, at), eps=1e-7, atol=1e-3, rtol=1e-3)
+
+
+def test_joints_that_mimic_others_have_derivatives() -> None:
+    """Those of dq_dT; by the URDF's numbers they are refused in words, as at a swivel angle."""
+    xml = SIX.model.xml.decode()
+    joint = xml.index('<joint name="joint_5"')
+    end = xml.index("</joint>", joint)
+    arm = urdf_ik.load(xml[:end] + '<mimic joint="joint_3" multiplier="0.5"/>' + xml[end:], locked={"joint_1": 0.0})
+    T = torch.tensor(arm.fk(Q6[[1, 2, 3, 5]]))
+    s = arm.ik(T.numpy())
+    steady = s.valid & (np.linalg.norm(s.dq_dT(), axis=(-2, -1)) < 50.0)
+    assert steady.any()
+    J = torch.autograd.functional.jacobian(lambda T: urdf_ik.torch.ik(arm, T, at_folds="nan").q, T)
+    np.testing.assert_allclose(J.numpy()[steady][..., :3, 3], s.dq_dT()[steady][..., :3], atol=1e-8)
+    swivelling = urdf_ik.load("srs_7r")
+    for each, why in ((arm, "mimic others"), (swivelling, "swivel angle")):
+        with pytest.raises(UnsupportedArm, match=why):
+            urdf_ik.torch.ik(each, torch.eye(4, dtype=torch.float64), geometry=urdf_ik.torch.geometry(each))

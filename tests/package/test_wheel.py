@@ -6,6 +6,7 @@ import email.parser
 import json
 import os
 import re
+import shutil
 import site
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import consumer
 import pytest
 
 import urdf_ik
@@ -171,6 +173,16 @@ def test_installed_package_solves_without_a_compiler(installed: Installed) -> No
     solutions, core, *compilers = done.stdout.split()
     assert (solutions, compilers) == ("8", [])
     assert Path(core).is_relative_to(installed.environment.resolve())
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake is not installed")
+def test_a_cpp_project_builds_against_the_wheel(installed: Installed, tmp_path: Path) -> None:
+    """find_package takes the wheel's sources; an arm is exported by the wheel's Python; programs in C++ and C solve."""
+    said = installed.run("python", "-m", "urdf_ik.cmake")
+    folder = Path(said.stdout.strip())
+    assert folder.is_relative_to(installed.environment.resolve()), said
+    consumer.build(tmp_path / "build", f"-Durdf_ik_DIR={folder}")
+    consumer.solves(tmp_path / "build", tmp_path / "arm.json")
 
 
 def test_the_wheel_can_be_published(installed: Installed) -> None:

@@ -41,6 +41,14 @@ template <class Family, class V> STEP Branch<V> branches_from(const typename Fam
     return Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
 }
 
+// All targets within `turn` [rad] and `shift` [m] of these.
+STEP Seen<Ball<Block>> within(const Seen<Block>& target, const Block& turn, const Block& shift) {
+    const auto wide = [](const Vec<Block>& a, const Block& radius) {
+        return Vec<Ball<Block>>{{a.x, radius}, {a.y, radius}, {a.z, radius}};
+    };
+    return {{wide(target.R.x, turn), wide(target.R.y, turn), wide(target.R.z, turn)}, wide(target.p, shift)};
+}
+
 // The boxes of one pose, by branch: centres and chords of the arcs of the joints' angles, offsets included. A whole circle has its
 // centre at the origin and a chord of 1.
 struct Boxes {
@@ -56,12 +64,7 @@ template <class Family>
 PART void include(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
                   Boxes& to) {
     using Number = Ball<Block>;
-    const auto within = [](const Vec<Block>& a, const Block& radius) {
-        return Vec<Number>{{a.x, radius}, {a.y, radius}, {a.z, radius}};
-    };
-    const Seen<Number> seen = {{within(target.R.x, turn), within(target.R.y, turn), within(target.R.z, turn)},
-                               within(target.p, shift)};
-    const Branch<Number> at = branches_from<Family, Number>(arm, seen, first);
+    const Branch<Number> at = branches_from<Family, Number>(arm, within(target, turn, shift), first);
     const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
     for (int k = 0; k < 3; ++k) {
         const Block most = margins[k]->greatest();
@@ -73,6 +76,36 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
         const Turn<Number>& t = at.turn[j];
         store(t.c.mid, to.c[j] + first), store(t.s.mid, to.s[j] + first), store(t.c.rad, to.chord[j] + first);
         to.free |= bits(!(t.c.mid * t.c.mid + t.s.mid * t.s.mid > Block(0.5))) << first;
+    }
+}
+
+// A block of boxes of any branches, as in Boxes.
+struct BoxBlock {
+    Block c[6], s[6], chord[6];
+    unsigned empty;
+};
+// The same for a block of boxes, each with its branch's signs and with arcs that its angles are known to lie in; not every
+// family makes use of these.
+template <class Family>
+PART void include_within(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift,
+                         const Signs<Block>& signs, const Arcs<Ball<Block>>& known, BoxBlock& to) {
+    using Number = Ball<Block>;
+    const Signs<Number> wide = {Number(signs.shoulder), Number(signs.elbow), Number(signs.wrist)};
+    const Seen<Number> seen = within(target, turn, shift);
+    const auto branch = [&] {
+        if constexpr (requires { Family::template branch<Number>(arm, seen, wide, known); }) {
+            return Family::template branch<Number>(arm, seen, wide, known);
+        } else {
+            return Family::template branch<Number>(arm, seen, wide);
+        }
+    };
+    const Branch<Number> at = branch();
+    to.empty = known.empty;
+    const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
+    for (const Number* margin : margins) to.empty |= bits(margin->greatest() < Block(-EMPTY_MARGIN));
+    for (int j = 0; j < 6; ++j) {
+        const Turn<Number>& t = at.turn[j];
+        to.c[j] = t.c.mid, to.s[j] = t.s.mid, to.chord[j] = t.c.rad;
     }
 }
 

@@ -28,6 +28,7 @@ struct Cluster {
     double across, along, larger_across, larger_along;
     int lost;
     bool blurred;  // whether the roots are nearer to each other than rounding
+    bool apart;    // whether none of them is real
     int starts;    // joint vectors from which Newton's method leads to its real members, to first order
     double start[2][6];
 };

@@ -7,8 +7,15 @@
 // zeros as the model, 2^r by Bezout's theorem if the r quadrics have no common zero but t = 0:
 //   |y| = across:  s' across > |g'| + |A_yt| along + |H'_tt| along^2 / 2 + |H'_ty| along across + |H'_yy| across^2 / 2 + third
 //   |t| = along:   m along^2 > |g_t| + |A_tt| along + |A_ty| across + |H_t,ty| along across + |H_t,yy| across^2 / 2 + third
-//   third = |T_ttt| along^3 + s^3 (3 along^2 across + 3 along across^2 + across^3) / 6 + (s D)^4 e^(s D) / 24,
-//   D^2 = along^2 + across^2,  s^2 = sum (|v_k|^2 + 2 |w_k|^2)
+//   third = |T_ttt| along^3 + s across x^2 e^x / 2 + (s_t along)^4 e^x / 24,  x = s_t along + s across >= sum_k |d_k| |zeta_k|,
+//   s^2 = sum_k |zeta_k|^2,  s_t^2 = sum_t (sum_k |V_kt| |zeta_k|)^2,  |zeta_k|^2 = |v_k|^2 + 2 |w_k|^2
+// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2. With one t, the terms in t alone up to the sixth order are
+// computed, and (s_t along)^7 / 7! takes the place of (s_t along)^4 / 4!.
+// If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
+// right side is convex in |y|: the larger region has no further root.
+// One root, counted in the same way, has the model (A_yy y, A_tt t):
+//   |t| = along:   |A_tt| along > |g_t| + |H_t,tt| along^2 / 2 + the rest as above
+// There is none where |g_t| > |A_tt| along + |H_t,tt| along^2 / 2 + the rest.
 // T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials.
 // m is the smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted
 // by the root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each
@@ -17,7 +24,7 @@
 #pragma once
 
 #include "certificate/account.hpp"
-#include "certificate/local.hpp"
+#include "certificate/series.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -98,107 +105,22 @@ PART double least_of_quadrics(const Local& at, int lost) {
     return max(out.s[14] - 18.0 * off, 0.0);
 }
 
-// ---- terms of third order ------------------------------------------------------------------------------------------------
-
-// A product of matrices of twists, without its last row, which is zero.
-struct Twists {
-    Number R[3][3], p[3];
-};
-STEP Twists matrix_of(const Six<Number>& zeta) {
-    const Number &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
-    return {{{none, -z, y}, {z, none, -x}, {-y, x, none}}, {zeta[0], zeta[1], zeta[2]}};
-}
-STEP Twists times(const Twists& a, const Twists& b, double f) {
-    Twists out;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) out.R[i][j] = f * (a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j]);
-        out.p[i] = f * (a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2]);
-    }
-    return out;
-}
-STEP void add_scaled(Twists& to, const Number& f, const Twists& a) {
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) to.R[i][j] += f * a.R[i][j];
-        to.p[i] += f * a.p[i];
-    }
-}
-
-// Monomials of degree d in r variables have places 0 to COUNT[r - 1][d] - 1, by their exponents a of the first and b of the second.
-inline constexpr int COUNT[3][4] = {{1, 1, 1, 1}, {1, 2, 3, 4}, {1, 3, 6, 10}};
-STEP int place_of(int r, int d, int a, int b) { return r == 1 ? 0 : r == 2 ? d - a : (d - a) * (d - a + 1) / 2 + (d - a - b); }
-
-// The norms of T_ttt's coefficients, of the first 6 - r outputs and of the others. The coefficient of a monomial counts with one
-// over the root of the multinomial coefficient.
-struct ThirdOrder {
-    double y, t;
-};
-PART ThirdOrder third_order(const Local& at, int r) {
-    Twists P[4][10] = {};  // of the product so far: degree, monomial
-    const int n = 6 - r;
-    for (int k = 0; k < 6; ++k) {
-        const Twists one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
-        // The powers of the linear form, by its coefficients.
-        Number L[4][10] = {};
-        L[0][0] = 1.0;
-        const auto raised = [&](int d, const auto& f) {  // f(place in degree d, place in degree d + 1, variable)
-            for (int a = 0; a <= d; ++a) {
-                for (int b = 0; b <= (r == 1 ? 0 : d - a); ++b) {
-                    if ((r == 1 && a != d) || (r == 2 && a + b != d)) continue;
-                    for (int v = 0; v < r; ++v) f(place_of(r, d, a, b), place_of(r, d + 1, a + (v == 0), b + (v == 1)), v);
-                }
-            }
-        };
-        for (int d = 0; d < 3; ++d) {
-            raised(d, [&](int from, int to, int v) { L[d + 1][to] += at.J.right[n + v][k] * L[d][from]; });
-        }
-        // From the highest degree down: P_d gains P_(d-1) zeta L + P_(d-2) zeta^2 L^2 / 2 + zeta^3 L^3 / 6.
-        const auto by_form = [&](int d, const auto& of) {
-            raised(d, [&](int from, int to, int v) { of(from, to, at.J.right[n + v][k]); });
-        };
-        by_form(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
-        for (int i = 0; i < COUNT[r - 1][1]; ++i) {
-            // P_1's monomial i times L^2.
-            const Twists each = times(P[1][i], two, 1.0);
-            for (int a = 0; a <= 2; ++a) {
-                for (int b = 0; b <= (r == 1 ? 0 : 2 - a); ++b) {
-                    if ((r == 1 && a != 2) || (r == 2 && a + b != 2)) continue;
-                    add_scaled(P[3][place_of(r, 3, a + (i == 0), b + (i == 1))], L[2][place_of(r, 2, a, b)], each);
-                }
-            }
-        }
-        for (int i = 0; i < COUNT[r - 1][3]; ++i) add_scaled(P[3][i], L[3][i], three);
-        by_form(1, [&](int from, int to, const Number& c) { add_scaled(P[2][to], c, times(P[1][from], one, 1.0)); });
-        for (int i = 0; i < COUNT[r - 1][2]; ++i) add_scaled(P[2][i], L[2][i], two);
-        for (int i = 0; i < COUNT[r - 1][1]; ++i) add_scaled(P[1][i], L[1][i], one);
-    }
-    double sum[2] = {0.0, 0.0};
-    for (int a = 0; a <= 3; ++a) {
-        for (int b = 0; b <= (r == 1 ? 0 : 3 - a); ++b) {
-            if ((r == 1 && a != 3) || (r == 2 && a + b != 3)) continue;
-            constexpr double factorial[4] = {1.0, 1.0, 2.0, 6.0};
-            const double many = 6.0 / (factorial[a] * factorial[b] * factorial[3 - a - b]);
-            const Twists& c = P[3][place_of(r, 3, a, b)];
-            const Number V[6] = {c.p[0],
-                                 c.p[1],
-                                 c.p[2],
-                                 0.5 * (c.R[2][1] - c.R[1][2]),
-                                 0.5 * (c.R[0][2] - c.R[2][0]),
-                                 0.5 * (c.R[1][0] - c.R[0][1])};
-            for (int o = 0; o < 6; ++o) sum[o >= n] += square(inner_product(at.J.left[o], V)) / many;
-        }
-    }
-    const double off = ROUNDING_OF_FORMS * at.spread * at.spread * at.spread;
-    return {sqrt(sum[0]) + off, sqrt(sum[1]) + off};
-}
-
-// The smallest ball that is proven to hold 2^lost roots; along is 0 if none is. largest: the largest one.
+// A ball without roots, or with two that are not real, is left open where a joint vector in it may keep the pose to this.
+inline constexpr double NEARLY_KEPT = 1e-10;
+// What a ball is proven to hold: 2^lost roots, or, with lost = 1, one or none.
+enum class Holds { all, one, none };
+// The smallest ball that is proven to hold these; along is 0 if none is. largest: the largest one.
 struct Region {
     double across, along, largest_across, largest_along, m;
+    double rest;   // what g_t may differ from g_t(0) + A_tt t + H_t,tt t^2 / 2 by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
 };
-PART Region ball_of(const Local& at, int lost) {
+PART Region ball_of(const Local& at, int lost, Holds what = Holds::all) {
     const int n = 6 - lost;
-    Region out = {0.0, 0.0, 0.0, 0.0, least_of_quadrics(at, lost), false};
+    const double m = what == Holds::all   ? least_of_quadrics(at, lost)
+                     : what == Holds::one ? sqrt(square(at.A[5][5])) - ROUNDING_OF_FORMS * at.spread
+                                          : sqrt(square(at.g[5])) - at.rounding;
+    Region out = {0.0, 0.0, 0.0, 0.0, m, 0.0, false};
     if (!at.near || !(out.m > 0.0)) return out;
     double f_y = 0.0, f_t = 0.0;
     for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
@@ -208,23 +130,56 @@ PART Region ball_of(const Local& at, int lost) {
     const double A_yt = norm_of(at, n, 6, 0, n), A_ty = norm_of(at, 0, n, n, 6), A_tt = norm_of(at, n, 6, n, 6);
     const double y_tt = norm_of(at, 0, n, n, 6, n, 6), y_ty = norm_of(at, 0, n, 0, n, n, 6), y_yy = norm_of(at, 0, n, 0, n, 0, n);
     const double t_ty = norm_of(at, n, 6, 0, n, n, 6), t_yy = norm_of(at, n, 6, 0, n, 0, n);
-    const ThirdOrder T = third_order(at, lost);
+    const double t_tt = what == Holds::all ? 0.0 : norm_of(at, n, 6, n, 6, n, 6);
+    AlongLine T = {};
+    if (lost == 1) {
+        T = along_line(at);
+    } else {
+        const ThirdOrder third = third_order(at, lost);
+        T.y[3] = third.y, T.t[3] = third.t;
+    }
+    const auto in_t_alone = [](const double (&of)[HIGHEST + 1], double R) {
+        double sum = 0.0;
+        for (int n = HIGHEST; n > 2; --n) sum = (sum + of[n]) * R;
+        return sum * R * R;
+    };
     const double s = at.spread;
-    double R = LARGEST_CLUSTER;
+    double s_t = 0.0, R = LARGEST_CLUSTER;
+    for (int v = n; v < 6; ++v) {
+        double sum = 0.0;
+        for (int k = 0; k < 6; ++k) sum += at.length[k] * sqrt(square(at.J.right[v][k]));
+        s_t += sum * sum;
+    }
+    s_t = min(SLACK_OF_SUMS * sqrt(s_t), s);
+    // Terms from the third order on that are not in t alone, and those in t of higher order than is known.
+    const auto higher = [&](double R, double rho) {
+        const double a = s_t * R, b = s * rho, x = a + b, aa = a * a;
+        return 0.5 * GROWTH * b * x * x + GROWTH * (lost == 1 ? aa * aa * aa * a / 5040.0 : aa * aa / 24.0);
+    };
     for (int k = 0; k < RADII; ++k, R *= QUARTER_DECADE) {
-        const double base = f_y + A_yt * R + 0.5 * y_tt * R * R + T.y * R * R * R, slope = least - y_ty * R;
+        const double base = f_y + A_yt * R + 0.5 * y_tt * R * R + in_t_alone(T.y, R), slope = least - y_ty * R;
         if (!(slope > 0.0)) continue;
         // Any value may be tried: twice what the terms in t alone ask for.
-        const double rho = 2.0 * (base + s * R * s * R * s * R * s * R / 20.0) / slope, D = sqrt(R * R + rho * rho);
-        if (!(s * D < LARGEST_BALL)) continue;
-        const double mixed = s * s * s * rho * (3.0 * R * R + 3.0 * R * rho + rho * rho) / 6.0;
-        const double rest = mixed + s * D * s * D * s * D * s * D * GROWTH / 24.0;
-        const bool y = slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + rest);
-        const bool t = out.m * R * R > SLACK_OF_SUMS * (f_t + A_tt * R + A_ty * rho + t_ty * R * rho + 0.5 * t_yy * rho * rho +
-                                                        T.t * R * R * R + rest);
-        if (!y || !t) continue;
-        if (out.along == 0.0) out.largest_across = rho, out.largest_along = R;
-        out.across = rho, out.along = R;
+        const double rho = 2.0 * (base + 1.2 * higher(R, 0.0)) / slope;
+        const auto outside = [&](double rho) {
+            return s_t * R + s * rho < LARGEST_BALL &&
+                   slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(R, rho));
+        };
+        if (!outside(rho)) continue;
+        const double model = out.m * (what == Holds::all ? R * R : what == Holds::one ? R : 1.0);
+        const double in_t = 0.5 * t_tt * R * R + (what == Holds::one ? 0.0 : A_tt * R) + (what == Holds::none ? NEARLY_KEPT : f_t);
+        const double left = A_ty * rho + t_ty * R * rho + 0.5 * t_yy * rho * rho + in_t_alone(T.t, R) + higher(R, rho);
+        if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
+        if (out.along == 0.0) {
+            out.largest_across = rho, out.largest_along = R;
+            for (double wide = LARGEST_CLUSTER; wide > rho; wide *= QUARTER_DECADE) {
+                if (!outside(wide)) continue;
+                out.largest_across = wide;
+                break;
+            }
+        }
+        out.across = rho, out.along = R,
+        out.rest = SLACK_OF_SUMS * (left + at.rounding + ROUNDING_OF_FORMS * at.spread * R * (1.0 + at.spread * R));
     }
     out.blurred = size <= BLURRED * at.rounding && A_tt * out.along <= BLURRED * at.rounding;
     return out;
@@ -256,6 +211,12 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
     return size;
 }
 
+STEP bool is_real(const Number (&q)[6]) {
+    double off = 0.0;
+    for (const Number& each : q) off += abs(each.im);
+    return off == 0.0;
+}
+
 // A cluster of 2^lost roots near the candidate q. Returns whether one is proven.
 PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Cluster& out) {
     Number q[6];
@@ -268,6 +229,7 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
     Local at;
     Region ball = {};
     bool near = false;
+    double last = __builtin_inf();
     for (int round = 0; round < CENTRINGS; ++round) {
         const LoopAt<Number> loop_here = loop_at(loop, q);
         decompose(loop_here, at.J);
@@ -283,9 +245,13 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
             continue;
         }
         localise(loop, loop_here, q, at);
-        ball = ball_of(at, lost);
-        if (!(ball.m > 0.0)) break;
         const double size = lost == 1 ? recentred<1>(at, next) : lost == 2 ? recentred<2>(at, next) : recentred<3>(at, next);
+        ball = {};
+        if (size < LARGEST_CLUSTER) ball = ball_of(at, lost);
+        if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;
+        // Rounding leaves no better centre.
+        if (size > last && size < LARGEST_CLUSTER) break;
+        last = size;
         // A ball about the middle of the roots is the smallest.
         if (size < (ball.along > 0.0 ? MIDDLE * ball.along : 1e-13) || round + 3 > CENTRINGS) break;
         for (int k = 0; k < 6; ++k) q[k] = next[k];
@@ -299,6 +265,8 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
     // The two roots of g_t + A_tt t + H_t,tt t^2 / 2 = 0 lead to two real members.
     const double A = at.A[5][5].re, H = at.H[5][5][5].re, square_root = A * A - 2.0 * H * at.g[5].re;
     out.starts = lost == 1 && square_root > 0.0 ? 2 : 0;
+    // On the real line the quadratic stays -square_root / (2 H) away from zero.
+    out.apart = lost == 1 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
     for (int i = 0; i < out.starts; ++i) {
         const double t = ((i ? -1.0 : 1.0) * sqrt(square_root) - A) / H;
         for (int k = 0; k < 6; ++k) out.start[i][k] = wrap(wrap(at.q[k].re) + t * at.J.right[5][k].re);

@@ -17,6 +17,7 @@ struct Local {
     Number H[6][6][6];          // second derivatives: output, input, input
     Six<Number> twist[6];
     double rounding, spread;    // of f; s of the third derivatives
+    double length[6];           // of the twists: sqrt(|v|^2 + 2 |w|^2)
     bool near;                  // whether X's trace is near 3
 };
 
@@ -63,7 +64,9 @@ PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)
     Six<Number> raw[6][6];
     for (int j = 0; j < 6; ++j) {
         const Vec<Number> w = {at.twist[j][3], at.twist[j][4], at.twist[j][5]};
-        for (int i = 0; i < 3; ++i) out.spread += square(at.twist[j][i]) + 2.0 * square(at.twist[j][i + 3]);
+        double each = 0.0;
+        for (int i = 0; i < 3; ++i) each += square(at.twist[j][i]) + 2.0 * square(at.twist[j][i + 3]);
+        out.spread += each, out.length[j] = sqrt(each) + 2.0 * of_twist;
         for (int k = j; k < 6; ++k) {
             const Vec<Number> a = cross(w, Vec<Number>{at.twist[k][0], at.twist[k][1], at.twist[k][2]});
             const Vec<Number> b = cross(w, Vec<Number>{at.twist[k][3], at.twist[k][4], at.twist[k][5]});

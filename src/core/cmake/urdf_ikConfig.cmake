@@ -26,7 +26,7 @@ function(urdf_ik_export)
   endif()
   if(NOT urdf_ik_PYTHON)
     # PREFIX/lib/pythonX.Y/site-packages/urdf_ik/bundled/core/cmake
-    find_program(urdf_ik_PYTHON NAMES python3 python HINTS "${URDF_IK_SOURCES}/../../../../../../bin" NO_CACHE)
+    find_program(urdf_ik_PYTHON NAMES python3 python HINTS "${URDF_IK_SOURCES}/../../../../../../bin")
   endif()
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/urdf_ik_arms")
   file(MAKE_DIRECTORY "${folder}")

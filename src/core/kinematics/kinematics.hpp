@@ -48,6 +48,13 @@ template <int N, class V> STEP Frame<V> tip_after(const Written<N>& arm, const T
     return at;
 }
 
+// The same; joint: the frames of the joints, before their turns.
+template <int N, class V> STEP Frame<V> joints_and_tip(const Written<N>& arm, const Turn<V> (&turn)[N], Frame<V> (&joint)[N]) {
+    Frame<V> at = constant_frame<V>(arm.step[0]);
+    for (int k = 0; k < N; ++k) joint[k] = at, at = beyond(turned(at, turn[k]), arm.step[k + 1]);
+    return at;
+}
+
 // A joint's column of the geometric Jacobian at the tip, lengths as shares of the size (1 / inverse_size). For a slide it is the
 // joint's direction.
 template <class V> STEP Six<V> jacobian_column(const Frame<V>& joint, bool slides, const Vec<V>& tip, double inverse_size) {

@@ -9,7 +9,7 @@ import struct
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik import __version__
-from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.errors import ArgumentError
 from urdf_ik.export.compilation import compile
 from urdf_ik.export.solver_text import Node, inlined, macros, node_of, struct_of
 from urdf_ik.support import inputs
@@ -43,6 +43,13 @@ _LEVEL = """\
 #define URDF_IK_LEVEL plain
 #endif
 """
+_SCRATCH = """\
+// The search for the solutions of joints that drive several axes each has 1 to 4 MB of memory of its own, beside the
+// stack. One thread at a time may then solve; #define URDF_IK_SCRATCH static thread_local lifts this.
+#ifndef URDF_IK_SCRATCH
+#define URDF_IK_SCRATCH static
+#endif
+"""
 
 
 def cpp(arm: Arm, name: str | None = None) -> str:
@@ -58,7 +65,7 @@ def cpp(arm: Arm, name: str | None = None) -> str:
 
     Raises:
         ArgumentError: ``name`` is no name in C++.
-        UnsupportedArm: the arm cannot be compiled, or its joints drive several axes each.
+        UnsupportedArm: the arm cannot be compiled.
 
     Example:
         >>> import urdf_ik
@@ -159,21 +166,16 @@ def _head(arm: Arm, document: dict[str, Any], what: str) -> str:
 
 
 def _body(arm: Arm, name: str, document: dict[str, Any]) -> str:
-    if document["chain"]["gain"] is not None and document["solver"]["kind"] == "coupled":
-        node_of(arm.solver.require_member().solver.arm, arm.name)  # raises
-    if document["chain"]["gain"] is not None:
-        raise UnsupportedArm(
-            f"{arm.name}: joints that mimic others are not exported to one file; urdf-ik compile writes a file for the "
-            "C++ library"
-        )
     node = node_of(arm.solver.require_member().solver.arm, arm.name)
     files = ["chain.cpp"]
     at: Node | None = node
+    needs_scratch = False
     while at is not None:
         files += at.files
+        needs_scratch |= "URDF_IK_SCRATCH" in at.text
         at = at.inner
     defined, undefined = macros()
-    start = f"#include <stdint.h>\n#include <stddef.h>\n{_LEVEL}{defined}"
+    start = f"#include <stdint.h>\n#include <stddef.h>\n{_LEVEL}{_SCRATCH if needs_scratch else ''}{defined}"
     return "\n".join(
         [_QUIET, start, inlined(files, _SPACE), _interface(name, document, node), undefined, _LOUD, _example(name)]
     )
@@ -211,8 +213,8 @@ using namespace {_SPACE}::URDF_IK_LEVEL;
 inline constexpr Motion steps[] = {{
     {steps}}};
 inline constexpr bool slides[] = {{{slides}}}, turns[] = {{{turning}}};
-inline constexpr ChainArm chain = {{joints, steps, slides}};
-{"".join(solvers)}}}  // namespace detail
+inline constexpr ChainArm chain = {{{len(document["chain"]["slides"])}, steps, slides}};
+{_gain(document)}{"".join(solvers)}}}  // namespace detail
 
 // All solutions of m poses T (m, 16), row by row: q (m, columns, joints) [rad, m], flags (m, columns). q_ref (joints):
 // on a continuum, free joints take values near these. values (m, parameters); null: the defaults. Index of the first T
@@ -243,11 +245,44 @@ inline int ik(const double* T, double* q, uint8_t* flags, const double* q_ref = 
 }}
 
 // The pose T (16) and the Jacobian J (6, joints), linear rows above angular ones, at a joint vector of any size.
-inline void fk(const double* q, double* T) {{ detail::chain_functions.poses(detail::chain, q, 1, T); }}
-inline void jacobian(const double* q, double* J) {{ detail::chain_functions.jacobians(detail::chain, q, 1, J); }}
+{_kinematics(document)}
 
 }}  // namespace {name}
 """
+
+
+def _gain(document: dict[str, Any]) -> str:
+    """How far each axis moves per unit of a joint, where joints drive several axes."""
+    gain = document["chain"]["gain"]
+    if gain is None:
+        return ""
+    return f"inline constexpr double gain[][joints] = {_row_of_rows(gain)};\n"
+
+
+def _kinematics(document: dict[str, Any]) -> str:
+    """The functions fk and jacobian."""
+    if document["chain"]["gain"] is None:
+        return """\
+inline void fk(const double* q, double* T) { detail::chain_functions.poses(detail::chain, q, 1, T); }
+inline void jacobian(const double* q, double* J) { detail::chain_functions.jacobians(detail::chain, q, 1, J); }"""
+    return """\
+inline void fk(const double* q, double* T) {
+    constexpr int axes = int(sizeof detail::slides);
+    double values[axes] = {};
+    for (int k = 0; k < axes; ++k) for (int j = 0; j < joints; ++j) values[k] += q[j] * detail::gain[k][j];
+    detail::chain_functions.poses(detail::chain, values, 1, T);
+}
+inline void jacobian(const double* q, double* J) {
+    constexpr int axes = int(sizeof detail::slides);
+    double values[axes] = {}, each[6 * axes];
+    for (int k = 0; k < axes; ++k) for (int j = 0; j < joints; ++j) values[k] += q[j] * detail::gain[k][j];
+    detail::chain_functions.jacobians(detail::chain, values, 1, each);
+    for (int r = 0; r < 6; ++r) for (int j = 0; j < joints; ++j) {
+        double sum = 0.0;
+        for (int k = 0; k < axes; ++k) sum += each[axes * r + k] * detail::gain[k][j];
+        J[joints * r + j] = sum;
+    }
+}"""
 
 
 def _solver(node: Node, made: list[str]) -> None:

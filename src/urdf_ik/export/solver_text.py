@@ -74,11 +74,7 @@ class Node(NamedTuple):
 
 
 def node_of(arm: Any, name: str) -> Node:
-    """The solver of an arm's numbers, and those that it uses.
-
-    Raises:
-        UnsupportedArm: joints drive several axes: the search needs megabytes beside the stack.
-    """
+    """The solver of an arm's numbers, and those that it uses."""
     made, kind = Solver(arm), arm.kind
     if kind in ("one joint given", "axis free"):
         inserted = "true" if kind == "one joint given" else "false"
@@ -97,6 +93,13 @@ def node_of(arm: Any, name: str) -> Node:
             f"    return solve_completed(arm, {_size(inner)}, inner, steps, batch)"
         )
         return Node(made, (_WRAPPED, f"{_FEW}completed.hpp"), text, inner)
+    if kind == "coupled":
+        n = int(arm.joints)
+        text = (
+            f"struct Scratch {{ double boxes[{n} * SCRATCH]; }};\n    URDF_IK_SCRATCH Scratch scratch;\n"
+            f"    return solve_coupled<{n}>(arm, batch, scratch.boxes)"
+        )
+        return Node(made, ("families/mimics/coupled.hpp",), text)
     files, function = _own(arm, kind, name)
     return Node(made, files, f"{function}(arm, batch)")
 
@@ -131,10 +134,7 @@ def _own(arm: Any, kind: str, name: str) -> tuple[tuple[str, ...], str]:
         return ("families/seven_joints/srs_near.hpp",), function
     if kind == "hollow wrist":
         return ("families/mimics/hollow_wrist.hpp",), f"{_SINGLY}<HollowWrist>"
-    raise UnsupportedArm(
-        f"{name}: its joints drive several axes each, and the search for their solutions takes megabytes of memory; "
-        "urdf-ik compile writes a file for the C++ library"
-    )
+    raise UnsupportedArm(f"{name}: a solver of the kind {kind!r} is not exported to one file")
 
 
 def struct_of(node: Node) -> str:
@@ -147,6 +147,8 @@ def struct_of(node: Node) -> str:
         return "GivenJoint"
     if "solve_completed" in text:
         return "CompletedArm"
+    if coupled := re.search(r"solve_coupled<(\d)>", text):
+        return f"CoupledArm<{coupled[1]}>"
     family = re.match(r"solve_\w+<(.*)>\(arm, batch\)$", text)
     return "" if family is None else f"{family[1]}::Arm"
 

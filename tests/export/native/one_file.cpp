@@ -43,4 +43,5 @@ int main() {
 #endif
     std::fprintf(stderr, "%ld allocations\n", allocations);
     std::free(T), std::free(values), std::free(q), std::free(flags);
+    return 0;
 }

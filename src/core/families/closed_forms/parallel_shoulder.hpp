@@ -158,6 +158,8 @@ template <LastAxes kind> struct ParallelShoulder {
     using Arm = ParallelShoulderArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastAxes::general;
+    // Joints that lead in a box; see Inclusion.
+    static constexpr int before_elbow = 1, after_elbow = 5;
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         const auto& ideal = arm.ideal;

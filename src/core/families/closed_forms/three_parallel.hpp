@@ -80,6 +80,8 @@ template <Hand kind> struct ThreeParallel {
     using Arm = ThreeParallelArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
+    // Joints that lead in a box; see Inclusion.
+    static constexpr int before_elbow = 5, after_elbow = 1;
 
     // Angles of a block that are computed together, which gives the processor independent work: joints 1 and 5 of both
     // shoulders; phi and joint 6 of both, or of all four wrists; the elbow's bend for these; joint 2 of all branches.
@@ -184,20 +186,24 @@ template <Hand kind> struct ThreeParallel {
         }
     }
 
-    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
+    template <class V, class Known = NoArcs>
+    static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs, const Known& known = {}) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        const Swing<V> first = face(arm, seen.p, signs.shoulder);
+        Swing<V> first = face(arm, seen.p, signs.shoulder);
+        first.turn = known.met(0, first.turn);
         const Seen<V> from = seen_along(arm, seen, first.turn);
-        const Bend<V> bend = wrist_bend(from.R.z, t, signs.wrist);
-        const WristTurns<V> turns = wrist_turns(from.R, bend.turn, t);
+        Bend<V> bend = wrist_bend(from.R.z, t, signs.wrist);
+        bend.turn = known.met(4, bend.turn);
+        const WristTurns<V> turns = known.met(-1, 5, from.R, bend.turn, t, wrist_turns(from.R, bend.turn, t));
         const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
-        const Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
+        Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
+        e.second = known.met(1, e.second);
         const V arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
         const V margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
         const V arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
-        const Turn<V> t3 = unit(e.bend.c, e.bend.s);
+        const Turn<V> t3 = known.met(2, unit(e.bend.c, e.bend.s));
         Turn<V> t4 = turns.first;
         unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<V>{t3.c, arm.turn_3 * t3.s});
         return {{first.turn, e.second, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)},

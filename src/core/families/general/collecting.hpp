@@ -3,6 +3,7 @@
 #pragma once
 
 #include "answers/blocks.hpp"
+#include "answers/on_curve.hpp"
 #include "certificate/cluster.hpp"
 #include "families/general/elimination_arm.hpp"
 
@@ -192,7 +193,7 @@ STEP bool is_known(const Account& account, const Number (&q)[6]) {
 STEP bool may_be_real(const Cluster& cluster) {
     double square_off = 0.0;
     for (const Number& each : cluster.q) square_off += each.im * each.im;
-    return sqrt(square_off) <= radius_of(cluster);
+    return !cluster.apart && sqrt(square_off) <= radius_of(cluster);
 }
 
 STEP void as_numbers(const double* row, Number (&q)[6]) {
@@ -276,40 +277,21 @@ PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, co
 
 // ---- continua -----------------------------------------------------------------------------------------------------------
 
-// Steps along a curve of solutions [rad], to either side.
-inline constexpr double ALONG_CURVE = 0.02;
-inline constexpr int STEPS_ALONG_CURVE = 3;
-
-// Whether a singular solution lies on a curve of solutions: Newton's method from points along the weakest direction, each farther
-// away, ends beside them.
-PART bool is_on_curve(const EliminationArm& arm, const Goal<double>& goal, const double (&q)[6]) {
-    const Weakest<6> weak = weakest_at(arm.written, goal, q);
-    if (weak.value > arm.written.tolerances.singular) return false;
-    for (int k = 1; k <= STEPS_ALONG_CURVE; ++k) {
-        for (int sign = -1; sign <= 1; sign += 2) {
-            double at[6], away = 0.0;
-            for (int j = 0; j < 6; ++j) at[j] = wrap(q[j] + sign * k * ALONG_CURVE * weak.direction[j]);
-            if (!(polish_one<true>(arm.written, goal, at, {40, CONVERGED, LONG_PATIENCE}).error <= CONVERGED)) return false;
-            for (int j = 0; j < 6; ++j) away += sign * weak.direction[j] * wrap(at[j] - q[j]);
-            if (!(away > 0.7 * k * ALONG_CURVE && away < 1.3 * k * ALONG_CURVE)) return false;
-        }
-    }
-    return true;
-}
 // Whether a solution lies on a curve of solutions, or what was left where it is almost real.
 PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
+    const Course course = {40, CONVERGED, LONG_PATIENCE};
     double q[6];
     for (int b = 0; b < search.columns.many; ++b) {
         if (!search.columns.valid(b) || !(search.columns.flags[b] & SINGULAR)) continue;
         for (int j = 0; j < 6; ++j) q[j] = search.columns.row(b)[j];
-        if (is_on_curve(arm, goal, q)) return true;
+        if (is_on_curve(arm.written, goal, q, course, CONVERGED)) return true;
     }
     for (int i = 0; i < search.lefts; ++i) {
         double off = 0.0;
         for (int j = 0; j < 6; ++j) q[j] = wrap(search.left[i][j].re), off = max(off, abs(search.left[i][j].im));
         if (off > ALMOST_REAL) continue;
         if (polish_one<true>(arm.written, goal, q, {40, CONVERGED, LONG_PATIENCE}).error > CONVERGED) continue;
-        if (is_on_curve(arm, goal, q)) return true;
+        if (is_on_curve(arm.written, goal, q, course, CONVERGED)) return true;
     }
     return false;
 }

@@ -1,24 +1,23 @@
 // See certified.hpp. Compiled once for every instruction set.
-#include "families/imperfect/certified.hpp"
-
-#include "certificate/single.hpp"
+#include "families/imperfect/divided.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Half the width [rad] of the widest box from which a root can be shown to be alone: the norm of each joint's twist is at least
-// sqrt(2), and S r in certificate/single.hpp at most LARGEST_BALL.
-inline constexpr double WIDEST_BOX = LARGEST_BALL / (6.0 * 1.414);
 // Newton's steps from the centre of a box to where a root is certified. One more, with the same factors, gives the solution; what a
 // step leaves of a wide box fails to converge and waits for the next pass.
 inline constexpr int STEPS = 1;
 
+// Boxes are not divided where the arms differ by less: what the ideal arm leaves free keeps the pose to about that.
+inline constexpr double FINEST = 1e-9;
 // How often boxes are made from smaller sets of displacements before a pose is left open.
 inline constexpr int PASSES = 4;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
 inline constexpr double CORRECTION_ROUNDING = 4.0 * TARGET_ROUNDING;
 
-// A block of boxes: half the width of its widest arc [rad], infinite for a whole circle, and its centre as joint values. An arc's
-// chord x belongs to the angle 2 asin(x / 2) <= x (1 + 0.056 x^2), up to a half circle, where x^2 = 2.
+// Half the angle of an arc with a chord x, or more: 2 asin(x / 2) <= x (1 + 0.056 x^2), up to a half circle, where x^2 = 2.
+STEP Block half_angle(const Block& x) { return select(x * x <= Block(2.0), x + 0.056 * x * x * x, Block(PI)); }
+
+// A block of boxes: half the width of its widest arc [rad], infinite for a whole circle, and its centre as joint values.
 struct Middle {
     Block q[6], width;
 };
@@ -34,22 +33,20 @@ STEP Middle middle_of(const Boxes& boxes, const IdealFrames& ideal, int first) {
     return out;
 }
 
-// The next pass for a block of boxes, from the displacements of the joint vectors in each box. Turning joint j by an angle of chord
-// x replaces the displacement X of what joint j carries by one that has been turned with the joint. So the target turns by at most
-// turn_j x, and shifts by at most (shift_j + turn_j (length_j + 2 e)) x: a point that is e from the tip of the arm as written is at
-// most length_j + e from joint j, and X shifts it by at most shift_j + turn_j e.
-PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Inclusion& family, int first,
-                 Boxes& boxes, unsigned& open) {
-    Turn<Block> turn[6];
-    Block chord[6], turned = CORRECTION_ROUNDING, total = 0.0;
-    for (int j = 0; j < 6; ++j) {
-        const Block c = load<Block>(boxes.c[j] + first), s = load<Block>(boxes.s[j] + first);
-        const auto arc = c * c + s * s > Block(0.5);
-        turn[j] = {select(arc, c, Block(1.0)), select(arc, s, Block(0.0))};
-        chord[j] = select(arc, load<Block>(boxes.chord[j] + first), Block(2.0));
-        turned += apart.turn[j + 1] * chord[j], total += chord[j];
-    }
-    const Frame<Block> W = tip_after(arm.written, turn), I = tip_after(arm.ideal, turn);
+// Turning joint j by an angle of chord x replaces the displacement X of what joint j carries by one that has been turned with the
+// joint. So the target turns by at most turn_j x, and shifts by at most (shift_j + turn_j (length_j + 2 e)) x: a point that is e
+// from the tip of the arm as written is at most length_j + e from joint j, and X shifts it by at most shift_j + turn_j e.
+//
+// In a small box the first derivatives at its middle say more. D = I W^-1 changes with joint j like a motion with the angular
+// velocity z_j - D z'_j, where z_j and z'_j are the joint's axes in both arms, and moves the target's point by the difference of
+// the velocities that both axes give to it. The second derivative by joints i <= j turns X by one more axis: at most turn_j, and
+// shift_j + turn_j (length_i + length_j + 3 e) for a point.
+Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Turn<Block> (&turn)[6],
+                   const Block (&chord)[6], const Block (&half)[6]) {
+    Block turned = CORRECTION_ROUNDING;
+    for (int j = 0; j < 6; ++j) turned += apart.turn[j + 1] * chord[j];
+    Frame<Block> joint_W[6], joint_I[6];
+    const Frame<Block> W = joints_and_tip(arm.written, turn, joint_W), I = joints_and_tip(arm.ideal, turn, joint_I);
     const auto through = [&](const Vec<Block>& a) { return I.R * Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
     const Vec<Block> off = goal.p - W.p;
     Block reach = root(dot(off, off)), shifted = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
@@ -57,8 +54,40 @@ PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Bloc
     for (int j = 0; j < 6; ++j) {
         shifted += (apart.shift[j + 1] + apart.turn[j + 1] * (apart.length[j + 1] + 2.0 * reach)) * chord[j];
     }
+    const Seen<Block> middle = {each(goal.R, through), I.p + through(off)};
+    Block turned_once = CORRECTION_ROUNDING,
+          shifted_once = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
+    Block before = 0.0, lever = 0.0;  // of the joints up to j: sums of half, and of half times length
+    for (int j = 0; j < 6; ++j) {
+        const Vec<Block>&z = joint_I[j].R.z, &other = joint_W[j].R.z;
+        const Vec<Block> w = z - through(other);
+        const Vec<Block> v = cross(z, middle.p - joint_I[j].p) - through(cross(other, goal.p - joint_W[j].p));
+        const double t = apart.turn[j + 1], l = apart.length[j + 1];
+        // Pairs of joints up to j: each pair of different ones counts twice, with the half of Taylor's formula once.
+        const Block pairs = half[j] * (before + 0.5 * half[j]), levers = half[j] * (lever + l * before + l * half[j]);
+        turned_once += half[j] * (root(dot(w, w)) + CORRECTION_ROUNDING) + t * pairs;
+        shifted_once += half[j] * (root(dot(v, v)) + CORRECTION_ROUNDING * (l + reach)) +
+                        (apart.shift[j + 1] + 3.0 * t * reach) * pairs + t * levers;
+        before += half[j], lever += half[j] * l;
+    }
+    return {middle, INFLATED * min(turned, turned_once), INFLATED * min(shifted, shifted_once)};
+}
+
+// The next pass for a block of boxes, from the displacements of the joint vectors in each box.
+PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Inclusion& family, int first,
+                 Boxes& boxes, unsigned& open) {
+    Turn<Block> turn[6];
+    Block chord[6], half[6], total = 0.0;
+    for (int j = 0; j < 6; ++j) {
+        const Block c = load<Block>(boxes.c[j] + first), s = load<Block>(boxes.s[j] + first);
+        const auto arc = c * c + s * s > Block(0.5);
+        turn[j] = {select(arc, c, Block(1.0)), select(arc, s, Block(0.0))};
+        chord[j] = select(arc, load<Block>(boxes.chord[j] + first), Block(2.0)), half[j] = half_angle(chord[j]);
+        total += chord[j];
+    }
+    const Targets targets = targets_of(arm, apart, goal, turn, chord, half);
     Boxes next;
-    family.include(family.arm, {each(goal.R, through), I.p + through(off)}, INFLATED * turned, INFLATED * shifted, first, next);
+    family.include(family.arm, targets.middle, targets.turn, targets.shift, first, next);
     Block left = 0.0;
     for (int j = 0; j < 6; ++j) {
         const Block c = load<Block>(next.c[j] + first), s = load<Block>(next.s[j] + first);
@@ -73,20 +102,17 @@ PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Bloc
     }
 }
 
-PART void certify_boxes(const IdealFrames& ideal, const Loop& loop, const Boxes& boxes, int first, Known& known,
-                        double (&radii)[8]) {
-    constexpr unsigned all = (1u << BLOCK) - 1;
-    const Middle box = middle_of(boxes, ideal, first);
-    const unsigned open = known.open >> first & all & bits(box.width <= Block(WIDEST_BOX));
-    if (!open) return;
+Rooted root_of(const Loop& loop, const Block (&middle)[6], const Block& half, unsigned wanted) {
     // The other lanes repeat a box, so that they cost nothing more.
-    const int one = __builtin_ctz(open);
-    Block q[6], width = box.width;
-    for (int j = 0; j < 6; ++j) q[j] = box.q[j];
+    const int one = __builtin_ctz(wanted);
+    Rooted out;
+    Block(&q)[6] = out.q;
+    Block width = half;
+    for (int j = 0; j < 6; ++j) q[j] = middle[j];
     for (int l = 0; l < BLOCK; ++l) {
-        if (open >> l & 1) continue;
-        width.set(l, box.width[one]);
-        for (int j = 0; j < 6; ++j) q[j].set(l, box.q[j][one]);
+        if (wanted >> l & 1) continue;
+        width.set(l, half[one]);
+        for (int j = 0; j < 6; ++j) q[j].set(l, middle[j][one]);
     }
     Turn<Block> turn[6];
     Orthogonal<Block> factors;
@@ -105,30 +131,52 @@ PART void certify_boxes(const IdealFrames& ideal, const Loop& loop, const Boxes&
     }
     Block far = 0.0;
     for (int j = 0; j < 6; ++j) far = max(far, abs(moved[j]));
-    const Block radius = INFLATED * (width + far);
+    out.radius = INFLATED * (width + far);
     turns_of(q, turn);
     at = loop_at(loop, turn);
-    const Certificate root = certify(loop, at, factors, growth_of(q), radius);
+    const Certificate root = certify(loop, at, factors, growth_of(q), out.radius);
     step();
     turns_of(q, turn);
     const auto converged = largest(loop_at(loop, turn).error) <= Block(CONVERGED);
-    const unsigned found = open & bits(root.holds & (root.outer >= radius) & converged);
-    known.found |= found << first, known.open &= ~(found << first);
+    out.found = wanted & bits(root.holds & (root.outer >= out.radius) & converged);
+    return out;
+}
+
+PART void certify_boxes(const IdealFrames& ideal, const Loop& loop, const Boxes& boxes, int first, Known& known,
+                        double (&radii)[8]) {
+    constexpr unsigned all = (1u << BLOCK) - 1;
+    const Middle box = middle_of(boxes, ideal, first);
+    const unsigned open = known.open >> first & all & bits(box.width <= Block(WIDEST_BOX));
+    if (!open) return;
+    const Rooted root = root_of(loop, box.q, box.width, open);
+    known.found |= root.found << first, known.open &= ~(root.found << first);
     for (int l = 0; l < BLOCK; ++l) {
-        if (!(found >> l & 1)) continue;
-        radii[first + l] = radius[l];
-        for (int j = 0; j < 6; ++j) known.angle[j][first + l] = q[j][l] + ideal.offset[j];
+        if (!(root.found >> l & 1)) continue;
+        radii[first + l] = root.radius[l];
+        for (int j = 0; j < 6; ++j) known.angle[j][first + l] = root.q[j][l] + ideal.offset[j];
     }
 }
 
-Known certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
-                  const Seen<double>& seen, const Inclusion& family) {
+bool Certified::add(const double (&q)[6], double radius, int branch, bool singular) {
+    for (int i = 0; i < many; ++i) {
+        double most = 0.0;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(q[j] - root[i].q[j]))));
+        if (most <= max(radius, root[i].radius)) return false;
+    }
+    if (many == Certified::most) return false;
+    Root& to = root[many++];
+    for (int j = 0; j < 6; ++j) to.q[j] = q[j];
+    to.radius = radius, to.branch = branch, to.singular = singular;
+    return true;
+}
+
+Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
+                      const Seen<double>& seen, const Inclusion& family, Known& known) {
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const Displacement& apart = ideal.displacement;
     const double far = ideal.size + sqrt(dot(seen.p, seen.p));
     const Loop loop = loop_of(written, goal);
     Boxes boxes;
-    Known known;
     double radii[8];
     for (int pass = 1; pass <= PASSES && known.open; ++pass) {
         for (int first = 0; first < 8; first += BLOCK) {
@@ -143,15 +191,16 @@ Known certify_all(const Written<6>& written, const BothArms& both, const IdealFr
             certify_boxes(ideal, loop, boxes, first, known, radii);
         }
     }
-    // Two boxes may lead to one root, which is the only one within either's radius.
-    for (int b = 1; b < 8; ++b) {
-        for (int a = 0; a < b && known.found >> b & 1; ++a) {
-            double apart = 0.0;
-            for (int j = 0; j < 6; ++j) apart = max(apart, abs(wrap(wrap(known.angle[j][a] - known.angle[j][b]))));
-            if (known.found >> a & 1 && apart <= max(radii[a], radii[b])) known.found &= ~(1u << b);
-        }
+    Certified out;
+    for (int b = 0; b < 8; ++b) {
+        if (!(known.found >> b & 1)) continue;
+        double q[6];
+        for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - ideal.offset[j]);
+        if (!out.add(q, radii[b], b, false)) known.found &= ~(1u << b);
     }
-    return known;
+    if (!known.open) out.status = Status::complete;
+    else if (ideal.imperfection > FINEST) divide({written, both, ideal, goal, target, loop, family}, boxes, known.open, out);
+    return out;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

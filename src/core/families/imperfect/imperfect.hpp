@@ -24,6 +24,7 @@
 // The number of solutions follows: every pair of twins has two, complex ones included. A pose is decided if all its branches are.
 #pragma once
 
+#include "answers/on_curve.hpp"
 #include "families/general/complete.hpp"
 #include "families/imperfect/certified.hpp"
 
@@ -61,20 +62,36 @@ template <class Family> struct Imperfect {
         include<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, first, to);
     }
 
+    static PART void include_boxes(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift,
+                                   const Signs<Block>& signs, const Arcs<Ball<Block>>& known, BoxBlock& to) {
+        include_within<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, signs, known, to);
+    }
+
     static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }
 
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
         unsigned open = 255;
-        bool loose = by_quartic, proven = false;
+        bool loose = by_quartic;
         const double off = arm.family.ideal.imperfection;
         const bool close = off < CLOSE_BY;
         if constexpr (!by_quartic) {
             Known known;
-            if (close)
-                known = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, {&arm.family, include_branches});
-            proven = !known.open;
-            if (!proven) known = decide_all(arm.both, seen, {&arm.family, answer}, known);
+            Certified all;
+            if (close) {
+                const Inclusion family = {
+                    &arm.family, include_branches, include_boxes, {0, Family::before_elbow, Family::after_elbow}};
+                all = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, family, known);
+            }
+            if (all.status != Status::incomplete) {
+                for (int i = 0; i < all.many; ++i) {
+                    const auto& each = all.root[i];
+                    keep(columns, each.branch, each.q, each.singular ? singular_marks(arm.family.written, goal, each.q, 0) : 0);
+                }
+                set_status(columns.flags[0], all.status);
+                return;
+            }
+            known = decide_all(arm.both, seen, {&arm.family, answer}, known);
             open = known.open;
             loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
             for (int b = 0; b < 8; ++b) {
@@ -82,7 +99,6 @@ template <class Family> struct Imperfect {
                 for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
-            if (proven) return;
             if (!open && columns.count() % 2 == 0) {
                 if (close) set_status(columns.flags[0], Status::incomplete);
                 return;
@@ -95,7 +111,23 @@ template <class Family> struct Imperfect {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
         }
-        if (!counted || (close && !by_quartic)) set_status(columns.flags[0], Status::incomplete);
+        if (close && !by_quartic) {
+            set_status(columns.flags[0], keeps_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
+        } else if (!counted) {
+            set_status(columns.flags[0], Status::incomplete);
+        }
+    }
+
+    // Whether a curve of joint vectors through a singular solution keeps the pose to the tolerance of solutions.
+    static PART bool keeps_curve(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
+        for (int b = 0; b < columns.many; ++b) {
+            if (!columns.valid(b)) continue;
+            double q[6];
+            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+            if (is_on_curve(arm.family.written, goal, q, held, arm.family.written.tolerances.reach)) return true;
+        }
+        return false;
     }
 
     // Collects candidates until a block is full; Newton's method then runs on all of them side by side.

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -33,9 +33,12 @@ from urdf_ik.cli.progress import Progress
 from urdf_ik.support.inputs import MOST_POSES
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from urdf_ik.arm import Arm
     from urdf_ik.cell import World
     from urdf_ik.cli.console import Angles
+    from urdf_ik.cli.solutions.targets import Target
     from urdf_ik.ik.solutions import IKSolutions
 
 
@@ -77,15 +80,35 @@ class Choice:
     ] = None
     best: Annotated[Quality | None, Option(help="Keep the one farthest from limits, singularity or contact.")] = None
 
+    def reference(self, arm: Arm, angles: Angles) -> NDArray[np.float64] | None:
+        """(n,) rad or m, the joint vector of --nearest.
+
+        Raises:
+            typer.BadParameter: joint values that do not fit.
+        """
+        if self.nearest is None:
+            return None
+        return angles.typed(console.numbers(self.nearest, "--nearest", arm.joint_names))
+
+    def at_the_nearest(self, arm: Arm, target: Target, angles: Angles) -> Target:
+        """The target with the redundancy parameters at which the solution nearest to --nearest lies, contacts aside.
+
+        Where values were typed, or poses were given as joint vectors, these stay.
+        """
+        reference = self.reference(arm, angles)
+        if reference is None or target.redundancy is not None or not arm.solver.parameters:
+            return target
+        found = arm.ik_nearest(target.poses, reference, metric=self.metric.value, within_limits=self.within_limits)
+        return replace(target, redundancy=found.redundancy)
+
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
         """The function that keeps the chosen solutions.
 
         Raises:
             typer.BadParameter: joint values that do not fit, or an option that goes with another.
         """
-        reference = bounds = None
-        if self.nearest is not None:
-            reference = angles.typed(console.numbers(self.nearest, "--nearest", arm.joint_names))
+        reference, bounds = self.reference(arm, angles), None
+        if reference is not None:
             if self.best is not None:
                 raise console.usage("--best and --nearest each keep a solution; give one of them", "--best")
         elif self.max_step is not None or self.metric is not Metric.L2:
@@ -155,6 +178,7 @@ def command(
         asked = "pose" if task is None else task.value.replace("-", " ")
         target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
+        target = choice.at_the_nearest(arm, target, angles) if asked == "pose" else target
         few = len(target.poses) <= tables.SUMMARY_ABOVE
         answer = checked.solve(
             arm,

@@ -35,7 +35,7 @@ _ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
 def by_pose(solutions: KeptSolutions, axes: str = "base") -> Array:
     """See :meth:`urdf_ik.IKSolutions.dq_dT`."""
     inputs.choice(axes, "axes", AXES)
-    X = _inverse(solutions)[..., :6]
+    X = inverse(solutions)[..., :6]
     if solutions.solver.free_axis is not None and solutions.solver.parameters:
         # The tip is where the turned target is: a rotation of the target moves it by this arm.
         X = X.copy()
@@ -51,7 +51,7 @@ def by_redundancy(solutions: KeptSolutions) -> Array:
     solver = solutions.solver
     if not solver.parameters:
         solver.redundant_member  # noqa: B018  says in words why there is none
-    X = _inverse(solutions)
+    X = inverse(solutions)
     if solver.free_axis is None:
         return X[..., 6:]
     reached, target = _reached(solutions), _target(solutions)
@@ -70,7 +70,7 @@ def by_geometry(solutions: KeptSolutions, parameters: Sequence[Any] | None = Non
             "derivative by them holds it; hold a joint instead: arm.with_locked({name: value})"
         )
     twists = written(solver.chain).twists(_finite(solutions), parameters=parameters)
-    return -(_inverse(solutions)[..., :6] @ twists)
+    return -(inverse(solutions)[..., :6] @ twists)
 
 
 def second_by_pose(solutions: KeptSolutions, V: ArrayLike, W: ArrayLike | None = None) -> Array:
@@ -88,14 +88,14 @@ def second_by_pose(solutions: KeptSolutions, V: ArrayLike, W: ArrayLike | None =
     if solver.free_axis is not None and solver.parameters:
         arm = _reached(solutions)[..., :3, 3] - _target(solutions)[..., :3, 3]
         bent[..., :3] += np.cross(along[..., None, 3:], np.cross(moving[..., None, 3:], arm))
-    return np.asarray((_inverse(solutions)[..., :6] @ bent[..., None])[..., 0])
+    return np.asarray((inverse(solutions)[..., :6] @ bent[..., None])[..., 0])
 
 
 def error_by_pose(solutions: KeptSolutions) -> Array:
     """See :meth:`urdf_ik.IKSolutions.dq_dT_error`."""
     solver, chain = solutions.solver, solutions.solver.chain
     n, size = chain.n, chain.size
-    X = _inverse(solutions) / np.where(chain.prismatic, size, 1.0)[:, None]
+    X = inverse(solutions) / np.where(chain.prismatic, size, 1.0)[:, None]
     X[..., :3] *= size
     length = np.linalg.norm(X, axis=(-2, -1))
     if any(each.kind == SWIVEL for each in solver.parameters) or chain.axes is not chain:
@@ -137,11 +137,12 @@ def joint_rates(
     return np.asarray(out if bent is None else out + bent)
 
 
-def _inverse(solutions: KeptSolutions) -> Array:
+def inverse(solutions: KeptSolutions) -> Array:
     """A^-1 (..., B, n, 6 + k), NaN where there is no solution or A loses rank: twists of the tip, then the parameters.
 
     Where a target fixes less than a pose, or joints are fewer than six: the least-squares inverse, lengths counted as
-    shares of the arm's size. It gives the joint velocities of every twist that the arm can follow.
+    shares of the arm's size. It gives the joint velocities of every twist that the arm can follow. The value of a free
+    axis is none of the parameters here: it turns the target.
     """
     solver, chain = solutions.solver, solutions.solver.chain
     held = [each for each in solver.parameters if each.kind != FREE_AXIS]
@@ -181,8 +182,8 @@ def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | 
     A = A * own
     U, s, Vt = np.linalg.svd(A, full_matrices=False)
     live = s[..., -1] > DEFAULT.singular if A.shape[-2] >= chain.n else np.zeros(s.shape[:-1], np.bool_)
-    inverse = np.where(live[..., None], 1.0 / np.where(s > 0.0, s, 1.0), np.nan)
-    X = np.swapaxes(Vt, -1, -2) @ (inverse[..., None] * np.swapaxes(U, -1, -2)) * own[:, None]
+    gain = np.where(live[..., None], 1.0 / np.where(s > 0.0, s, 1.0), np.nan)
+    X = np.swapaxes(Vt, -1, -2) @ (gain[..., None] * np.swapaxes(U, -1, -2)) * own[:, None]
     X[..., :6] = (X[..., :6] * share) @ W
     X[~solutions.valid] = np.nan
     return np.asarray(X)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, MissingPackage
-from urdf_ik.interop.autograd.kinematics import residual
+from urdf_ik.interop.autograd.newton import Given, step
 from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     (implicit function theorem). Works under ``jit``, ``vmap``, ``grad``, ``jvp``, ``jacfwd`` and ``jacrev``.
 
     Args:
-        arm: the arm. A redundancy parameter must be the value of a joint; joints must not mimic others.
+        arm: the arm.
         T: (..., 4, 4) array of poses [m], float64. Its entries may change one by one: what counts is the nearest pose.
         geometry: (p,) array of the URDF's numbers, see :func:`geometry`; default: as written.
         redundancy: (...) array or numbers, (..., k) of k parameters; default: the arm's.
@@ -56,7 +56,8 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         MissingPackage: jax is not installed.
         ArgumentError: jax computes with 32 bits, a solution is singular, or an argument does not fit.
         PoseError: a pose is none. Under ``jit`` jax raises an error of its own that holds the message.
-        UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
+        UnsupportedArm: the arm, or the arm with these numbers, has no such branches; ``geometry`` is given at a swivel
+            angle, or with joints that mimic others.
 
     Example:
         >>> import jax  # doctest: +SKIP
@@ -70,8 +71,9 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     T = jnp.asarray(T, dtype=jnp.float64)
     at = () if redundancy is None else (jnp.asarray(redundancy, dtype=jnp.float64),)
     function = _differentiable(arm, at_folds)
-    values = jnp.asarray(function.geometry.values) if geometry is None else jnp.asarray(geometry, dtype=jnp.float64)
-    return Branches(*_compiled(arm, at_folds)(T, values, *at))
+    function.refuse_geometry(geometry is not None)
+    numbers = jnp.asarray(function.geometry.values) if geometry is None else jnp.asarray(geometry, dtype=jnp.float64)
+    return Branches(*_compiled(arm, at_folds)(T, numbers, *at))
 
 
 @lru_cache(maxsize=_KEPT)
@@ -85,34 +87,26 @@ def _compiled(arm: Arm, at_folds: str) -> Any:
     jax = _jax()
     jnp = jax.numpy
     function = _differentiable(arm, at_folds)
-    n, k, held = arm.dof, len(function.held), np.array(function.held, dtype=int)
+    n, k, rows = arm.dof, function.count, function.rows
 
     def solved(*arrays: Any) -> Answers:
         return function.answers(*map(np.asarray, arrays))
 
-    def branches(T: Any, values: Any, *at: Any) -> tuple[Any, Any]:
+    def branches(T: Any, numbers: Any, *at: Any) -> tuple[Any, Any]:
         batch = T.shape[:-2]
         if at:
             batch = jnp.broadcast_shapes(batch, at[0].shape[: at[0].ndim - (k > 1)])
         shape = (*batch, function.branches)
         like = Answers(
             jax.ShapeDtypeStruct((*shape, n), jnp.float64),
-            jax.ShapeDtypeStruct((*shape, n, 6 + k), jnp.float64),
+            jax.ShapeDtypeStruct((*shape, n, 6 + rows), jnp.float64),
             jax.ShapeDtypeStruct(shape, jnp.bool_),
         )
-        given = [jax.lax.stop_gradient(each) for each in (T, values, *at)]
-        start, inverse, valid = jax.pure_callback(solved, like, *given, vmap_method="sequential")
-        q = start
-        for _ in range(2):
-            off = residual(jnp, jnp.asarray, function.geometry, q, values, T)
-            if k:
-                by = q[..., held] - start[..., held]
-                if at:
-                    change = at[0] - jax.lax.stop_gradient(at[0])
-                    by = by - (change[..., None] if k == 1 else change)[..., None, :]
-                off = jnp.concatenate([jnp.broadcast_to(off, (*shape, 6)), by], -1)
-            q = q - (inverse @ off[..., None])[..., 0]
-        return jnp.where(valid[..., None], q, jnp.nan), valid
+        given = [jax.lax.stop_gradient(each) for each in (T, numbers, *at)]
+        start = Answers(*jax.pure_callback(solved, like, *given, vmap_method="sequential"))
+        values = jnp.asarray(function.defaults) if not at else at[0] if k > 1 else at[0][..., None]
+        q = step(jnp, jnp.asarray, function, start, Given(T, numbers, values, jax.lax.stop_gradient))
+        return jnp.where(start.valid[..., None], q, jnp.nan), start.valid
 
     return jax.jit(branches)
 

@@ -9,7 +9,9 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.kinematics.chain.redundancy import LOCKED_JOINT
+from urdf_ik.ik.solutions.derivatives import inverse
+from urdf_ik.interop.autograd.kinematics import swivel_row
+from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
 from urdf_ik.kinematics.derivatives import WrittenChain, written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
@@ -18,8 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.ik.families.parts.ideal import Ends
     from urdf_ik.ik.solutions import IKSolutions
     from urdf_ik.ik.solver import Solver
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
 
     Array = NDArray[np.float64]
 
@@ -66,7 +70,12 @@ class Differentiable:
 
     Attributes:
         geometry: the chain by the numbers of its URDF.
+        free_axis: the line about which the target may turn, where its angle is the first redundancy parameter.
         held: indices of the joints that are redundancy parameters.
+        swivel: what a swivel angle is measured from, where that is one.
+        count: number of redundancy parameters.
+        rows: number of those that are functions of the joints.
+        defaults: (count,) their values where none are given.
         branches: number of columns.
 
     Example:
@@ -80,23 +89,25 @@ class Differentiable:
 
         Raises:
             ArgumentError: an unknown ``at_folds``.
-            UnsupportedArm: joints mimic others, or a redundancy parameter is not the value of a joint.
+            UnsupportedArm: a swivel angle stands beside other redundancy parameters.
         """
         inputs.arm(arm)
         self._at_folds = inputs.choice(at_folds, "at_folds", FOLDS)
         self._solver: Solver = arm.solver
         self._solver.require_member()
-        if arm.chain.axes is not arm.chain:
+        parameters = arm.solver.parameters
+        others = [each for each in parameters if each.kind != FREE_AXIS]
+        if len(others) > 1 and any(each.kind == SWIVEL for each in others):
             raise UnsupportedArm(
-                f"{arm.name}: derivatives with joints that mimic others are not offered to torch and jax"
-            )
-        if other := [each.label for each in arm.solver.parameters if each.kind != LOCKED_JOINT]:
-            raise UnsupportedArm(
-                f"{arm.name}: torch and jax take the value of a joint as redundancy parameter, and this arm has the "
-                f"{other[0]}; urdf_ik.load(..., redundancy=[joint]) or arm.with_locked({{joint: value}}) makes it one"
+                f"{arm.name}: derivatives with a swivel angle beside other redundancy parameters are not computed; "
+                "hold a joint: arm.with_locked({name: value})"
             )
         self.geometry: WrittenChain = written(arm.chain)
-        self.held = [arm.joint_names.index(each.joint) for each in arm.solver.parameters]
+        self.free_axis: FreeAxis | None = arm.solver.free_axis if len(others) < len(parameters) else None
+        self.held = [arm.joint_names.index(each.joint) for each in others if each.kind == LOCKED_JOINT]
+        self.swivel: Ends | None = arm.solver.redundant_member.swivel if others and not self.held else None
+        self.count, self.rows = len(parameters), len(others)
+        self.defaults: Array = arm.solver.redundant_member.defaults if parameters else np.zeros(0)
         self.branches = len(self._solver.branches)
 
     def answers(self, T: Any, values: Any = None, redundancy: Any = None) -> Answers:
@@ -122,15 +133,30 @@ class Differentiable:
         poses = np.ascontiguousarray(T, dtype=np.float64)
         found = solve(solver, poses, None, redundancy)
         columns = self._columns(solver)
-        X = found.dq_dT()
-        if self.held:
-            X = np.concatenate([X, found.dq_dredundancy()], axis=-1)
+        X = inverse(found)[..., : 6 + self.rows]
         folded = found.valid & np.isnan(X).any(axis=(-2, -1))
         if folded.any():
             X = self._at_fold(found, X, folded)
         q, X = (np.take(each, columns, axis=len(found.shape)) for each in (found.q, X))
         valid = np.take(found.valid, columns, axis=-1)
         return Answers(np.where(valid[..., None], q, 0.0), np.where(valid[..., None, None], X, 0.0), valid)
+
+    def refuse_geometry(self, given: bool) -> None:
+        """Say in words why this arm takes no numbers of a URDF, where some are ``given``.
+
+        Raises:
+            UnsupportedArm: joints mimic others, or the parameter is a swivel angle.
+
+        Example:
+            >>> import urdf_ik
+            >>> Differentiable(urdf_ik.load("zyyzyz_6r"), "raise").refuse_geometry(True)
+        """
+        chain = self._solver.chain
+        if given and (self.swivel is not None or chain.axes is not chain):
+            why = "joints that mimic others"
+            if self.swivel is not None:
+                why = "a swivel angle, which is measured between points that exist only while its axes meet"
+            raise UnsupportedArm(f"{self._solver.name}: the URDF's numbers are no input of an arm with {why}")
 
     def _at_fold(self, found: IKSolutions, X: Array, folded: NDArray[np.bool_]) -> Array:
         """The inverses with those at singular solutions as asked."""
@@ -148,6 +174,8 @@ class Differentiable:
         own = np.where(chain.prismatic, chain.size, 1.0)
         A = chain.jacobian(found.q[folded]) * share[:, None]
         rows = np.broadcast_to(np.eye(chain.n)[self.held], (len(A), len(self.held), chain.n))
+        if self.swivel is not None:
+            rows = swivel_row(self.geometry, self.swivel, found.q[folded])[:, None]
         U, s, Vt = np.linalg.svd(np.concatenate([A, rows], axis=1) * own, full_matrices=False)
         damped = np.swapaxes(Vt, 1, 2) @ ((s / (s**2 + DEFAULT.damped**2))[..., None] * np.swapaxes(U, 1, 2))
         damped = damped * own[:, None]

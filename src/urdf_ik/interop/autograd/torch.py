@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import MissingPackage
-from urdf_ik.interop.autograd.kinematics import residual
-from urdf_ik.interop.autograd.solving import Branches, Differentiable
+from urdf_ik.interop.autograd.newton import Given, step
+from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -38,7 +38,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     Works under ``torch.func`` (``grad``, ``jvp``, ``vmap``, ``jacrev``).
 
     Args:
-        arm: the arm. A redundancy parameter must be the value of a joint; joints must not mimic others.
+        arm: the arm.
         T: (..., 4, 4) tensor of poses [m], float64. Its entries may change one by one: what counts is the nearest pose.
         geometry: (p,) tensor of the URDF's numbers, see :func:`geometry`; default: as written.
         redundancy: (...) tensor or numbers, (..., k) of k parameters; default: the arm's.
@@ -53,7 +53,8 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         MissingPackage: torch is not installed.
         PoseError: a pose is none.
         ArgumentError: a solution is singular, or an argument does not fit.
-        UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
+        UnsupportedArm: the arm, or the arm with these numbers, has no such branches; ``geometry`` is given at a swivel
+            angle, or with joints that mimic others.
 
     Example:
         >>> import torch  # doctest: +SKIP
@@ -64,26 +65,18 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     """
     torch = _torch()
     function = Differentiable(arm, at_folds)
-    values = torch.as_tensor(function.geometry.values.copy()) if geometry is None else geometry
+    function.refuse_geometry(geometry is not None)
+    numbers = torch.as_tensor(function.geometry.values.copy()) if geometry is None else geometry
     at = None if redundancy is None else torch.as_tensor(redundancy, dtype=torch.float64)
     still = [None if each is None else each.detach() for each in (T, geometry, at)]
-    start, inverse, valid = _solve().apply(function, *still)
+    start = Answers(*_solve().apply(function, *still))
 
     def constant(numbers: Any) -> Any:
-        return torch.as_tensor(np.asarray(numbers), dtype=torch.float64)
+        return torch.as_tensor(np.array(numbers), dtype=torch.float64)
 
-    q = start
-    for _ in range(2):
-        off = residual(torch, constant, function.geometry, q, values, T)
-        if function.held:
-            by = q[..., function.held] - start[..., function.held]
-            if at is not None:
-                change = at - at.detach()
-                change = change[..., None] if len(function.held) == 1 else change
-                by = by - change[..., None, :]
-            off = torch.cat([off, by], -1)
-        q = q - (inverse @ off[..., None])[..., 0]
-    return Branches(torch.where(valid[..., None], q, torch.nan), valid)
+    values = constant(function.defaults) if at is None else at if function.count > 1 else at[..., None]
+    q = step(torch, constant, function, start, Given(T, numbers, values, lambda each: each.detach()))
+    return Branches(torch.where(start.valid[..., None], q, torch.nan), start.valid)
 
 
 @cache

@@ -1,0 +1,49 @@
+"""The ten tasks of the documentation: each line of the page does what the task asks."""
+
+from __future__ import annotations
+
+import csv
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import call, succeed
+
+import urdf_ik
+from urdf_ik.model import catalogue
+
+PAGE = (Path(__file__).parents[2] / "docs" / "ten-tasks.md").read_text(encoding="utf-8")
+LINES = re.findall(r"^urdf-ik .*$", PAGE, re.MULTILINE)
+SEAM = "x,y,z,roll,pitch,yaw\n0.4,-0.2,0.3,0,1.5707963,0\n0.4,0,0.3,0,1.5707963,0\n0.4,0.2,0.3,0,1.5707963,0\n"
+
+
+def test_every_line_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In their order, in one folder; what they write is what the tasks ask for."""
+    monkeypatch.chdir(tmp_path)
+    Path("my_arm.urdf").write_bytes(catalogue.resolve("puma_560").path.read_bytes())
+    Path("seam.csv").write_text(SEAM)
+    assert len(LINES) == 12 and len(re.findall(r"^\d+\. ", PAGE, re.MULTILINE)) == 10
+    printed = {line: succeed(*shlex.split(line)[1:]) for line in LINES}
+    arm = urdf_ik.load("my_arm.urdf")
+    T = urdf_ik.pose([0.4, 0.0, 0.3], rpy=[0.0, np.pi / 2, 0.0])
+    kept = arm.ik(T).within_limits().collision_free()
+    with Path("free.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert sorted(row["branch"] for row in rows) == sorted(kept[k].branch for k in range(len(kept)))
+    assert "no solution" in printed[LINES[4]] and "reach" in printed[LINES[4]]
+    assert "2 solutions" in printed[LINES[5]]
+    assert "PASSED" in printed[LINES[8]]
+    assert Path("plan.csv").stat().st_size and Path("path.png").read_bytes().startswith(b"\x89PNG")
+    assert re.search(r"^ *0\.\d+ .* 3 ", printed[LINES[11]], re.MULTILINE)
+
+
+def test_a_changed_arm_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The eighth task, where the URDF has changed by tomorrow: status 1."""
+    monkeypatch.chdir(tmp_path)
+    text = catalogue.resolve("puma_560").path.read_text()
+    Path("my_arm.urdf").write_text(text)
+    succeed("freeze", "my_arm.urdf", "-o", "my_arm.lock.json")
+    Path("my_arm.urdf").write_text(text.replace("0.4318", "0.4330"))
+    assert call("verify", "my_arm.urdf", "my_arm.lock.json").exit_code == 1
