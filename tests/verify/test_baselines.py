@@ -164,6 +164,23 @@ def _rest(answer: object) -> tuple[object, ...]:
     return answer.within_limits, answer.singular, answer.contact  # type: ignore[attr-defined]
 
 
+def test_pairs_that_an_srdf_allows_to_touch_are_kept(tmp_path: Path) -> None:
+    """A lock frozen with an SRDF verifies with it, also from its file; without it, or with more, it does not."""
+    first, second = sorted(urdf_ik.load("zyyzyz_6r").model.links)[:2]
+    srdf = f'<robot name="any"><disable_collisions link1="{second}" link2="{first}" reason="Never"/></robot>'.encode()
+    lock = urdf_ik.freeze(urdf_ik.load("zyyzyz_6r", srdf=srdf), collisions=False)
+    lock.save(tmp_path / "arm.lock.json")
+    lock = Baseline.load(tmp_path / "arm.lock.json")
+    assert lock.arm.allowed == ((first, second),)
+    assert lock.verify(urdf_ik.load("zyyzyz_6r", srdf=srdf)).passed
+    lost = lock.verify(urdf_ik.load("zyyzyz_6r"))
+    assert [(each.kind, each.name) for each in lost.differences] == [("collisions", first)]
+    assert "may no longer touch" in str(lost.differences[0])
+    assert lock.verify(urdf_ik.load("zyyzyz_6r"), ignore="collisions").passed
+    more = urdf_ik.freeze(urdf_ik.load("zyyzyz_6r"), collisions=False).verify(urdf_ik.load("zyyzyz_6r", srdf=srdf))
+    assert "may touch now" in str(more.differences[0])
+
+
 def test_meshes_that_are_missing_are_said() -> None:
     """One warning, in the repr and in the file; where contacts are required it is an error."""
     text = TEXT.replace('<cylinder radius="0.17" length="0.15"/>', '<mesh filename="not_there.stl"/>')

@@ -35,6 +35,7 @@ def differences(a: Description, b: Description, tolerance: Tolerance = DEFAULT) 
     if a.dof == b.dof:
         out += _limits(a, b, tolerance)
     out += _shapes(a, b, tolerance)
+    out += _allowed(a, b)
     return tuple(out)
 
 
@@ -274,3 +275,12 @@ def _called(shape: Shape) -> str:
     return f"{shape.role} {shape.kind}{f' {shape.file}' if shape.file else ''}"
 
 
+def _allowed(a: Description, b: Description) -> list[Difference]:
+    """Pairs of links that may touch in one of the two only, one difference for each way."""
+    out = []
+    for before, after, words in ((a, b, "may no longer touch"), (b, a, "may touch now")):
+        if pairs := sorted({*before.allowed} - {*after.allowed}):
+            more = f" and {len(pairs) - 1} other pairs of links" if len(pairs) > 1 else ""
+            first = " and ".join(quoted(link) for link in pairs[0])
+            out.append(Difference("collisions", pairs[0][0], f"{first}{more} {words} by an SRDF"))
+    return out

@@ -98,6 +98,7 @@ class Description:
         followers: (joint, joint that it follows, multiplier, offset) of those that mimic.
         steps: the URDF's joints from base to tip.
         shapes: those of every link.
+        allowed: pairs of links that may touch by an SRDF, sorted.
         locked: (joint, value) of those that are held.
         redundancy: redundancy parameters, in words.
         task: what the arm controls of a pose.
@@ -119,6 +120,7 @@ class Description:
     followers: tuple[tuple[str, str, float, float], ...]
     steps: tuple[Step, ...]
     shapes: tuple[Shape, ...]
+    allowed: tuple[tuple[str, str], ...] = ()
     locked: tuple[tuple[str, float], ...] = ()
     redundancy: tuple[str, ...] = ()
     task: str = "pose"
@@ -184,6 +186,7 @@ def described(arm: Arm, *, shapes: bool = True) -> Description:
         followers=tuple((f.name, f.driver, float(f.multiplier), float(f.offset)) for f in arm.chain.followers),
         steps=_steps(arm),
         shapes=_shapes(arm) if shapes else (),
+        allowed=tuple(sorted((min(pair), max(pair)) for pair in arm.cell.disabled)),
         locked=tuple((name, float(value)) for name, value in sorted(arm.chain.locked)),
         redundancy=parameters_of(arm),
         task=arm.task,
