@@ -48,7 +48,7 @@ cp /etc/resolv.conf "$root/etc/resolv.conf"
 cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/ca-certificates.crt"
 
 # The build stays, so that the next call compiles what has changed.
-sources=(CHANGELOG.md CMakeLists.txt LICENSE Makefile README.md pyproject.toml src tests tools urdf)
+sources=(CHANGELOG.md CMakeLists.txt LICENSE Makefile README.md docs pyproject.toml src tests tools urdf)
 mkdir -p "$root/urdf-ik"
 (cd "$root/urdf-ik" && rm -rf "${sources[@]}")
 cp -a "${sources[@]}" "$root/urdf-ik"

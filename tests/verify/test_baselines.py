@@ -61,8 +61,36 @@ def test_every_small_change_is_found_and_named(name: str) -> None:
     hold(urdf_ik.load(name))
 
 
+def hold_by_plugin_and_command(arm: Arm, folder: Path, every: int = 1) -> None:
+    """The plugin names the joint of a mutant and ``compare --exit-code`` ends with 1; rewritings pass both.
+
+    Of the changes, each taking seconds, one of ``every`` is tried.
+    """
+    before, now = folder / "before.urdf", folder / "now.urdf"
+    before.write_bytes(arm.model.xml)
+    (folder / "pytest.ini").write_text("[pytest]\n")
+    urdf_ik.freeze(urdf_ik.load(before, base=arm.base, tip=arm.tip)).save(folder / "now.lock.json")
+    frames = ["--base", arm.base, "--tip", arm.tip]
+    changes = [*((each, True) for each in mutants(arm)), *((each, False) for each in rewritten(arm))]
+    for change, bad in changes[::every]:
+        now.write_bytes(change.xml)
+        words = [f"--urdf={now}", *frames, "--urdf-lock=now.lock.json", "--urdf-poses=2", "-k", "unchanged", "-q"]
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", *words], cwd=folder, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == bad, f"{change.what}: {done.stdout}"
+        assert not bad or any(name in done.stdout for name in change.names), f"{change.what}: {done.stdout}"
+        found = CliRunner().invoke(app, ["compare", str(before), str(now), *frames, "--exit-code"])
+        assert found.exit_code == bad, f"{change.what}: {found.output}"
+
+
+def test_the_plugin_and_the_command_find_small_changes(tmp_path: Path) -> None:
+    """As `hold` does in Python, for the bundled SCARA and some of the changes."""
+    hold_by_plugin_and_command(urdf_ik.load("scara_rrpr"), tmp_path, every=5)
+
+
 @pytest.mark.skipif(not FOLDER, reason="URDF_IK_FOLDER names no folder of URDFs")
-def test_every_small_change_of_a_folder_is_found_and_named() -> None:
+def test_every_small_change_of_a_folder_is_found_and_named(tmp_path: Path) -> None:
     """The same for every arm of a folder that can be loaded by itself."""
     tried = 0
     for path in sorted(Path(FOLDER).rglob("*.urdf")):
@@ -71,6 +99,8 @@ def test_every_small_change_of_a_folder_is_found_and_named() -> None:
         except urdf_ik.UrdfIkError:
             continue
         hold(arm)
+        (tmp_path / str(tried)).mkdir()
+        hold_by_plugin_and_command(arm, tmp_path / str(tried))
         tried += 1
     assert tried
 
