@@ -1,7 +1,7 @@
 """The compiled solvers."""
 
-import types
 from collections.abc import Sequence
+import types
 from typing import Annotated
 
 import numpy

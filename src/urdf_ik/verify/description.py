@@ -211,6 +211,9 @@ def from_dict(data: Mapping[str, Any]) -> Description:
     held["steps"] = tuple(Step(**{name: _tuples(value) for name, value in each.items()}) for each in data["steps"])
     held["shapes"] = tuple(Shape(**{name: _tuples(value) for name, value in each.items()}) for each in data["shapes"])
     held["limits"] = tuple((float(low), float(high)) for low, high in data["limits"])
+    held["allowed"] = tuple((one, other) for one, other in held["allowed"])
+    if not all(isinstance(link, str) for pair in held["allowed"] for link in pair):
+        raise ValueError("a link of an allowed pair is no text")
     out = Description(**held)
     for rows, width in ((out.limits, 2), (out.directions, 3), (out.points, 3), ((out.home,), 12)):
         array = np.array(rows, dtype=np.float64).reshape(-1, width)
