@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
+from browser import CHROMIUM, INSTALL, PATIENCE, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -19,7 +19,7 @@ from urdf_ik.export.page import WEB
 Array = NDArray[np.float64]
 
 BUILT = all((WEB / name).is_file() for name in ("urdf_ik.wasm", "page.bundle.js"))
-playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+pytest.importorskip("playwright.sync_api", reason=INSTALL)
 needs_page = pytest.mark.skipif(
     not BUILT or CHROMIUM is None, reason="make wasm page builds what is tested" if not BUILT else INSTALL
 )
@@ -37,10 +37,8 @@ COUNTS = """([poses, redundancy]) => poses.map((T, i) => {
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """Chromium without a network."""
-    with playwright.sync_playwright() as running:
-        chromium = running.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
-        yield chromium
-        chromium.close()
+    with chromium() as started:
+        yield started
 
 
 @pytest.fixture

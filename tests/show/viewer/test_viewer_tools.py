@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
+from browser import CHROMIUM, INSTALL, PATIENCE, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik.model import catalogue
 
-playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+pytest.importorskip("playwright.sync_api", reason=INSTALL)
 pytest.importorskip("viser", reason=INSTALL)
 
 from PIL import Image, ImageSequence  # noqa: E402  it comes with viser
@@ -100,10 +100,8 @@ def pink(scene: NDArray[np.int_]) -> int:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """One browser for all tests."""
-    with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
+    with chromium() as started:
         yield started
-        started.close()
 
 
 @pytest.fixture
