@@ -36,6 +36,7 @@ _ROUNDS = 20  # of the search for complex roots
 _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
 _BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
 _TOGETHER = 1e-5  # rad; the roots of a cluster as narrow as that may stand as one solution
+_LOOSE = "keeps the pose, and is near no real root"
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
 
 
@@ -171,7 +172,10 @@ def check_proof(
         else:
             place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
             proof = solutions[place].proof if solutions.shape else solutions.proof
-            verdict, reason = examine(Loop.of(arm.chain, T[i]), q[i, valid[i]], proof, np.random.default_rng(i))
+            verdict, reason = examine(
+                Loop.of(arm.chain, T[i]), q[i, valid[i]], proof, np.random.default_rng(i),
+                clustered=status == "clustered",
+            )
             if verdict is None:
                 open_.append(Refusal(i, status, reason))
             elif verdict:
@@ -184,7 +188,7 @@ def check_proof(
 
 
 def examine(
-    loop: Loop, solutions: Array, proof: Proof | None, rng: np.random.Generator
+    loop: Loop, solutions: Array, proof: Proof | None, rng: np.random.Generator, *, clustered: bool = False
 ) -> tuple[bool | None, str]:
     """Whether ``solutions`` are all solutions of the loop; None where this is not decided; and why.
 
@@ -193,7 +197,17 @@ def examine(
         solutions: (k, 6) rad, the answer.
         proof: the solver's account of the complex roots; None where it has none.
         rng: source of the starts of the search for complex roots.
+        clustered: whether the answer leaves some of its solutions to the rounding of the pose.
     """
+    verdict, reason = _examined(loop, solutions, proof, rng)
+    if verdict is None and reason.endswith(_LOOSE) and not clustered:
+        return False, reason
+    return verdict, reason
+
+
+def _examined(
+    loop: Loop, solutions: Array, proof: Proof | None, rng: np.random.Generator
+) -> tuple[bool | None, str]:
     if proof is not None and proof.counted == proof.expected == SIXTEEN:
         return _by_account(loop, solutions, proof, rng)
     return _by_search(loop, solutions, rng)
@@ -311,7 +325,7 @@ def _answered(
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
             if not largest(loop.residual(loop.values(here))) < _SAME_POSE:
                 return False, f"solution {n} is near no real root"
-            undecided = f"solution {n} keeps the pose, and is near no real root"
+            undecided = f"solution {n} {_LOOSE}"
     answered = [root for root, answers in zip(singles, near, strict=True) if answers]
     for root, answers in zip(singles, near, strict=True):
         if len(answers) > 1:
