@@ -280,7 +280,7 @@ def test_rounded_wrist_arm_straight_wrist_and_elbow_keeps_the_crossing_branch() 
 
 
 def test_two_solutions_in_one_valley_are_both_found() -> None:
-    """The wrist over axis 1: the ideal arm may turn joint 1 freely. Pairs of solutions on both sides of a fold are found.
+    """The wrist over axis 1, where the ideal arm turns joint 1 freely: pairs on both sides of a fold are found.
 
     Along this valley the pose changes by a millionth; det J changes its sign at a fold.
     """
