@@ -112,22 +112,10 @@ template <class Family> struct Imperfect {
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
         }
         if (close && !by_quartic) {
-            set_status(columns.flags[0], keeps_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
+            set_status(columns.flags[0], keep_curve(arm.family.written, goal, columns) ? Status::continuum : Status::incomplete);
         } else if (!counted) {
             set_status(columns.flags[0], Status::incomplete);
         }
-    }
-
-    // Whether a curve of joint vectors through a singular solution keeps the pose to the tolerance of solutions.
-    static PART bool keeps_curve(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
-        for (int b = 0; b < columns.many; ++b) {
-            if (!columns.valid(b)) continue;
-            double q[6];
-            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-            if (is_on_curve(arm.family.written, goal, q, held, arm.family.written.tolerances.reach)) return true;
-        }
-        return false;
     }
 
     // Collects candidates until a block is full; Newton's method then runs on all of them side by side.
