@@ -114,8 +114,28 @@ struct Region {
     double rest;   // what g_t may differ from its terms up to the second order in t by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
 };
+// Bounds on what a ball's first and second derivatives have outside of the model: |A_yy y| is at least `least` |y|.
+struct Norms {
+    double least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t;
+};
+PART Norms norms_of(const Local& at, int lost) {
+    const int n = 6 - lost;
+    double sum_t = 0.0;
+    for (int v = n; v < 6; ++v) {
+        double sum = 0.0;
+        for (int k = 0; k < 6; ++k) sum += at.length[k] * sqrt(square(at.J.right[v][k]));
+        sum_t += sum * sum;
+    }
+    return {at.J.s[n - 1] - norm_of(at, 0, n, 0, n, true),
+            norm_of(at, 0, n, n, 6),
+            norm_of(at, 0, n, 0, n, n, 6),
+            norm_of(at, 0, n, 0, n, 0, n),
+            norm_of(at, n, 6, 0, n, n, 6),
+            norm_of(at, n, 6, 0, n, 0, n),
+            min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
+}
 // valley: with one rank lost; many is then 0, 1 or 2, else 2^lost.
-PART Region ball_of(const Local& at, int lost, const Valley* valley, int many) {
+PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
     const int n = 6 - lost, order = lost == 1 ? many : 2;
     double f_y = 0.0, f_t = 0.0;
     for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
@@ -124,9 +144,7 @@ PART Region ball_of(const Local& at, int lost, const Valley* valley, int many) {
     Region out = {0.0, 0.0, 0.0, 0.0, m, 0.0, 0.0, false};
     if (!at.near || !(out.m > 0.0)) return out;
     f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
-    const double least = at.J.s[n - 1] - norm_of(at, 0, n, 0, n, true), A_ty = norm_of(at, 0, n, n, 6);
-    const double y_ty = norm_of(at, 0, n, 0, n, n, 6), y_yy = norm_of(at, 0, n, 0, n, 0, n);
-    const double t_ty = norm_of(at, n, 6, 0, n, n, 6), t_yy = norm_of(at, n, 6, 0, n, 0, n);
+    const auto& [least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t] = norms;
     // Terms in t alone, by order.
     double y[HIGHEST + 1] = {}, t[HIGHEST + 1] = {};
     if (valley) {
@@ -144,13 +162,7 @@ PART Region ball_of(const Local& at, int lost, const Valley* valley, int many) {
     double others[HIGHEST + 1];
     for (int k = 0; k <= HIGHEST; ++k) others[k] = k == order ? 0.0 : t[k];
     const double s = at.spread;
-    double s_t = 0.0, R = LARGEST_CLUSTER, beyond = __builtin_inf();
-    for (int v = n; v < 6; ++v) {
-        double sum = 0.0;
-        for (int k = 0; k < 6; ++k) sum += at.length[k] * sqrt(square(at.J.right[v][k]));
-        s_t += sum * sum;
-    }
-    s_t = min(SLACK_OF_SUMS * sqrt(s_t), s);
+    double R = LARGEST_CLUSTER, beyond = __builtin_inf();
     for (int k = 0; k < RADII; ++k, R *= QUARTER_DECADE) {
         // The curve's height, and the norm of its joint values; terms in t alone of higher order than is known.
         const double height = valley ? valley->height(R) : 0.0, a = s_t * R + s * height;
@@ -178,10 +190,11 @@ PART Region ball_of(const Local& at, int lost, const Valley* valley, int many) {
         if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
         if (out.along == 0.0) {
             out.largest_across = rho, out.largest_along = R;
-            for (double wide = LARGEST_CLUSTER; wide > rho; wide *= QUARTER_DECADE) {
-                if (!outside(wide)) continue;
-                out.largest_across = wide;
-                break;
+            // By halving: any larger one that holds may be taken.
+            double wide = LARGEST_CLUSTER;
+            for (int halving = 0; halving < 6; ++halving) {
+                const double between = sqrt(out.largest_across * wide);
+                (outside(between) ? out.largest_across : wide) = between;
             }
         }
         out.across = rho, out.along = R, out.radius = sqrt(square(rho + height) + R * R);
@@ -217,12 +230,6 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
     return size;
 }
 
-STEP bool is_real(const Number (&q)[6]) {
-    double off = 0.0;
-    for (const Number& each : q) off += abs(each.im);
-    return off == 0.0;
-}
-
 // A cluster of 2^lost roots near the candidate q. Returns whether one is proven.
 PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Cluster& out) {
     Number q[6];
@@ -256,7 +263,7 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
         if (size < LARGEST_CLUSTER) {
             Valley line;
             if (lost == 1) follow_valley(at, false, line);
-            ball = ball_of(at, lost, lost == 1 ? &line : nullptr, 1 << lost);
+            ball = ball_of(at, lost, norms_of(at, lost), lost == 1 ? &line : nullptr, 1 << lost);
         }
         if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;
         // Rounding leaves no better centre.

@@ -68,11 +68,6 @@ struct Valley : Curve {
     }
 };
 
-// Real or complex numbers.
-template <class V> STEP V part(const Number& a) {
-    if constexpr (std::is_same_v<V, double>) return a.re;
-    else return a;
-}
 STEP double real_part(double a) { return a; }
 STEP double real_part(const Number& a) { return a.re; }
 
@@ -143,10 +138,8 @@ template <class V> PART void follow_valley(const Local& at, bool bent, Valley& o
     }
 }
 PART void follow_valley(const Local& at, bool bent, Valley& out) {
-    double imaginary = 0.0;
-    for (const Number& each : at.q) imaginary += abs(each.im);
     static_cast<Curve&>(out) = {};
-    if (imaginary == 0.0) follow_valley<double>(at, bent, out);
+    if (is_real(at.q)) follow_valley<double>(at, bent, out);
     else follow_valley<Number>(at, bent, out);
 }
 

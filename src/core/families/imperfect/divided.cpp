@@ -7,16 +7,18 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Boxes that are looked at before a pose is left open, and boxes that may wait: where more wait, they hardly shrink. None of the
 // numbers here decides what is proven.
-inline constexpr int MOST_BOXES = 4000, WAITING = 256;
+inline constexpr int MOST_BOXES = 8000, WAITING = 256;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
-// Half the width [rad] of a box below which a region about a singular root is looked for, and how many times.
+// Half the width [rad] of a box below which a region about a singular root is looked for, how many are kept, and how often none may
+// be found.
 inline constexpr double NEAR_A_ROOT = 0.03;
-inline constexpr int REGIONS = 256, LOOKS = 400, REGIONS_A_LOOK = 4;
+inline constexpr int REGIONS = 256, LOOKS_IN_VAIN = 200;
 // It is looked for again in boxes narrower by this factor, and a pose is left open where a box of half this width [rad] is.
 inline constexpr double NARROWER = 0.4, NARROWEST = 1e-10;
+inline constexpr int ROUNDS_TO_VALLEY = 10;
 // A leading joint is halved first where it is at least this share of the widest.
-inline constexpr double LEADS = 0.1;
+inline constexpr double LEADS = 0.02;
 // A root this near to an end of a region [rad] may lie on either side of it.
 inline constexpr double AT_AN_END = 1e-5;
 // Rounding of an arc's ends [rad].
@@ -71,8 +73,8 @@ struct Divider {
     Certified& out;
     Box box[WAITING + BLOCK];
     int waiting = 0;
-    Surroundings region[REGIONS];
-    int regions = 0, tried = 0;
+    Surroundings region[REGIONS];  // the last ones, in a ring
+    int regions = 0, in_vain = 0;
     bool blurred = false;
 
     Divider(const Division& all, Certified& to) : of(all), out(to) {}
@@ -89,14 +91,11 @@ struct Divider {
             for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(q[j] - out.root[i].q[j]))) + each.half[j]);
             if (most < out.root[i].radius) return true;
         }
-        for (int i = 0; i < regions; ++i) {
-            if (holds(region[i], q, each.half)) return true;
-        }
-        return false;
+        return is_in_region(q, each.half);
     }
 
     Surroundings& keep_region(const Number (&q)[6], const Number (&direction)[6][6], double across, double along, const Curve& valley) {
-        Surroundings& to = region[regions++];
+        Surroundings& to = region[regions++ % REGIONS];
         for (int k = 0; k < 6; ++k) {
             to.q[k] = wrap(wrap(q[k].re));
             for (int j = 0; j < 6; ++j) to.direction[k][j] = direction[k][j].re;
@@ -105,11 +104,10 @@ struct Divider {
         to.farthest = INFLATED * (along + across + valley.height(along)) + AT_AN_END;
         return to;
     }
-    // Whether q lies in a region; its roots are known.
-    bool is_in_region(const double (&q)[6]) const {
-        const double point[6] = {};
-        for (int i = 0; i < regions; ++i) {
-            if (holds(region[i], q, point)) return true;
+    // Whether joint vectors lie in a region; its roots are known.
+    bool is_in_region(const double (&q)[6], const double (&half)[6]) const {
+        for (int i = min(regions, REGIONS) - 1; i >= 0; --i) {
+            if (holds(region[i], q, half)) return true;
         }
         return false;
     }
@@ -126,18 +124,18 @@ struct Divider {
     // A region with one root near q, which keeps the pose. Returns whether there is one.
     bool one_root(const double (&q)[6], Region& found, Local& at, Valley& valley) const {
         look_at(q, at, valley);
-        found = ball_of(at, 1, &valley, 1);
+        found = ball_of(at, 1, norms_of(at, 1), &valley, 1);
         return found.along > 0.0;
     }
 
-    // The point of the valley that is next to q. Returns whether there is one.
+    // The point of the valley that is next to q, by the derivative there. Returns whether there is one.
     bool step_to_valley(double (&q)[6]) const {
         Number at[6];
         for (int k = 0; k < 6; ++k) at[k] = q[k];
-        for (int round = 0; round < 7; ++round) {
-            Svd<6, 6> J;
+        Svd<6, 6> J;
+        for (int round = 0; round < ROUNDS_TO_VALLEY; ++round) {
             const LoopAt<Number> here = loop_at(of.loop, at);
-            decompose(here, J);
+            if (round == 0) decompose(here, J);
             if (!(J.s[5] < WEAK * J.s[0])) return false;
             const double step = step_across(here, J, 1, at);
             if (!(step < FARTHEST_CENTRE)) return false;
@@ -156,8 +154,9 @@ struct Divider {
         Local at;
         Valley valley;
         look_at(q, at, valley);
+        const Norms norms = norms_of(at, 1);
         for (int many = 0; many <= 2; ++many) {
-            const Region found = ball_of(at, 1, &valley, many);
+            const Region found = ball_of(at, 1, norms, &valley, many);
             if (!(found.along > 0.0)) continue;
             const Surroundings& all = keep_region(at.q, at.J.right, found.largest_across, found.largest_along, valley);
             if (!has_roots(all, valley, many, each.branch)) --regions;
@@ -224,8 +223,6 @@ struct Divider {
 
     // Looks for a region about a singular root, or a pair of them, near the box.
     void look_near(const Box& each) {
-        if (tried >= LOOKS || regions + REGIONS_A_LOOK > REGIONS) return;
-        ++tried;
         double q[6], start[6];
         values_of(each, start);
         if (on_valley(each, start)) return;
@@ -234,7 +231,8 @@ struct Divider {
         double far = 0.0;
         for (int j = 0; j < 6; ++j) far = max(far, abs(wrap(wrap(q[j] - start[j]))));
         if (far > 0.2) return;
-        if (is_in_region(q)) return;
+        const double point[6] = {};
+        if (is_in_region(q, point)) return;
         Number from[6];
         for (int k = 0; k < 6; ++k) from[k] = q[k];
         Cluster pair;
@@ -368,7 +366,8 @@ struct Divider {
                 const int l = __builtin_ctz(rest);
                 double at[6];
                 for (int j = 0; j < 6; ++j) at[j] = root.q[j][l];
-                if (!is_in_region(at)) out.add(at, root.radius[l], now[l].branch, false);
+                const double point[6] = {};
+                if (!is_in_region(at, point)) out.add(at, root.radius[l], now[l].branch, false);
             }
         }
         for (unsigned rest = left; rest; rest &= rest - 1) {
@@ -379,7 +378,9 @@ struct Divider {
             }
             if (is_decided(now[l])) continue;
             if (widest[l] < now[l].look) {
-                look_near(now[l]);
+                const int before_look = regions;
+                if (in_vain < LOOKS_IN_VAIN) look_near(now[l]);
+                in_vain += regions == before_look;
                 if (is_decided(now[l])) continue;
                 now[l].look = NARROWER * widest[l];
             }
