@@ -7,7 +7,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Boxes that are looked at before a pose is left open, and boxes that may wait: where more wait, they hardly shrink. None of the
 // numbers here decides what is proven.
-inline constexpr int MOST_BOXES = 8000, WAITING = 256;
+inline constexpr int MOST_BOXES = 6000, WAITING = 256;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
 // Half the width [rad] of a box below which a region about a singular root is looked for, how many are kept, and how often none may
