@@ -8,22 +8,35 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The pose of the tip for `many` joint vectors, one per lane; the last one fills the lanes that are left. Calls each(k, frame of
-// joint k before it moves) for every joint. N: the number of joints, where it is known.
-template <int N = 0, class Each> STEP Frame<Block> walk(const ChainArm& arm, const double* Q, int many, const Each& each) {
-    const int n = N ? N : arm.joints;
-    const double* from[BLOCK];
-    for (int i = 0; i < BLOCK; ++i) from[i] = Q + n * (i < many ? i : many - 1);
+// The frame of the next joint, or of the tip, after joint k has moved by q.
+STEP Frame<Block> past(const ChainArm& arm, int k, const Frame<Block>& at, const Block& q) {
+    return beyond(arm.slides[k] ? Frame<Block>{at.R, at.p + q * at.R.z} : turned(at, cos_sin_of_any(q)), arm.step[k + 1]);
+}
+
+// Calls each(k, frame of joint k before it moves) for every joint of joint vectors, one from each lane's own place. Returns the
+// frame of the tip. N: the number of joints, where it is known.
+template <int N = 0, class Each>
+STEP Frame<Block> walk(const ChainArm& arm, const double* const (&from)[BLOCK], const Each& each) {
     Frame<Block> at = constant_frame<Block>(arm.step[0]);
-#pragma GCC unroll 7
-    for (int k = 0; k < n; ++k) {
-        each(k, at);
-        Block q;
-        for (int i = 0; i < BLOCK; ++i) q.set(i, from[i][k]);
-        at = arm.slides[k] ? Frame<Block>{at.R, at.p + q * at.R.z} : turned(at, cos_sin_of_any(q));
-        at = beyond(at, arm.step[k + 1]);
+    if constexpr (N > 0) {
+        Block q[N];
+        load_rows(from, q);
+        in_turn<0, N>([&](auto k) IN_PLACE { each(k, at), at = past(arm, k, at, q[k]); });
+    } else {
+        for (int k = 0; k < arm.joints; ++k) {
+            Block q;
+            for (int i = 0; i < BLOCK; ++i) q.set(i, from[i][k]);
+            each(k, at), at = past(arm, k, at, q);
+        }
     }
     return at;
+}
+
+// The same for `many` consecutive joint vectors; the last one fills the lanes that are left.
+template <int N = 0, class Each> STEP Frame<Block> walk(const ChainArm& arm, const double* Q, int many, const Each& each) {
+    const double* from[BLOCK];
+    for (int i = 0; i < BLOCK; ++i) from[i] = Q + arm.joints * (i < many ? i : many - 1);
+    return walk<N>(arm, from, each);
 }
 
 template <class Do> STEP void in_blocks(long m, const Do& block) {
@@ -101,49 +114,64 @@ STEP Rows<7, Block> swivel_slopes(const SwivelEnds& ends, const Frame<Block> (&j
     return slope;
 }
 
+// The inverses for one block of joint vectors, one from and to each lane's own place.
 // M: how many columns are inverted. Seven joints have six of them where a joint is held, and seven with the swivel angle.
+template <int N, int M>
+STEP void invert(const ChainArm& arm, const double* const (&from)[BLOCK], const InverseScale& scale, double* const (&to)[BLOCK]) {
+    constexpr int rows = M == 7 ? 7 : 6, width = N == 7 ? 7 : 6;
+    const double share = 1.0 / scale.size;
+    Frame<Block> joints[N];
+    const Frame<Block> tip =
+        walk<N>(arm, from, [&](auto k, const Frame<Block>& joint) IN_PLACE { joints[k].p = joint.p, joints[k].R.z = joint.R.z; });
+    Rows<rows, Block> J[M];
+    Six<Block> held;
+    const auto free = [&](int k) IN_PLACE { return N == M || k < scale.held ? k : k + 1; };
+    in_turn<0, M>([&](auto k) IN_PLACE {
+        const Six<Block> column = jacobian_column(joints[free(k)], arm.slides[free(k)], tip.p, share);
+        in_turn<0, 6>([&](auto r) IN_PLACE { J[k][r] = column[r]; });
+    });
+    if constexpr (M == 7) {
+        const Rows<7, Block> slopes = swivel_slopes(scale.swivel, joints, tip);
+        in_turn<0, 7>([&](auto k) IN_PLACE { J[k][6] = slopes[k]; });
+    }
+    if constexpr (N != M) held = jacobian_column(joints[scale.held], arm.slides[scale.held], tip.p, share);
+    Block own[M * rows], x[N * width];
+    const Block gain = select(inverse(J, own) > Block(scale.singular), Block(1.0), __builtin_nan(""));
+    const auto unit = [&](int k) IN_PLACE { return arm.slides[k] ? scale.size : 1.0; };
+    in_turn<0, M>([&](auto k) IN_PLACE {
+        Block* const row = x + width * free(k);
+        const Block angular = unit(free(k)) * gain, linear = share * angular;
+        in_turn<0, rows>([&](auto c) IN_PLACE { row[c] = own[rows * k + c] * (c < 3 ? linear : angular); });
+        if constexpr (N != M) {
+            Block sum = 0.0;
+            in_turn<0, 6>([&](auto c) IN_PLACE { sum -= own[6 * k + c] * held[c]; });
+            row[6] = sum * (angular * (1.0 / unit(scale.held)));
+        }
+    });
+    if constexpr (N != M) {
+        in_turn<0, 7>([&](auto c) IN_PLACE { x[width * scale.held + c] = (c < 6 ? 0.0 : 1.0) * gain; });
+    }
+    store_rows(x, to);
+}
+
+// Joint vectors that are NaN are left out, so that all lanes have work.
 template <int N, int M> static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale& scale, long m,
                                                 double* X) {
-    constexpr int rows = M == 7 ? 7 : 6, width = N == 7 ? 7 : 6, numbers = N * width;
-    const double share = 1.0 / scale.size;
-    in_blocks(m, [&](long from, int many) {
-        Frame<Block> joints[N];
-        const Frame<Block> tip = walk<N>(
-            arm, Q + N * from, many, [&](int k, const Frame<Block>& joint) { joints[k].p = joint.p, joints[k].R.z = joint.R.z; });
-        Rows<rows, Block> J[M];
-        Six<Block> held;
-        const auto free = [&](int k) { return N == M || k < scale.held ? k : k + 1; };
-        for (int k = 0; k < M; ++k) {
-            const Six<Block> column = jacobian_column(joints[free(k)], arm.slides[free(k)], tip.p, share);
-            for (int r = 0; r < 6; ++r) J[k][r] = column[r];
+    constexpr int numbers = N * (N == 7 ? 7 : 6);
+    const double* from[BLOCK];
+    double* to[BLOCK];
+    int many = 0;
+    for (long i = 0; i < m; ++i) {
+        if (Q[N * i] == Q[N * i]) {
+            from[many] = Q + N * i, to[many] = X + numbers * i;
+            if (++many == BLOCK) invert<N, M>(arm, from, scale, to), many = 0;
+        } else {
+            for (int k = 0; k < numbers; ++k) X[numbers * i + k] = __builtin_nan("");
         }
-        if constexpr (M == 7) {
-            const Rows<7, Block> slopes = swivel_slopes(scale.swivel, joints, tip);
-            for (int k = 0; k < 7; ++k) J[k][6] = slopes[k];
-        }
-        if constexpr (N != M) held = jacobian_column(joints[scale.held], arm.slides[scale.held], tip.p, share);
-        Block own[M * rows], x[numbers];
-        const auto regular = inverse(J, own) > Block(scale.singular);
-        const auto unit = [&](int k) { return arm.slides[k] ? scale.size : 1.0; };
-        for (int k = 0; k < M; ++k) {
-            Block* const row = x + width * free(k);
-            for (int c = 0; c < rows; ++c) {
-                row[c] = select(regular, own[rows * k + c] * (unit(free(k)) * (c < 3 ? share : 1.0)), __builtin_nan(""));
-            }
-            if constexpr (N != M) {
-                Block sum = 0.0;
-                for (int c = 0; c < 6; ++c) sum -= own[6 * k + c] * held[c];
-                row[6] = select(regular, sum * (unit(free(k)) / unit(scale.held)), __builtin_nan(""));
-            }
-        }
-        if constexpr (N != M) {
-            for (int c = 0; c < 7; ++c) x[width * scale.held + c] = select(regular, Block(c < 6 ? 0.0 : 1.0), __builtin_nan(""));
-        }
-        if (many == BLOCK) return store_rows<Write::plain, numbers>(x, X + numbers * from);
-        double part[numbers * BLOCK];
-        store_rows<Write::plain, numbers>(x, part);
-        __builtin_memcpy(X + numbers * from, part, sizeof(double) * numbers * many);
-    });
+    }
+    if (!many) return;
+    for (int l = many; l < BLOCK; ++l) from[l] = from[0], to[l] = to[0];
+    invert<N, M>(arm, from, scale, to);
 }
 
 static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
