@@ -127,8 +127,8 @@ def _behind(motion: Fixed, rear: Fixed) -> Fixed:
 
 
 def _cross(a: Fixed, b: Fixed) -> Fixed:
-    out: Fixed = np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]) >> _DIGITS
-    return out
+    out = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    return np.array([each >> _DIGITS for each in out], dtype=object)
 
 
 def _line(p: Fixed, direction: Fixed) -> Fixed:
