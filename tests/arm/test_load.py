@@ -72,6 +72,25 @@ def test_load_by_name() -> None:
     assert urdf_ik.load("zyyzyz_6r", tip=link).joint_names == shorter
 
 
+@pytest.mark.parametrize("name", ["ur5", "zyyzyz_6r"])
+def test_the_way_a_robot_is_named_changes_nothing(name: str, tmp_path: Path) -> None:
+    """By name, path, text, copy and xacro a robot has the same base, tip and joints."""
+    try:
+        file = catalogue.resolve(name).path
+    except ArgumentError as absent:
+        pytest.skip(f"not installed: {absent}")
+    pytest.importorskip("xacro", reason="reads the robot's xacro")
+    text = file.read_text()
+    copy, macro = tmp_path / "copy.urdf", tmp_path / "copy.urdf.xacro"
+    copy.write_text(text)
+    begin = re.search(r"<robot [^>]*>", text)
+    assert begin
+    opened = begin[0] if "xmlns:xacro" in begin[0] else begin[0][:-1] + ' xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    macro.write_text(text.replace(begin[0], opened + '<xacro:property name="unused" value="1"/>'))
+    arms = [urdf_ik.load(source) for source in (name, file, str(file), text, copy, macro)]
+    assert {(arm.base, arm.tip, arm.joint_names) for arm in arms} == {(arms[0].base, arms[0].tip, arms[0].joint_names)}
+
+
 def test_a_file_goes_before_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a file in this folder has the name of a catalogue arm, the file is meant."""
     (tmp_path / "ur5").write_text(TEXT)

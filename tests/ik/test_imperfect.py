@@ -16,6 +16,7 @@ from arms_general import (
     calibrated_ur,
     near_member,
     rounded_industrial,
+    rounded_over_base,
     rounded_straight_wrist,
     rounded_ur,
     tilted,
@@ -276,3 +277,21 @@ def test_rounded_wrist_arm_straight_wrist_and_elbow_keeps_the_crossing_branch() 
     found = case.arm.ik(np.stack([case.oracle.pose(each) for each in q]))
     for k, each in enumerate(q):
         assert nearest(rows(found[k]), each) <= case.oracle.tolerance(each), (k, each.tolist())
+
+
+def test_two_solutions_in_one_valley_are_both_found() -> None:
+    """The wrist over axis 1, where the ideal arm turns joint 1 freely: pairs on both sides of a fold are found.
+
+    Along this valley the pose changes by a millionth; det J changes its sign at a fold.
+    """
+    case, rng = described(rounded_over_base()), np.random.default_rng(5)
+    start = np.array([1.3690476491434347, 0.9083598844092563, 1.9598531810732611, -0.8769082886104133,
+                      -1.44568862589186, -0.3373413786749051])  # fmt: skip
+    T = np.asarray(case.arm.fk(start))
+    for _ in range(30):
+        rounded = T.copy()
+        rounded[:3, 3] += 1e-14 * rng.normal(size=3)
+        found = rows(case.arm.ik(rounded))
+        assert nearest(found, start) < 1e-5
+        signs = np.sign(np.linalg.det(case.arm.jacobian(found)))
+        assert signs.sum() == 0.0, signs

@@ -89,22 +89,27 @@ PART void polish_in_valley(const Model& arm, const Goal<double>& goal, double (&
 }
 
 // Search for solutions along the valley through `from`, in one direction. Damped steps remove the error across the valley, so the
-// remaining errors of its points lie along one direction. A solution lies between two points whose errors are opposite. A point
-// with a smaller error than its neighbours may be a double root. `passed`: a bit for each column whose solution lies in this
-// valley. Returns whether the valley is closed.
+// remaining errors of its points lie along one direction. A solution lies between two points whose errors are opposite; next to
+// `from` the error is opposite to the Jacobian's image of the step. Two solutions, or a double root, may lie about a point with a
+// smaller error than its neighbours: Newton's method starts from both of these. `passed`: a bit for each column whose solution
+// lies in this valley. Returns whether the valley is closed.
 template <class Model>
 PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
                       const Columns<Model::joints>& columns, unsigned& passed) {
     constexpr int N = Model::joints;
-    double q[N], last[N], along[N], sizes[2] = {};  // of the errors at `last` and before
-    for (int j = 0; j < N; ++j) q[j] = from[j];
-    Rows<Model::rows, double> error = {}, before = {};
-    Weakest<N> weak = weakest_at(arm, goal, q);
-    for (int j = 0; j < N; ++j) along[j] = way * weak.direction[j];
+    double q[N], last[N], older[N], along[N], sizes[2] = {};  // of the errors at `last` and at `older`
+    for (int j = 0; j < N; ++j) q[j] = last[j] = from[j];
+    Rows<Model::rows, double> error = {}, before = {}, J[N];
+    error_and_jacobian(arm, goal, q, J);
+    Weakest<N> weak = weakest(J);
+    for (int j = 0; j < N; ++j) {
+        along[j] = way * weak.direction[j];
+        for (int i = 0; i < Model::rows; ++i) error[i] -= STRIDE * along[j] * J[j][i];
+    }
+    const double slope = sqrt(dot(error, error));
     for (int k = 0; k < STRIDES && weak.value < NO_LONGER_WEAK; ++k) {
         Error<double, Model::rows> left = {};
-        Rows<Model::rows, double> J[N];
-        for (int j = 0; j < N; ++j) last[j] = q[j], q[j] = advanced(arm, j, q[j], STRIDE * along[j]);
+        for (int j = 0; j < N; ++j) older[j] = last[j], last[j] = q[j], q[j] = advanced(arm, j, q[j], STRIDE * along[j]);
         for (int round = 0; round < 3; ++round) {
             left = error_and_jacobian(arm, goal, q, J);
             if (round == 2) break;
@@ -114,12 +119,16 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
         if (!(left.size < OUT_OF_VALLEY)) return false;
         before = error, error = left.twist;
         const double size = sqrt(dot(error, error));
-        const bool crossed = k > 0 && dot(before, error) < 0.0, touched = k > 1 && sizes[0] < min(sizes[1], size);
-        if (crossed || touched) {
-            const double share = crossed ? sizes[0] / (sizes[0] + size) : 0.0;
+        if (dot(before, error) < 0.0) {
+            // By a line through both errors; from a solution on, by a parabola.
+            const double share = (k == 0 ? slope : sizes[0]) / ((k == 0 ? slope : sizes[0]) + size);
             double found[N];
             for (int j = 0; j < N; ++j) found[j] = advanced(arm, j, last[j], share * gap(arm, j, q[j], last[j]));
             polish_in_valley(arm, goal, found, columns);
+        } else if (k > 1 && sizes[0] < min(sizes[1], size)) {
+            double found[N];
+            for (int j = 0; j < N; ++j) found[j] = q[j];
+            polish_in_valley(arm, goal, older, columns), polish_in_valley(arm, goal, found, columns);
         }
         sizes[1] = sizes[0], sizes[0] = size;
         const auto is_here = [&](const double* other) {

@@ -147,6 +147,22 @@ def rounded_straight_wrist() -> DescribedArm:
     return _along_z("rounded_straight_wrist", "wrist, 2||3", origins)
 
 
+def rounded_over_base() -> DescribedArm:
+    """Three parallel axes with a wrist whose centre reaches axis 1: the lengths and decimals are the YAM's (i2rt)."""
+    along_x, along_y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    origins = [
+        ((-2.49777947e-7, 0, 0.068), (0, 1.5708, 3.1415963267949)),
+        ((-0.0455, -0.0339, -0.02), (0, 0, -3.14159)),
+        ((4.08431e-7, -0.0688, 0.264), (0, 0, -3.14159)),
+        ((-0.0600003, -0.0688, -0.244999), (0, 0, 0)),
+        ((-0.0405003, 0.0338995, -0.0739989), (0, 0, 0)),
+        ((0.0404996, 2.39858e-7, -0.0356), (0, 0, 0)),
+    ]
+    axes = [(-1.0, 0.0, 0.0), along_y, along_y, along_y, along_x, (0.0, 0.0, -1.0)]
+    urdf = serial_urdf("rounded_over_base", origins, axes, links=["base", *(f"link_{k}" for k in range(1, 6)), "tool"])
+    return DescribedArm("rounded_over_base", "2||3||4, 5x6", urdf, np.array(axes), np.zeros((6, 3)))
+
+
 def rounded_ur(decimals: int = 4) -> DescribedArm:
     """A UR5 with quarter and half turns as rounded decimals."""
     quarter, half = round(math.pi / 2, decimals), round(math.pi, decimals)
