@@ -66,7 +66,7 @@ struct RealRoots {
 STEP RealRoots real_roots(const Complex (&z)[2 * DEGREE], bool hides_slide) {
     RealRoots out = {};
     // |log |z|| < d, by the squares.
-    const double near = __builtin_exp(2.0 * NEAR_CIRCLE);
+    const double near = exponential(2.0 * NEAR_CIRCLE);
     for (const Complex& each : z) {
         const double square = each.re * each.re + each.im * each.im;
         if (!(square < near && square * near > 1.0)) continue;
