@@ -16,9 +16,9 @@ template <int N, class V> struct Triangle {
     V R[N][N], w[N];
 };
 
-// R's inverse, upper triangular. Returns one over its Frobenius norm.
-template <int N, class V> STEP V invert(const Triangle<N, V>& f, V (&inverse)[N][N]) {
-    V square = 0.0;
+// One over the Frobenius norm of R's inverse, which is upper triangular.
+template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
+    V inverse[N][N], square = 0.0;
 #pragma GCC unroll 7
     for (int k = N - 1; k >= 0; --k) {
         inverse[k][k] = f.w[k];
@@ -33,10 +33,6 @@ template <int N, class V> STEP V invert(const Triangle<N, V>& f, V (&inverse)[N]
         }
     }
     return inverse_sqrt(square);
-}
-template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
-    V inverse[N][N];
-    return invert(f, inverse);
 }
 
 // Solve J x = e in the least-squares sense; damped: minimise |J x - e|^2 + |damping x|^2. J is overwritten.
@@ -90,31 +86,33 @@ STEP Solved<N, V> least_squares(Rows<rows, V> (&J)[N], Rows<rows, V> e, const V&
     return out;
 }
 
-// The least-squares inverse X (N, rows) of J: J x = e is solved by x = X e. J becomes Q. Returns the lower bound of
-// Solved::least. X = R^-1 Q^T: Q^T Q differs from the identity by rounding times the condition of J (Bjorck), and so does X
-// from the inverse, relative to its size.
+// The least-squares inverse X (N, rows) of J: J x = e is solved by x = X e. Returns one over its Frobenius norm, which is no
+// greater than the smallest singular value of J, and too small by a factor of at most sqrt(N). J becomes Q, whose columns are
+// orthogonal and keep their lengths: J = Q R with R unit upper triangular, and X = R^-1 (Q^T Q)^-1 Q^T. As with orthonormal
+// columns, Q^T Q differs from a diagonal matrix by rounding times the condition of J (Bjorck), and so does X from the inverse,
+// relative to its size. All products of a step are independent of each other, so that a processor computes them at the same time.
 template <int N, int rows, class V> STEP V inverse(Rows<rows, V> (&J)[N], V (&X)[N * rows]) {
-    Triangle<N, V> f;
-#pragma GCC unroll 7
-    for (int k = 0; k < N; ++k) {
-        f.w[k] = inverse_sqrt(dot(J[k], J[k]) + TINY);
-        J[k] = times(J[k], f.w[k]);
-#pragma GCC unroll 7
-        for (int l = k + 1; l < N; ++l) f.R[k][l] = dot(J[k], J[l]), J[l] = less(J[l], f.R[k][l], J[k]);
-    }
-    V inverse[N][N];
-    const V least = invert(f, inverse);
-#pragma GCC unroll 7
-    for (int k = 0; k < N; ++k) {
-#pragma GCC unroll 7
-        for (int c = 0; c < rows; ++c) {
-            V sum = inverse[k][k] * J[k][c];
-#pragma GCC unroll 7
-            for (int l = k + 1; l < N; ++l) sum += inverse[k][l] * J[l][c];
-            X[rows * k + c] = sum;
-        }
-    }
-    return least;
+    V R[N][N], w[N];
+    in_turn<0, N>([&](auto k) IN_PLACE {
+        V product[N];
+        in_turn<k, N>([&](auto l) IN_PLACE { product[l] = dot_in_two(J[k], J[l]); });
+        w[k] = inverse(product[k] + TINY);
+        in_turn<k + 1, N>([&](auto l) IN_PLACE {
+            R[k][l] = product[l] * w[k];
+            in_turn<0, rows>([&](auto i) IN_PLACE { J[l][i] -= R[k][l] * J[k][i]; });
+        });
+    });
+    V square = 0.0;
+    in_turn<0, N>([&](auto up) IN_PLACE {
+        constexpr int k = N - 1 - up;
+        in_turn<0, rows>([&](auto i) IN_PLACE {
+            V x = w[k] * J[k][i];
+            in_turn<k + 1, N>([&](auto l) IN_PLACE { x -= R[k][l] * X[rows * l + i]; });
+            X[rows * k + i] = x;
+            square += x * x;
+        });
+    });
+    return inverse_sqrt(square);
 }
 
 // The smallest singular value of J and its right singular vector.

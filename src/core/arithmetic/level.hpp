@@ -9,6 +9,8 @@
 
 // A step of a solver: always compiled into its caller, so that a block's numbers stay in registers.
 #define STEP inline __attribute__((always_inline))
+// The same for a lambda, after its parameters.
+#define IN_PLACE __attribute__((always_inline))
 // A part that stays a function call: too large to inline, or rarely needed.
 #define PART inline __attribute__((noinline))
 // A template that is instantiated in one unit for all others; see answer.cpp.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -11,6 +12,12 @@
 #include "arithmetic/level.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
+
+// Calls f with the constants FROM to TO - 1. GCC keeps arrays in registers only if their indices are constants before it unrolls
+// loops; where arrays fill the processor's registers, this takes two thirds of a loop's time.
+template <int FROM, int TO, class F> STEP void in_turn(const F& f) {
+    if constexpr (FROM < TO) f(std::integral_constant<int, FROM>()), in_turn<FROM + 1, TO>(f);
+}
 
 template <int L> struct Register {
     typedef double type __attribute__((vector_size(8 * L)));
@@ -349,6 +356,47 @@ template <int L> STEP void transpose(typename Register<L>::type (&r)[L]) {
             s[4 + i] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
         }
         for (int i = 0; i < 8; ++i) r[i] = s[i];
+    }
+}
+
+// L consecutive numbers, or only the first N of them.
+template <int N, int L> STEP typename Register<L>::type first_of(const double* from) {
+    if constexpr (N == L) return *(const typename Register<L>::unaligned*)from;
+#if defined(__AVX512F__)
+    else if constexpr (L == 8) return (typename Register<L>::type)_mm512_maskz_loadu_pd((1 << N) - 1, from);
+#endif
+    else {
+        typename Register<L>::type out = {};
+        for (int i = 0; i < N; ++i) out[i] = from[i];
+        return out;
+    }
+}
+
+// N numbers from each lane's own place. Numbers that do not fill whole registers are loaded twice at the end.
+template <int N, int L> STEP void load_rows(const double* const (&from)[L], Pack<L, 1> (&to)[N]) {
+    constexpr int step = N < L ? N : L;
+    in_turn<0, (N + step - 1) / step>([&](auto part) IN_PLACE {
+        constexpr int first = step * part + step <= N ? step * part : N - step;
+        typename Register<L>::type r[L];
+        in_turn<0, L>([&](auto l) IN_PLACE { r[l] = first_of<step, L>(from[l] + first); });
+        transpose<L>(r);
+        in_turn<0, step>([&](auto i) IN_PLACE { to[first + i].r[0] = r[i]; });
+    });
+}
+// N numbers to each lane's own place, likewise.
+template <int N, int L> STEP void store_rows(const Pack<L, 1> (&from)[N], double* const (&to)[L]) {
+    if constexpr (N < L) {
+        in_turn<0, N>([&](auto i) IN_PLACE {
+            for (int l = 0; l < L; ++l) to[l][i] = from[i][l];
+        });
+    } else {
+        in_turn<0, (N + L - 1) / L>([&](auto part) IN_PLACE {
+            constexpr int first = L * part + L <= N ? L * part : N - L;
+            typename Register<L>::type r[L];
+            in_turn<0, L>([&](auto i) IN_PLACE { r[i] = from[first + i].r[0]; });
+            transpose<L>(r);
+            in_turn<0, L>([&](auto l) IN_PLACE { *(typename Register<L>::unaligned*)(to[l] + first) = r[l]; });
+        });
     }
 }
 

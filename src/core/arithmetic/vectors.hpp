@@ -74,6 +74,13 @@ template <int R, class V> STEP V dot(const Rows<R, V>& a, const Rows<R, V>& b) {
     for (int i = 1; i < R; ++i) sum += a[i] * b[i];
     return sum;
 }
+// The same in two sums that do not wait for each other.
+template <int R, class V> STEP V dot_in_two(const Rows<R, V>& a, const Rows<R, V>& b) {
+    V even = a[0] * b[0], odd = a[1] * b[1];
+    in_turn<1, R / 2>([&](auto i) IN_PLACE { even += a[2 * i] * b[2 * i], odd += a[2 * i + 1] * b[2 * i + 1]; });
+    if constexpr (R % 2) even += a[R - 1] * b[R - 1];
+    return even + odd;
+}
 template <int R, class V> STEP Rows<R, V> times(Rows<R, V> a, const V& f) {
     for (auto& x : a.v) x = x * f;
     return a;

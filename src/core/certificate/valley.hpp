@@ -63,7 +63,7 @@ struct Valley : Curve {
             e[n] /= n, power *= R;
             known += e[n] * power, exponent += norm[n] * power;
         }
-        const double all = __builtin_exp(exponent);
+        const double all = exponential(exponent);
         return max(all - known, 0.0) + 60.0 * UNIT * all;
     }
 };

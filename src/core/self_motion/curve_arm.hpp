@@ -21,6 +21,15 @@ struct Pinned {
     double value;  // [rad, m]
 };
 
+// A joint vector near the curve.
+struct Start {
+    const double* T;  // the pose (4, 4)
+    double q[7];
+    Pinned pin;
+    int rounds;     // greatest number of rounds of Newton's method
+    double enough;  // error at which it stops
+};
+
 // A point on the curve. Directions and lengths along it are in rad for joints that turn, in shares of the size for slides.
 struct OnCurve {
     double q[7];      // angles in (-pi, pi]
@@ -34,9 +43,9 @@ struct OnCurve {
 };
 
 struct SelfMotionFunctions {
-    // The point on the curve near q, by Newton's method with minimum-norm steps; a pin adds an equation. Stops after `rounds`
-    // rounds, or at an error of at most `enough`.
-    OnCurve (*settle)(const FreeArm&, const double* T, const double* q, const Pinned&, int rounds, double enough);
+    // The points on the curve near starts (count), by Newton's method with minimum-norm steps; a pin adds an equation. They are
+    // computed side by side.
+    void (*settle)(const FreeArm&, const Start*, int count, OnCurve* to);
     // Newton's method from each of starts (count, 7). Writes the points that converged to q (count, 7); returns their number.
     int (*search)(const FreeArm&, const double* T, const double* starts, int count, double* q);
     // The pose errors of joint vectors (count, 7), see pose_error [rad, share of size]. A NaN among the joints gives NaN.

@@ -16,8 +16,9 @@ void interpolate(const FreeArm& arm, const CurveSample& a, const CurveSample& b,
 void follow_curves(const FreeArm& arm, const SelfMotionFunctions& core, const GridOfSolutions& given, long pose, Intervals& to) {
     self_motion::Follower follower(arm, core, given);
     follower.follow();
-    for (const self_motion::Piece& piece : follower.pieces()) {
-        follower.cut(piece, pose, to);
+    const std::vector<self_motion::Piece> pieces = follower.pieces();
+    follower.cut(pieces, pose, to);
+    for (const self_motion::Piece& piece : pieces) {
         const bool seen =
             std::any_of(piece.columns.begin(), piece.columns.end(), [](const auto& each) { return each.second >= 0; });
         if (!seen) to.unseen.push_back({pose, piece.samples[piece.samples.size() / 2].value});

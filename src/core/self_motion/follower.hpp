@@ -1,9 +1,11 @@
-// The follower of one pose's curves; see curves.hpp. follower.cpp follows them from value to value of the grid, loops.cpp looks
-// for loops between two values, limits.cpp cuts curves at the joint limits.
+// The follower of one pose's curves; see curves.hpp. bridges.cpp joins solutions at neighbouring values of the grid, follower.cpp
+// follows curves between two values, loops.cpp looks for loops between two values, limits.cpp cuts curves at the joint limits.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 
 #include "self_motion/curves.hpp"
 
@@ -50,8 +52,20 @@ struct Node {
 struct Part {
     std::vector<CurveSample> samples;
     long node[2][2];  // at both ends: index of the grid's value and of the node, or -1
+    long cell;
     EndOf why[2];
-    bool used = false;
+    bool bridge = false, used = false;
+};
+
+// The way from a node to another one, at the next value of the grid.
+struct Bridge {
+    long cell, node;
+    CurveSample way[1 + (1 << MOST_HALVED)];
+    int count = 2;
+    unsigned done = 0, halved = 0;  // the steps, by their ends: those that are short enough, and those being halved
+    bool good = true;
+
+    void give_up() { good = false, halved = 0; }
 };
 
 // Consecutive parts joined over all cells.
@@ -60,6 +74,55 @@ struct Piece {
     std::vector<std::pair<double, int>> columns;  // values of the grid with the columns there
     EndOf why[2];
     bool closed;
+};
+
+class Follower;
+
+// Where following a curve ended: at the low or the high end of its values, at its own beginning, or at a singularity.
+enum class Stop { low, high, closed, lost };
+
+// Follows a curve in the direction of the tangent of `from`, until the value leaves [low, high] or the curve closes. It asks for
+// points on the curve one by one, so that several can go on side by side: Follower::travel().
+class Travel {
+public:
+    Travel(const Follower& follower, const CurveSample& from, double low, double high);
+
+    std::vector<CurveSample> way;  // the samples, `from` first
+    std::vector<long> folds;       // which of them are folds
+    Stop stop = Stop::lost;        // once it has ended
+    Start next;                    // the point that it asks for
+
+    bool ended() const { return state_ == State::ended; }
+    void end(Stop why) { stop = why, state_ = State::ended; }
+    void go_on(const OnCurve& point);
+
+private:
+    enum class State { step, first_of_fold, fold, value, behind_fold, ended };
+    // Of the parameter along the step.
+    double sense() const { return way.back().rate != 0.0 ? way.back().rate : to_.rate; }
+    void ask(double enough, State state);
+    void begin_step();
+    void try_step();
+    void after_step(const OnCurve& point, bool settled);
+    void again_shorter();
+    void after_first(const OnCurve& point, bool settled);
+    void try_secant();
+    void after_secant(const OnCurve& point, bool settled);
+    void after_fold();
+    void ask_at_value(const CurveSample& a, const CurveSample& b, State state);
+    bool push_value(const OnCurve& point, bool settled);
+
+    const Follower& f_;
+    double low_, high_;
+    State state_ = State::step;
+    int count_ = 0, round_ = 0;
+    double h_, began_ = 0.0;  // length of the next step, and of the one before
+    bool smooth_ = false, has_fold_ = false, over_ = false;
+    CurveSample to_, fold_;   // the end of the step, and the fold in it
+    // Along the step: the secant method's bracket and its two latest points, with the rate at the earlier one; `share_` of a secant
+    // step is taken, less after one that left the curve.
+    double bracket_[2], at_ = 0.0, before_ = 0.0, rate_before_ = 0.0, share_ = 1.0;
+    double value_at_ = 0.0;  // arc up to the value at which the way ends
 };
 
 class Follower {
@@ -71,38 +134,46 @@ public:
     }
 
     void follow() {
-        for (long k = 0; k < given_.values; ++k) {
-            for (int b = 0; b < given_.branches; ++b) {
-                const long at = k * given_.branches + b;
-                if (given_.flags[at] & 1) add_node(k, sample_at(given_.q + 7 * at, given_.grid[k]), b);
-            }
-        }
+        add_given();
         follow_cells();
         look_for_loops();
     }
 
     std::vector<Piece> pieces() {
         std::vector<Piece> out;
+        const std::vector<std::vector<int>> by_cell = parts_by_cell();
         for (int from_node = 0; from_node < 2; ++from_node) {
-            for (Part& part : parts_) {
-                if (part.used || (!from_node && leads_on(part, 0))) continue;
-                out.push_back(joined(part));
+            for (const std::vector<int>& cell : by_cell) {
+                for (const int part : cell) {
+                    if (!parts_[part].used && (from_node || !leads_on(parts_[part], 0))) out.push_back(joined(parts_[part]));
+                }
             }
         }
         mark_reach(out);
         return out;
     }
 
-    // The intervals of a piece inside the limits.
-    void cut(const Piece& piece, long pose, Intervals& to) const;
+    // The intervals of pieces inside the limits.
+    void cut(const std::vector<Piece>& pieces, long pose, Intervals& to) const {
+        const std::vector<Cut> cuts = crossed(pieces);
+        for (std::size_t i = 0; i < pieces.size(); ++i) keep_inside(pieces[i], cuts[i], pose, to);
+    }
 
 private:
+    friend class Travel;
     double unit(int j) const { return arm_.unit[j]; }
     double gap(int j, double a, double b) const { return gap_of(arm_, j, a, b); }
     double apart(const double* a, const double* b) const {
         double most = 0.0;
         for (int j = 0; j < 7; ++j) most = std::max(most, std::abs(gap(j, a[j], b[j])));
         return most;
+    }
+    // Whether two joint vectors are apart by less than this in every joint.
+    bool nearer(const double* a, const double* b, double than) const {
+        for (int j = 0; j < 7; ++j) {
+            if (!(std::abs(gap(j, a[j], b[j])) < than)) return false;
+        }
+        return true;
     }
     double value_near(double value, double before) const { return turns_ ? before + wrapped(value - before) : value; }
 
@@ -112,12 +183,43 @@ private:
         out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0, out.sense = point.sense;
         return out;
     }
-    // A given solution, its tangent towards growing values.
-    CurveSample sample_at(const double* q, double value) const {
-        CurveSample out = sample_of(core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0), value);
-        out.value = value;
-        if (out.rate < 0.0) flip(out);
+    // The given solutions become nodes, their tangents towards growing values.
+    void add_given() {
+        std::vector<Start> starts;
+        std::vector<OnCurve> points;
+        std::vector<std::pair<long, int>> of;
+        for (long k = 0; k < given_.values; ++k) {
+            for (int b = 0; b < given_.branches; ++b) {
+                const long at = k * given_.branches + b;
+                if (!(given_.flags[at] & 1)) continue;
+                std::copy_n(given_.q + 7 * at, 7, starts.emplace_back(start(0, 0.0)).q);
+                of.push_back({k, b});
+            }
+        }
+        settle(starts, points);
+        for (std::size_t i = 0; i < of.size(); ++i) {
+            const auto [k, b] = of[i];
+            CurveSample at = sample_of(points[i], given_.grid[k]);
+            at.value = given_.grid[k];
+            if (at.rate < 0.0) flip(at);
+            add_node(k, at, b);
+        }
+    }
+    static bool is_settled(const OnCurve& point, double enough) { return point.left <= std::max(enough, SETTLED); }
+    // A point on the curve as a sample, its tangent oriented like `along`.
+    CurveSample oriented(const OnCurve& point, const double* along, double before) const {
+        CurveSample out = sample_of(point, before);
+        double same = 0.0;
+        for (int j = 0; j < 7; ++j) same += point.along[j] * along[j];
+        if (same < 0.0) flip(out);
         return out;
+    }
+    Start start(int rounds, double enough) const { return {given_.T, {}, {Pin::nothing, 0, 0.0}, rounds, enough}; }
+    // Points near starts, side by side.
+    void settle(const std::vector<Start>& starts, std::vector<OnCurve>& points) const {
+        points.resize(starts.size());
+        settled_ += long(starts.size());
+        core_.settle(arm_, starts.data(), int(starts.size()), points.data());
     }
     static void flip(CurveSample& s) {
         for (double& each : s.along) each = -each;
@@ -126,18 +228,15 @@ private:
     // Whether two points with similar tangents may lie on one curve. If two curves nearly meet, a step that jumps from one to the
     // other changes the sense (Allgower and Georg, chapter 8). At a crossing the curve goes straight on, and the sense may change.
     bool agree(const CurveSample& a, const CurveSample& b) const { return straight_ || a.sense * b.sense >= 0; }
-    // The point on the curve near q that meets the pin, its tangent oriented like `along`. Returns whether Newton's method
-    // converged.
-    bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
+    // The point on the curve near q, its tangent oriented like `along`. Returns whether Newton's method converged.
+    bool settle(const double* q, const double* along, double before, CurveSample& out) const {
         if (++settled_ > MOST_SETTLED) return false;
-        const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
-        const OnCurve point = core_.settle(arm_, given_.T, q, pin, rounds, enough);
-        if (!(point.left <= std::max(enough, SETTLED))) return false;
-        out = sample_of(point, before);
-        double same = 0.0;
-        for (int j = 0; j < 7; ++j) same += point.along[j] * along[j];
-        if (same < 0.0) flip(out);
-        moved_ = point.moved;
+        Start from = start(MANY_ROUNDS, EXACT);
+        std::copy_n(q, 7, from.q);
+        OnCurve point;
+        core_.settle(arm_, &from, 1, &point);
+        if (!is_settled(point, EXACT)) return false;
+        out = oriented(point, along, before);
         return true;
     }
 
@@ -166,16 +265,15 @@ private:
     static bool folds_twice(const CurveSample& a, const CurveSample& fold, double arc) {
         return std::abs(fold.value - a.value) < std::abs(a.rate) * arc / 3.0;
     }
-    bool step(const CurveSample& from, const CurveSample* before, double& h, CurveSample& to) const;
-    bool fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const;
-    CurveSample at_value(const CurveSample& a, const CurveSample& b, double value, bool& found) const;
+    static double share_at(double from, double to, double s, double e);
     double way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     bool closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     double off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const;
-    bool halved(const CurveSample& a, CurveSample b, int depth, std::vector<CurveSample>& way) const;
-    void bridge_cell(long cell);
-    enum class Stop { low, high, closed, lost };
-    Stop travel(const CurveSample& from, double low, double high, std::vector<CurveSample>& way, std::vector<long>& folds) const;
+    void halve(Bridge& bridge, int depth, std::vector<Start>& middles) const;
+    const OnCurve* put_middles(Bridge& bridge, const OnCurve* next) const;
+    void bridge_cells();
+    void follow(std::vector<Travel*> ways) const;
+    void travel_ahead();
 
     long add_node(long k, const CurveSample& at, int column) {
         nodes_[k].push_back({at, column, -1, -1, std::abs(at.rate) < STANDS});
@@ -183,18 +281,33 @@ private:
     }
     double low_of(long cell) const { return given_.grid[cell]; }
     double high_of(long cell) const { return cell + 1 < given_.values ? given_.grid[cell + 1] : given_.grid[0] + TURN; }
+    // A value of a periodic grid, in the turn from its first value.
+    double value_from_first(double value) const {
+        return turns_ && given_.round ? given_.grid[0] + (wrapped(value - given_.grid[0] - PI) + PI) : value;
+    }
+    long cell_of(double value) const {
+        const double* end = given_.grid + given_.values;
+        const long above = std::upper_bound(given_.grid, end, value_from_first(value)) - given_.grid;
+        return std::clamp(above - 1, 0l, cells_ - 1);
+    }
     long next(long cell) const { return cell + 1 < given_.values ? cell + 1 : 0; }
 
     bool has_enough() const { return settled_ > MOST_SETTLED; }
     void follow_cells();
     bool follow_cell(long cell);
+    Travel* travelled(long k, long node, int side) const;
+    void drop_bridges(long cell);
     bool add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
                    Stop stop);
     long node_at(long k, const CurveSample& at) const;
     void look_for_loops();
     void add_nearest(std::vector<double>& starts) const;
     bool known(const CurveSample& at) const;
-    bool meets(const double* q, const double* t, const CurveSample& point) const;
+    void places_near(const CurveSample& at, const std::vector<std::vector<int>>& by_cell, std::vector<Start>& to) const;
+    void places_on(const Part& part, const CurveSample& at, std::vector<Start>& to) const;
+    std::vector<std::vector<int>> parts_by_cell() const;
+    bool meets(const OnCurve& place, const double* q) const;
+    void drop_known(std::vector<CurveSample>& points) const;
     void add_loop(const CurveSample& at);
     bool leads_on(const Part& part, int side) const {
         const long* node = part.node[side];
@@ -217,8 +330,22 @@ private:
     bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= TURN; }
     double room(int j, double q) const;
     bool inside(const double* q) const;
+    bool outside(const CurveSample& a, const CurveSample& b) const;
+    bool all_inside(const CurveSample& a, const CurveSample& b) const;
+    bool off_limits(int j, double q, double far) const;
     void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
-    void crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to) const;
+    void crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to, std::vector<Start>& starts) const;
+    // Whether a step between two samples is known to be inside or outside the limits all the way.
+    enum class Step : std::uint8_t { inside, outside, open };
+    // A piece with more samples; for the step up to each, what is known, and the end of its crossings.
+    struct Cut {
+        std::vector<CurveSample> fine;
+        std::vector<Step> steps;
+        std::vector<Crossing> met;
+        std::vector<std::size_t> ends;
+    };
+    std::vector<Cut> crossed(const std::vector<Piece>& pieces) const;
+    void keep_inside(const Piece& piece, const Cut& cut, long pose, Intervals& to) const;
     bool is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const;
     // A part of a piece inside the limits.
     struct Run {
@@ -229,16 +356,23 @@ private:
     std::vector<Run> by_turns(Run&& run) const;
     void keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const;
 
+    // A way that was followed ahead: from a node, into the cell behind it or, on side 1, before it.
+    struct Ahead {
+        long k, node;
+        int side;
+        std::unique_ptr<Travel> way;
+    };
+
     const FreeArm& arm_;
     const SelfMotionFunctions& core_;
     const GridOfSolutions& given_;
+    std::vector<Ahead> ahead_;
     std::vector<std::vector<Node>> nodes_;
     std::vector<Part> parts_;
     long cells_;
     bool turns_;
     double longest_ = LONGEST;
     bool straight_ = false;
-    mutable double moved_ = 0.0;
     mutable long settled_ = 0;
 };
 

@@ -18,6 +18,28 @@ bool Follower::inside(const double* q) const {
     return true;
 }
 
+// Whether one joint is outside its limits all the way between two samples: farther at both ends than the way is long.
+bool Follower::outside(const CurveSample& a, const CurveSample& b) const {
+    for (int j = 0; j < 7; ++j) {
+        const double far = -1.5 * b.arc * unit(j);
+        if (limited(j) && room(j, a.q[j]) < far && room(j, b.q[j]) < far) return true;
+    }
+    return false;
+}
+// Whether all joints are inside their limits all the way between two samples: farther from them at both ends than the way is long.
+bool Follower::all_inside(const CurveSample& a, const CurveSample& b) const {
+    for (int j = 0; j < 7; ++j) {
+        const double far = 1.5 * b.arc * unit(j);
+        if (!limited(j)) continue;
+        if (wide(j) ? !off_limits(j, a.q[j], far) : !(room(j, a.q[j]) > far && room(j, b.q[j]) > far)) return false;
+    }
+    return true;
+}
+// Whether a joint whose range is a turn or more is farther from its limits.
+bool Follower::off_limits(int j, double q, double far) const {
+    return std::abs(wrapped(q - given_.lower[j])) > far && std::abs(wrapped(q - given_.upper[j])) > far;
+}
+
 // Append `b`, after samples between `a` and `b` at which a joint turns back near a limit.
 void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const {
     double where = -1.0;
@@ -38,7 +60,7 @@ void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std:
         double q[7];
         between(a, b, where, q);
         CurveSample middle;
-        if (settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, middle)) {
+        if (settle(q, a.along, a.value, middle)) {
             CurveSample last = b;
             middle.arc = where * b.arc, last.arc = (1.0 - where) * b.arc;
             split(a, middle, depth + 1, to);
@@ -49,9 +71,8 @@ void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std:
     to.push_back(b);
 }
 
-// Where joints cross their limits between two samples, in order.
-void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to) const {
-    const std::size_t before = to.size();
+// Where joints cross their limits between two samples: the starts from which the crossings are settled.
+void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to, std::vector<Start>& starts) const {
     for (int j = 0; j < 7; ++j) {
         if (!limited(j)) continue;
         for (int side = 0; side < 2; ++side) {
@@ -59,25 +80,15 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
             if (!std::isfinite(limit)) continue;
             const double from = gap(j, a.q[j], limit), d = gap(j, b.q[j], a.q[j]);
             if (std::abs(from) > 2.0 || from * (from + d) > 0.0 || (from + d == 0.0)) continue;
-            // One root of the cubic, by bisection. split() has put samples where a joint turns back: three roots are not expected.
-            const double s = b.arc * a.along[j], e = b.arc * b.along[j], third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
-            double low = 0.0, high = 1.0;
-            for (int round = 0; round < 40; ++round) {
-                const double u = 0.5 * (low + high);
-                if ((from + u * (s + u * (second + u * third))) * d < 0.0) low = u;
-                else high = u;
-            }
-            Crossing c;
-            c.share = 0.5 * (low + high), c.joint = j, c.upper = side, c.wide = wide(j);
-            double q[7];
-            between(a, b, c.share, q);
-            if (!settle(q, {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)}, a.along, a.value, EXACT, c.at))
-                continue;
-            c.at.arc = c.share * b.arc;
-            to.push_back(c);
+            // One root of the cubic. split() has put samples where a joint turns back: three roots are not expected.
+            Crossing& c = to.emplace_back();
+            c.share = share_at(from, from + d, b.arc * a.along[j], b.arc * b.along[j]), c.joint = j, c.upper = side,
+            c.wide = wide(j);
+            Start& near = starts.emplace_back(start(MANY_ROUNDS, EXACT));
+            between(a, b, c.share, near.q);
+            near.pin = {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)};
         }
     }
-    std::sort(to.begin() + before, to.end(), [](const Crossing& x, const Crossing& y) { return x.share < y.share; });
 }
 
 // Whether the midpoint of a part of the step is inside all limits.
@@ -90,13 +101,55 @@ bool Follower::is_inside(const CurveSample& a, const CurveSample& b, double from
     }
     if (std::abs(least) > 1e-4) return least > 0.0;
     CurveSample middle;
-    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, middle)) return least > 0.0;
+    if (!settle(q, a.along, a.value, middle)) return least > 0.0;
     return inside(middle.q);
 }
 
-void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
-    std::vector<CurveSample> fine(1, piece.samples.front());
-    for (std::size_t i = 1; i < piece.samples.size(); ++i) split(piece.samples[i - 1], piece.samples[i], 0, fine);
+// The pieces with samples where joints turn back, and the crossings of the limits, settled side by side.
+std::vector<Follower::Cut> Follower::crossed(const std::vector<Piece>& pieces) const {
+    std::vector<Cut> out(pieces.size());
+    std::vector<Start> starts;
+    std::vector<OnCurve> points;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const std::vector<CurveSample>& samples = pieces[p].samples;
+        Cut& cut = out[p];
+        cut.fine.reserve(samples.size() + 8), cut.steps.reserve(samples.size() + 8);
+        cut.fine.push_back(samples.front()), cut.steps.push_back(Step::outside);
+        for (std::size_t i = 1; i < samples.size(); ++i) {
+            const CurveSample &a = samples[i - 1], &b = samples[i];
+            const Step step = outside(a, b) ? Step::outside : all_inside(a, b) ? Step::inside : Step::open;
+            if (step == Step::open) split(a, b, 0, cut.fine);
+            else cut.fine.push_back(b);
+            cut.steps.resize(cut.fine.size(), step);
+        }
+        for (std::size_t i = 1; i < cut.fine.size(); ++i) {
+            if (cut.steps[i] == Step::open) crossings(cut.fine[i - 1], cut.fine[i], cut.met, starts);
+            cut.ends.push_back(cut.met.size());
+        }
+    }
+    settle(starts, points);
+    std::size_t next = 0;
+    for (Cut& cut : out) {
+        std::size_t met = 0;
+        std::vector<Crossing> kept;
+        for (std::size_t i = 1; i < cut.fine.size(); ++i) {
+            const std::size_t first = kept.size();
+            for (; met < cut.ends[i - 1]; ++met, ++next) {
+                if (!is_settled(points[next], EXACT)) continue;
+                Crossing& c = kept.emplace_back(cut.met[met]);
+                c.at = oriented(points[next], cut.fine[i - 1].along, cut.fine[i - 1].value);
+                c.at.arc = c.share * cut.fine[i].arc;
+            }
+            std::sort(kept.begin() + first, kept.end(), [](const Crossing& x, const Crossing& y) { return x.share < y.share; });
+            cut.ends[i - 1] = kept.size();
+        }
+        cut.met = std::move(kept);
+    }
+    return out;
+}
+
+void Follower::keep_inside(const Piece& piece, const Cut& cut, long pose, Intervals& to) const {
+    const std::vector<CurveSample>& fine = cut.fine;
     std::vector<Run> runs;
     bool open = false;
     Crossing last_crossing = {};
@@ -112,12 +165,12 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
     };
     for (std::size_t i = 1; i < fine.size(); ++i) {
         const CurveSample &a = fine[i - 1], &b = fine[i];
-        std::vector<Crossing> met;
-        crossings(a, b, met);
+        const Crossing* met = cut.met.data() + (i > 1 ? cut.ends[i - 2] : 0);
+        const std::size_t many = cut.met.data() + cut.ends[i - 1] - met;
         double from = 0.0;
-        for (std::size_t k = 0; k <= met.size(); ++k) {
-            const double end = k < met.size() ? met[k].share : 1.0;
-            const bool in = is_inside(a, b, from, end);
+        for (std::size_t k = 0; k <= many; ++k) {
+            const double end = k < many ? met[k].share : 1.0;
+            const bool in = cut.steps[i] == Step::inside || (cut.steps[i] == Step::open && is_inside(a, b, from, end));
             if (in && !open) begin(crossed ? last_crossing.at : a, crossed);
             if (!in && open) {
                 // If no crossing was found, the run ends at the last sample.
@@ -125,7 +178,7 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
                 runs.back().joint[1] = crossed ? last_crossing.joint : -1;
                 open = false;
             }
-            if (k < met.size()) {
+            if (k < many) {
                 if (!met[k].wide) last_crossing = met[k], crossed = true;
                 if (open) {
                     CurveSample at = met[k].at;

@@ -3,19 +3,18 @@
 
 namespace urdf_ik::self_motion {
 
-// Whether the curve near q, with tangent t, passes through a point. Two curves may lie close together, on both sides of a nearly
-// straight elbow. The joint that moves most is pinned to its value at the point; the other joints then decide.
-bool Follower::meets(const double* q, const double* t, const CurveSample& point) const {
-    int most = 0;
-    for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
-    CurveSample there;
-    if (!settle(q, {Pin::joint, most, point.q[most]}, t, point.value, NEARLY_EXACT, there)) return true;
-    return apart(there.q, point.q) < SAME;
+// The places on followed curves near a point, from which meets() is decided. Two curves may lie close together, on both sides of a
+// nearly straight elbow. The joint that moves most is pinned to its value at the point; the other joints then decide.
+void Follower::places_near(const CurveSample& at, const std::vector<std::vector<int>>& by_cell, std::vector<Start>& to) const {
+    // A point this close to the end of a cell may lie on a part of its neighbour.
+    const long first = cell_of(at.value - NEARLY_SAME), last = cell_of(at.value + NEARLY_SAME);
+    for (long cell = first;; cell = last) {
+        for (const int part : by_cell[cell]) places_on(parts_[part], at, to);
+        if (cell == last) return;
+    }
 }
-
-// Whether a point lies on a followed curve.
-bool Follower::known(const CurveSample& at) const {
-    for (const Part& part : parts_) {
+void Follower::places_on(const Part& part, const CurveSample& at, std::vector<Start>& to) const {
+    {
         const double low = part.samples.front().value, high = part.samples.back().value;
         const double value = turns_ ? low + (wrapped(at.value - low - PI) + PI) : at.value;
         // A value just below the beginning is wrapped to the far end, so it is tried one turn lower too.
@@ -24,7 +23,7 @@ bool Follower::known(const CurveSample& at) const {
             for (std::size_t i = 1; i < part.samples.size(); ++i) {
                 const CurveSample &a = part.samples[i - 1], &b = part.samples[i];
                 if (there > b.value + NEARLY_SAME || there < a.value - NEARLY_SAME) continue;
-                if (apart(at.q, a.q) > 1.1 * b.arc + NEARLY_SAME) continue;
+                if (!nearer(at.q, a.q, 1.1 * b.arc + NEARLY_SAME)) continue;
                 double along = 0.0;
                 for (int j = 0; j < 7; ++j) along += gap(j, at.q[j], a.q[j]) * a.along[j];
                 double u = std::clamp(along / (b.arc + 1e-300), 0.0, 1.0), q[7], t[7];
@@ -34,33 +33,76 @@ bool Follower::known(const CurveSample& at) const {
                     for (int j = 0; j < 7; ++j) off += gap(j, at.q[j], q[j]) * t[j], square += t[j] * t[j];
                     u = std::clamp(u + off / square, 0.0, 1.0);
                 }
-                between(a, b, u, q);
-                if (apart(q, at.q) < NEARLY_SAME && meets(q, t, at)) return true;
+                Start place = start(MANY_ROUNDS, NEARLY_EXACT);
+                between(a, b, u, place.q);
+                if (!nearer(place.q, at.q, NEARLY_SAME)) continue;
+                int most = 0;
+                for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
+                place.pin = {Pin::joint, most, at.q[most]};
+                to.push_back(place);
             }
         }
     }
-    return false;
+}
+std::vector<std::vector<int>> Follower::parts_by_cell() const {
+    std::vector<std::vector<int>> out(cells_);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (!parts_[i].used) out[parts_[i].cell].push_back(int(i));
+    }
+    return out;
+}
+bool Follower::meets(const OnCurve& place, const double* q) const {
+    return !is_settled(place, NEARLY_EXACT) || nearer(place.q, q, SAME);
+}
+
+// Whether a point lies on a followed curve.
+bool Follower::known(const CurveSample& at) const {
+    std::vector<Start> starts;
+    std::vector<OnCurve> places;
+    places_near(at, parts_by_cell(), starts);
+    settle(starts, places);
+    return std::any_of(places.begin(), places.end(), [&](const OnCurve& each) { return meets(each, at.q); });
+}
+
+// The same for many points, side by side; those that do not are left over.
+void Follower::drop_known(std::vector<CurveSample>& points) const {
+    std::vector<Start> starts;
+    std::vector<OnCurve> places;
+    std::vector<std::size_t> ends;
+    const std::vector<std::vector<int>> by_cell = parts_by_cell();
+    for (const CurveSample& each : points) {
+        places_near(each, by_cell, starts);
+        ends.push_back(starts.size());
+    }
+    settle(starts, places);
+    std::size_t place = 0, kept = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        bool found = false;
+        for (; place < ends[i]; ++place) found |= meets(places[place], points[i].q);
+        if (!found) points[kept++] = points[i];
+    }
+    points.resize(kept);
 }
 
 // Follow a curve without a known solution at a value of the grid, from a point found on it.
 void Follower::add_loop(const CurveSample& at) {
-    long cell = 0;
-    double value = at.value;
-    if (turns_ && given_.round) value = given_.grid[0] + (wrapped(value - given_.grid[0] - PI) + PI);
-    while (cell + 1 < cells_ && value >= high_of(cell)) ++cell;
+    const long cell = cell_of(at.value);
+    const double value = value_from_first(at.value);
     if (value < low_of(cell) || value > high_of(cell)) return;
     CurveSample from = at;
     from.value = value;
     if (from.rate < 0.0) flip(from);
     if (from.rate < STANDS) return;
-    std::vector<CurveSample> way;
-    std::vector<long> folds;
-    Stop stop = travel(from, low_of(cell), high_of(cell), way, folds);
-    if (stop == Stop::lost) {
-        straight_ = true, folds.clear();
-        stop = travel(from, low_of(cell), high_of(cell), way, folds);
+    std::optional<Travel> travel;
+    follow({&travel.emplace(*this, from, low_of(cell), high_of(cell))});
+    if (travel->stop == Stop::lost) {
+        straight_ = true;
+        follow({&travel.emplace(*this, from, low_of(cell), high_of(cell))});
         straight_ = false;
     }
+    const Stop stop = travel->stop;
+    const std::vector<CurveSample>& way = travel->way;
+    const std::vector<long>& folds = travel->folds;
     if (stop == Stop::closed) {
         // Rotate the samples so that the loop begins and ends at a fold.
         if (folds.size() < 2) return;
@@ -124,17 +166,28 @@ void Follower::look_for_loops() {
     const int count = int(starts.size() / 7);
     std::vector<double> found(starts.size());
     const int many = count ? core_.search(arm_, given_.T, starts.data(), count, found.data()) : 0;
-    for (int i = 0; i < many && !has_enough(); ++i) {
-        const double* q = &found[7 * i];
-        CurveSample at;
-        std::copy_n(q, 7, at.q);
-        at.value = arm_.given >= 0 ? q[arm_.given] : core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0).value;
-        if (known(at)) continue;
+    std::vector<Start> starting;
+    std::vector<OnCurve> there;
+    for (int i = 0; i < many; ++i) std::copy_n(&found[7 * i], 7, starting.emplace_back(start(0, 0.0)).q);
+    if (arm_.given < 0) settle(starting, there);
+    std::vector<CurveSample> points(many);
+    for (int i = 0; i < many; ++i) {
+        std::copy_n(starting[i].q, 7, points[i].q);
+        points[i].value = arm_.given >= 0 ? points[i].q[arm_.given] : there[i].value;
+    }
+    drop_known(points);
+    bool fresh = false;  // whether a curve was added that may pass through further points
+    for (CurveSample& at : points) {
+        if (has_enough()) break;
+        if (fresh && known(at)) continue;
+        double q[7];
+        std::copy_n(at.q, 7, q);
         const double along[7] = {};
-        if (!settle(q, {Pin::nothing, 0, 0.0}, along, 0.0, EXACT, at)) continue;
+        if (!settle(q, along, 0.0, at)) continue;
         if (!given_.round && (at.value < given_.grid[0] || at.value > given_.grid[given_.values - 1])) continue;
         if (std::abs(at.rate) < STANDS || known(at)) continue;
         add_loop(at);
+        fresh = true;
     }
 }
 

@@ -4,6 +4,9 @@
 // minimum-norm step of Newton's method is orthogonal to it (Allgower and Georg, Numerical Continuation Methods, chapter 3).
 #include "self_motion/curve_arm.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include "answers/answer.hpp"
 #include "families/seven_joints/swivel.hpp"
 
@@ -11,221 +14,297 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 namespace {
 
-// One number per joint, in lanes; the eighth is zero.
-using Row = Pack<BLOCK, 8 / BLOCK>;
-constexpr int LANES = 8;
-
-// The sum of a register's lanes, by halving.
-template <int L> STEP double sum_of(const typename Register<L>::type& r) {
-    if constexpr (L == 2) return r[0] + r[1];
-    else if constexpr (L == 4) {
-        const auto half = __builtin_shufflevector(r, r, 0, 1) + __builtin_shufflevector(r, r, 2, 3);
-        return half[0] + half[1];
-    } else {
-        const auto half = __builtin_shufflevector(r, r, 0, 1, 2, 3) + __builtin_shufflevector(r, r, 4, 5, 6, 7);
-        const auto quarter = __builtin_shufflevector(half, half, 0, 1) + __builtin_shufflevector(half, half, 2, 3);
-        return quarter[0] + quarter[1];
-    }
-}
-template <int L, int K> STEP double sum(const Pack<L, K>& a) {
-    typename Register<L>::type r = a.r[0];
-    for (int k = 1; k < K; ++k) r += a.r[k];
-    return sum_of<L>(r);
-}
-STEP double inner(const Row& a, const Row& b) { return sum(a * b); }
-STEP Row row_of(const double (&a)[LANES]) {
-    Row out;
-    __builtin_memcpy(&out, a, sizeof a);
-    return out;
-}
-
 // Longest step of Newton's method [rad, share of size].
 constexpr double LONGEST_STEP = 0.5;
 // After orthogonalisation a row of the Jacobian shorter than this cannot be distinguished from rounding.
 constexpr double SINGULAR_ROW = 1e-7;
 // A search stops after SEARCH_ROUNDS rounds, at the error SEARCH_ENOUGH, or after SEARCH_PATIENCE rounds without progress. It has
-// found a point if the error is at most SEARCH_FOUND.
-constexpr int SEARCH_ROUNDS = 40, SEARCH_PATIENCE = 14;
+// found a point if the error is at most SEARCH_FOUND. Most starts end within SEARCH_FIRST rounds; the others go on side by side.
+constexpr int SEARCH_ROUNDS = 40, SEARCH_FIRST = 5, SEARCH_PATIENCE = 14;
 constexpr double SEARCH_ENOUGH = 1e-9, SEARCH_FOUND = 1e-6;
 
-// In the base frame: the joints' axes z and origins p, one joint per lane, and the tip.
-struct Axes {
-    Vec<Row> z, p;
-    Frame<double> tip;
-};
-STEP Axes axes_at(const Written<7>& arm, const Row& q) {
-    const Turn<Row> turn = cos_sin(q);
-    double z[3][LANES] = {}, p[3][LANES] = {};
-    Frame<double> at = constant_frame<double>(arm.step[0]);
-#pragma GCC unroll 7
-    for (int k = 0; k < 7; ++k) {
-        z[0][k] = at.R.z.x, z[1][k] = at.R.z.y, z[2][k] = at.R.z.z;
-        p[0][k] = at.p.x, p[1][k] = at.p.y, p[2][k] = at.p.z;
-        at = arm.slides[k] ? Frame<double>{at.R, at.p + q[k] * at.R.z} : turned(at, {turn.c[k], turn.s[k]});
-        at = beyond(at, arm.step[k + 1]);
-    }
-    return {{row_of(z[0]), row_of(z[1]), row_of(z[2])}, {row_of(p[0]), row_of(p[1]), row_of(p[2])}, at};
-}
-
-// The rows of the Jacobian, lengths as shares of the size.
-STEP void rows_at(const FreeArm& arm, const Axes& at, Row (&J)[6]) {
-    const Row inverse = 1.0 / arm.written.size, slides = row_of(arm.slides);
-    const Vec<Row> lever = {inverse * (Row(at.tip.p.x) - at.p.x), inverse * (Row(at.tip.p.y) - at.p.y),
-                            inverse * (Row(at.tip.p.z) - at.p.z)};
-    const Vec<Row> v = cross(at.z, lever);
-    const Row turns = 1.0 - slides;
-    J[0] = turns * v.x + slides * at.z.x, J[1] = turns * v.y + slides * at.z.y, J[2] = turns * v.z + slides * at.z.z;
-    J[3] = turns * at.z.x, J[4] = turns * at.z.y, J[5] = turns * at.z.z;
-}
-
 // The redundancy parameter and its gradient [per rad, per share of the size].
-struct Parameter {
-    double value;
-    Row slope;
+template <class V> struct Parameter {
+    V value, slope[7];
 };
 // The swivel angle, computed in frame 1; see swivel.hpp.
-PART Parameter swivel_at(const FreeArm& arm, const Goal<double>& goal, const Axes& at) {
-    const Line<double> line = line_to_wrist(to_frame_1<double>(goal, arm.ends).p);
-    const auto of_joint = [&](int k) { return times(arm.ends.base_rotation, Vec<double>{at.z.x[k], at.z.y[k], at.z.z[k]}); };
-    const Vec<double> axis = of_joint(3);
-    const double c = dot(line.normal, axis), s = dot(line.across, axis), square = c * c + s * s + TINY;
-    Parameter out = {angle<double>({c, s}), 0.0};
-    for (int k = 0; k < 3; ++k) {
-        const Vec<double> turned = cross(of_joint(k), axis);
-        out.slope.set(k, (c * dot(line.across, turned) - s * dot(line.normal, turned)) / square);
+template <class V> PART Parameter<V> swivel_at(const FreeArm& arm, const Goal<V>& goal, const Posture<7, V>& at) {
+    const Line<V> line = line_to_wrist(to_frame_1<V>(goal, arm.ends).p);
+    const auto of_joint = [&](int k) { return times(arm.ends.base_rotation, at.joint[k].R.z); };
+    const Vec<V> axis = of_joint(3);
+    const V c = dot(line.normal, axis), s = dot(line.across, axis), square = c * c + s * s + TINY;
+    Parameter<V> out = {angle<V>({c, s}), {}};
+    for (int k = 0; k < 7; ++k) {
+        const Vec<V> turned = cross(of_joint(k), axis);
+        out.slope[k] = k < 3 ? (c * dot(line.across, turned) - s * dot(line.normal, turned)) / square : V(0.0);
     }
     return out;
 }
-STEP Parameter parameter_at(const FreeArm& arm, const Goal<double>& goal, const Axes& at, const Row& q) {
+template <class V> STEP Parameter<V> parameter_at(const FreeArm& arm, const Goal<V>& goal, const Posture<7, V>& at,
+                                                  const V (&q)[7]) {
     if (arm.given < 0) return swivel_at(arm, goal, at);
-    Parameter out = {q[arm.given], 0.0};
-    out.slope.set(arm.given, arm.unit[arm.given]);
+    Parameter<V> out = {q[arm.given], {}};
+    for (int j = 0; j < 7; ++j) out.slope[j] = j == arm.given ? arm.unit[j] : 0.0;
     return out;
+}
+
+// One over a number, where a member hides inverse().
+template <class V> STEP V one_over(const V& a) { return inverse(a); }
+
+template <class V> STEP V inner(const V (&a)[7], const V (&b)[7]) {
+    V sum = a[0] * b[0];
+    for (int j = 1; j < 7; ++j) sum += a[j] * b[j];
+    return sum;
 }
 
 // Equations (row i) x = e[i] after Gram-Schmidt orthogonalisation of the rows and right sides. `inverse` holds one over the squared
 // length of each row.
-template <int N> struct Orthogonal {
-    Row row[N];
-    double e[N], inverse[N];
+template <int N, class V> struct Orthogonal {
+    V row[N][7], e[N], inverse[N];
 
-    STEP Orthogonal(const Row (&J)[6], const Rows<6, double>& error, const Row& last, double pinned) {
-        for (int i = 0; i < N; ++i) row[i] = i < 6 ? J[i] : last, e[i] = i < 6 ? error[i] : pinned;
+    STEP Orthogonal(const Six<V> (&J)[7], const Rows<6, V>& error, const V (&last)[7], const V& pinned) {
+        for (int i = 0; i < N; ++i) {
+            for (int j = 0; j < 7; ++j) row[i][j] = i < 6 ? J[j][i] : last[j];
+            e[i] = i < 6 ? error[i] : pinned;
+        }
 #pragma GCC unroll 7
         for (int i = 0; i < N; ++i) {
-            inverse[i] = 1.0 / (inner(row[i], row[i]) + TINY);
+            inverse[i] = one_over(inner(row[i], row[i]) + TINY);
             for (int k = i + 1; k < N; ++k) {
-                const double along = inner(row[i], row[k]) * inverse[i];
-                row[k] = row[k] - along * row[i], e[k] -= along * e[i];
+                const V along = inner(row[i], row[k]) * inverse[i];
+                for (int j = 0; j < 7; ++j) row[k][j] -= along * row[i][j];
+                e[k] -= along * e[i];
             }
         }
     }
     // The minimum-norm solution.
-    STEP Row least() const {
-        Row x = 0.0;
-        for (int i = 0; i < N; ++i) x = x + e[i] * inverse[i] * row[i];
-        return x;
+    STEP void least(V (&x)[7]) const {
+        for (int j = 0; j < 7; ++j) x[j] = 0.0;
+        for (int i = 0; i < N; ++i) {
+            const V share = e[i] * inverse[i];
+            for (int j = 0; j < 7; ++j) x[j] += share * row[i][j];
+        }
     }
     // The unit vector orthogonal to the first six rows: the projection of the joint axis with the longest projection. It is
-    // orthogonalised twice, to rounding.
-    STEP Row free() const {
-        Row left = 1.0, out = 0.0;
-        for (int i = 0; i < 6; ++i) left = left - inverse[i] * (row[i] * row[i]);
-        int most = 0;
-        for (int j = 1; j < 7; ++j) most = left[j] > left[most] ? j : most;
-        out.set(most, 1.0);
-        for (int again = 0; again < 2; ++again) {
-            const Row before = out;
-            for (int i = 0; i < 6; ++i) out = out - inner(row[i], before) * inverse[i] * row[i];
+    // orthogonalised twice, to rounding. Returns the sign of the determinant of the rows and this vector; 0 if a row is shorter
+    // than SINGULAR_ROW.
+    STEP V free(V (&out)[7]) const {
+        V most = -1.0;
+#pragma GCC unroll 7
+        for (int j = 0; j < 7; ++j) {
+            V left = 1.0;
+            for (int i = 0; i < 6; ++i) left -= inverse[i] * row[i][j] * row[i][j];
+            const auto longer = left > most;
+            most = select(longer, left, most);
+            for (int k = 0; k < j; ++k) out[k] = select(longer, 0.0, out[k]);
+            out[j] = select(longer, 1.0, V(0.0));
         }
-        return (1.0 / (sqrt(inner(out, out)) + TINY)) * out;
+        const V sign = sense(out);
+        for (int again = 0; again < 2; ++again) {
+            V share[6];
+            for (int i = 0; i < 6; ++i) share[i] = inner(row[i], out) * inverse[i];
+            for (int i = 0; i < 6; ++i) {
+                for (int j = 0; j < 7; ++j) out[j] -= share[i] * row[i][j];
+            }
+        }
+        const V scale = inverse_sqrt(inner(out, out) + TINY);
+        for (int j = 0; j < 7; ++j) out[j] *= scale;
+        return sign;
     }
-    // The sign of the determinant of the first six rows and this one, by elimination; 0 if a row is shorter than SINGULAR_ROW.
-    STEP int sense(const Row& along) const {
-        Row rows[7];
-        int sign = 1;
-        unsigned lanes = 0x7f;
-        for (int i = 0; i < 7; ++i) rows[i] = i < 6 ? row[i] : along;
-        for (int i = 0; i < 7; ++i) {
-            if (i < 6 && inverse[i] > 1.0 / (SINGULAR_ROW * SINGULAR_ROW)) return 0;
-            int most = -1;
-            for (int j = 0; j < 7; ++j) most = lanes >> j & 1 && (most < 0 || abs(rows[i][j]) > abs(rows[i][most])) ? j : most;
-            const double pivot = rows[i][most];
-            // Moving the pivot's column to the front flips the sign once for each remaining lane before it.
-            if ((__builtin_popcount(lanes & ((1u << most) - 1)) & 1) != (pivot < 0.0)) sign = -sign;
-            lanes &= ~(1u << most);
-            for (int k = i + 1; k < 7; ++k) rows[k] = rows[k] - rows[k][most] / pivot * rows[i];
+    // The sign of the determinant of the first six rows and a unit axis: of the other columns, by elimination.
+    STEP V sense(const V (&axis)[7]) const {
+        V rows[6][6], sign = 1.0;
+        for (int i = 0; i < 6; ++i) sign = select(inverse[i] > 1.0 / (SINGULAR_ROW * SINGULAR_ROW), 0.0, sign);
+        // The last column takes the place of the axis' column; exchanging two columns flips the sign.
+        sign = select(axis[6] > 0.5, sign, -sign);
+#pragma GCC unroll 6
+        for (int j = 0; j < 6; ++j) {
+            const auto here = axis[j] > 0.5;
+            for (int i = 0; i < 6; ++i) rows[i][j] = select(here, row[i][6], row[i][j]);
+        }
+#pragma GCC unroll 6
+        for (int i = 0; i < 6; ++i) {
+            // The longest entry becomes the pivot.
+#pragma GCC unroll 6
+            for (int j = i + 1; j < 6; ++j) {
+                const auto longer = abs(rows[i][j]) > abs(rows[i][i]);
+                sign = select(longer, -sign, sign);
+#pragma GCC unroll 6
+                for (int k = i; k < 6; ++k) {
+                    const V one = rows[k][i], other = rows[k][j];
+                    rows[k][i] = select(longer, other, one), rows[k][j] = select(longer, one, other);
+                }
+            }
+            sign = select(rows[i][i] < 0.0, -sign, sign);
+            const V over = one_over(rows[i][i]);
+#pragma GCC unroll 6
+            for (int k = i + 1; k < 6; ++k) {
+                const V share = rows[k][i] * over;
+#pragma GCC unroll 6
+                for (int j = i + 1; j < 6; ++j) rows[k][j] -= share * rows[i][j];
+            }
         }
         return sign;
     }
 };
 
-OnCurve settle(const FreeArm& arm, const double* T, const double* from, const Pinned& pinned, int rounds, double enough) {
-    const Goal<double> goal = goal_of(T);
-    const Row slides = row_of(arm.slides), unit = row_of(arm.unit);
-    const auto turning = slides < Row(0.5);
-    double given[LANES] = {};
-    for (int j = 0; j < 7; ++j) given[j] = from[j];
-    Row q = row_of(given);
-    q = select(turning, wrap(q), q);
-    const Row start = q;
-    OnCurve out;
-    for (int round = 0;; ++round) {
-        const Axes at = axes_at(arm.written, q);
-        Row J[6];
-        rows_at(arm, at, J);
-        const Error<double> error = pose_error(goal, at.tip, 1.0 / arm.written.size);
-        const Parameter parameter = parameter_at(arm, goal, at, q);
-        out.left = error.size;
-        double apart = 0.0;
-        const bool joint = pinned.what == Pin::joint;
-        const int which = joint ? pinned.joint : arm.given;
-        const double scale = which < 0 ? 1.0 : arm.unit[which];
-        if (pinned.what != Pin::nothing) {
-            apart = pinned.value - (joint ? q[which] : parameter.value);
-            apart = (which >= 0 && arm.slides[which] > 0.0 ? apart : wrap(apart)) / scale;
-            out.left = max(out.left, abs(apart));
+// The step of Newton's method with least norm.
+template <int N, class V>
+PART void least_step(const Six<V> (&J)[7], const Rows<6, V>& error, const V (&last)[7], const V& apart, V (&x)[7]) {
+    Orthogonal<N, V>(J, error, last, apart).least(x);
+}
+template <class V> PART V tangent(const Six<V> (&J)[7], const Rows<6, V>& error, V (&along)[7]) {
+    const V none[7] = {};
+    const Orthogonal<6, V> rows(J, error, none, V(0.0));
+    return rows.free(along);
+}
+
+// A number or a pack from numbers in memory, and back.
+template <class V> STEP V from_lanes(const double* from) {
+    if constexpr (lanes_of<V> == 1) return *from;
+    else return load<V>(from);
+}
+template <class V> STEP void to_lanes(const V& a, double* to) {
+    if constexpr (lanes_of<V> == 1) *to = a;
+    else store(a, to);
+}
+
+// The goals of points, one per lane.
+template <class V> STEP Goal<V> goals_of(const Start* starts, int count) {
+    const Goal<double> first = goal_of(starts[0].T);
+    if constexpr (lanes_of<V> == 1) return first;
+    else {
+        bool same = true;
+        for (int l = 1; l < count; ++l) same &= starts[l].T == starts[0].T;
+        if (same) return spread<V>(first);
+        double t[12][lanes_of<V>];
+        for (int l = 0; l < lanes_of<V>; ++l) {
+            const double* T = starts[l < count ? l : count - 1].T;
+            for (int i = 0; i < 12; ++i) t[i][l] = T[i];
         }
-        if (!(out.left > enough) || round == rounds) {
-            const Orthogonal<6> rows(J, error.twist, 0.0, 0.0);
-            const Row along = rows.free();
-            out.sense = rows.sense(along);
-            for (int j = 0; j < 7; ++j) out.q[j] = q[j], out.along[j] = along[j];
-            out.value = parameter.value, out.rate = inner(parameter.slope, along);
-            break;
-        }
-        Row last = (1.0 / scale) * parameter.slope;
-        if (joint) last = 0.0, last.set(which, 1.0);
-        const Row step = pinned.what == Pin::nothing ? Orthogonal<6>(J, error.twist, 0.0, 0.0).least()
-                                                     : Orthogonal<7>(J, error.twist, last, apart).least();
-        const double length = sqrt(inner(step, step));
-        q = q + (length > LONGEST_STEP ? LONGEST_STEP / length : 1.0) * (unit * step);
-        q = select(turning, wrap(q), q);
+        const auto column = [&](int k) { return Vec<V>{from_lanes<V>(t[k]), from_lanes<V>(t[4 + k]), from_lanes<V>(t[8 + k])}; };
+        return {{column(0), column(1), column(2)}, column(3)};
     }
-    Row moved = q - start;
-    moved = select(turning, wrap(moved), moved) / unit;
-    out.moved = sqrt(inner(moved, moved));
-    return out;
+}
+
+// Up to a V's number of lanes of points, side by side.
+template <class V> void settle_lanes(const FreeArm& arm, const Start* starts, int count, OnCurve* out) {
+    constexpr int LANES = lanes_of<V>;
+    const Written<7>& written = arm.written;
+    const Goal<V> goal = goals_of<V>(starts, count);
+    // By lanes; which joint or whether the parameter is pinned, as ones among zeros.
+    double lanes[7][LANES], pin_value[LANES], pin_joint[7][LANES] = {}, pin_parameter[LANES] = {}, ends[2][LANES];
+    bool pins = false;
+    for (int l = 0; l < LANES; ++l) {
+        const Start& from = starts[l < count ? l : count - 1];
+        for (int j = 0; j < 7; ++j) lanes[j][l] = from.q[j];
+        pin_value[l] = from.pin.value;
+        ends[0][l] = from.rounds, ends[1][l] = from.enough;
+        pins |= from.pin.what != Pin::nothing;
+        if (from.pin.what == Pin::joint) pin_joint[from.pin.joint][l] = 1.0;
+        if (from.pin.what == Pin::parameter) pin_parameter[l] = 1.0;
+    }
+    V q[7], start[7], of_joint[7];
+    const V wanted = from_lanes<V>(pin_value), of_parameter = from_lanes<V>(pin_parameter);
+    const V rounds = from_lanes<V>(ends[0]), enough = from_lanes<V>(ends[1]);
+    for (int j = 0; j < 7; ++j) {
+        q[j] = from_lanes<V>(lanes[j]), of_joint[j] = from_lanes<V>(pin_joint[j]);
+        start[j] = q[j] = written.slides[j] ? q[j] : wrap(q[j]);
+    }
+    const bool value_slides = arm.given >= 0 && written.slides[arm.given];
+    const double value_unit = arm.given >= 0 ? arm.unit[arm.given] : 1.0;
+    for (int round = 0;; ++round) {
+        const Posture<7, V> at = place(written, q);
+        Six<V> J[7];
+        jacobian_at(written, at, J);
+        const Error<V> error = pose_error(goal, at.tip, 1.0 / written.size);
+        const Parameter<V> parameter = parameter_at(arm, goal, at, q);
+        V left = error.size, apart = 0.0, last[7];
+        if (pins) {
+            const V off = wanted - parameter.value;
+            apart = of_parameter * ((value_slides ? off : wrap(off)) * (1.0 / value_unit));
+            for (int j = 0; j < 7; ++j) {
+                last[j] = of_parameter * (1.0 / value_unit) * parameter.slope[j] + of_joint[j];
+                const V gap = wanted - q[j];
+                apart += of_joint[j] * (written.slides[j] ? gap * (1.0 / arm.unit[j]) : wrap(gap));
+            }
+            left = max(left, abs(apart));
+        }
+        const auto moves = (left > enough) & (rounds > double(round));
+        if (!any(moves)) {
+            V along[7], square = 0.0;
+            const V sense = tangent(J, error.twist, along), rate = inner(parameter.slope, along);
+            for (int j = 0; j < 7; ++j) {
+                const V moved = q[j] - start[j], share = written.slides[j] ? moved * (1.0 / arm.unit[j]) : wrap(moved);
+                square += share * share;
+            }
+            double tangents[7][LANES], values[LANES], rates[LANES], way[LANES], errors[LANES], senses[LANES];
+            for (int j = 0; j < 7; ++j) to_lanes(q[j], lanes[j]), to_lanes(along[j], tangents[j]);
+            to_lanes(parameter.value, values), to_lanes(rate, rates), to_lanes(sqrt(square), way), to_lanes(left, errors),
+                to_lanes(sense, senses);
+            for (int l = 0; l < count; ++l) {
+                OnCurve& to = out[l];
+                for (int j = 0; j < 7; ++j) to.q[j] = lanes[j][l], to.along[j] = tangents[j][l];
+                to.value = values[l], to.rate = rates[l], to.moved = way[l], to.left = errors[l], to.sense = int(senses[l]);
+            }
+            return;
+        }
+        V step[7];
+        if (pins) least_step<7, V>(J, error.twist, last, apart, step);
+        else least_step<6, V>(J, error.twist, last, apart, step);
+        const V length = sqrt(inner(step, step)), shrink = select(length > LONGEST_STEP, LONGEST_STEP / length, V(1.0));
+        for (int j = 0; j < 7; ++j) q[j] = select(moves, advanced(written, j, q[j], shrink * step[j]), q[j]);
+    }
+}
+
+void settle(const FreeArm& arm, const Start* starts, int count, OnCurve* out) {
+    for (int k = 0; k < count;) {
+        const int many = count - k < BLOCK ? count - k : BLOCK;
+        if (many > 1) {
+            settle_lanes<Block>(arm, starts + k, many, out + k);
+            k += many;
+        } else {
+            settle_lanes<double>(arm, starts + k, 1, out + k);
+            ++k;
+        }
+    }
+}
+
+// Newton's method from starts (count, 7), with the numbers `of` (count); each is replaced by what it reaches. error: (count).
+void search_from(const Written<7>& written, const Goal<Block>& goals, const int* of, int count, int rounds, double* q,
+                 double* error) {
+    const Block zero = 0.0;
+    for (int k = 0; k < count; k += BLOCK) {
+        const int many = count - k < BLOCK ? count - k : BLOCK;
+        Block x[7];
+        for (int l = 0; l < BLOCK; ++l) {
+            const double* from = q + 7 * of[k + (l < many ? l : many - 1)];
+            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
+        }
+        const Block reached =
+            polish<true, Written<7>, Block>(written, goals, x, {rounds, SEARCH_ENOUGH, SEARCH_PATIENCE}, zero <= zero).error;
+        for (int l = 0; l < many; ++l) {
+            const int i = of[k + l];
+            for (int j = 0; j < 7; ++j) q[7 * i + j] = x[j][l];
+            error[i] = reached[l];
+        }
+    }
 }
 
 int search(const FreeArm& arm, const double* T, const double* starts, int count, double* q) {
-    const Written<7>& written = arm.written;
     const Goal<Block> goals = spread<Block>(goal_of(T));
-    const Block zero = 0.0;
+    std::vector<int> of(count);
+    std::vector<double> error(count);
+    std::copy_n(starts, 7 * count, q);
+    for (int i = 0; i < count; ++i) of[i] = i;
+    search_from(arm.written, goals, of.data(), count, SEARCH_FIRST, q, error.data());
+    std::erase_if(of, [&](int i) { return !(error[i] > SEARCH_ENOUGH); });
+    search_from(arm.written, goals, of.data(), int(of.size()), SEARCH_ROUNDS - SEARCH_FIRST, q, error.data());
     int many = 0;
-    for (int k = 0; k < count; k += BLOCK) {
-        Block x[7];
-        for (int l = 0; l < BLOCK; ++l) {
-            const double* from = starts + 7 * (k + l < count ? k + l : count - 1);
-            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
-        }
-        const Block error =
-            polish<true, Written<7>, Block>(written, goals, x, {SEARCH_ROUNDS, SEARCH_ENOUGH, SEARCH_PATIENCE}, zero <= zero).error;
-        for (int l = 0; l < BLOCK && k + l < count; ++l) {
-            if (!(error[l] <= SEARCH_FOUND)) continue;
-            for (int j = 0; j < 7; ++j) q[7 * many + j] = x[j][l];
-            ++many;
-        }
+    for (int i = 0; i < count; ++i) {
+        if (!(error[i] <= SEARCH_FOUND)) continue;
+        std::copy_n(q + 7 * i, 7, q + 7 * many);
+        ++many;
     }
     return many;
 }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.refusals import unsupported
+from urdf_ik.support.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     import numpy as np
@@ -112,6 +113,21 @@ class Solver:
     def fixed(self) -> Solver:
         """This solver without a free axis: the rotation about it counts."""
         return self if self.free_axis is None else self.again(free_axis=None)
+
+    @cached_property
+    def mirrors(self) -> tuple[tuple[int, bool], ...]:
+        """At most two triples of joints in which two solutions can be each other's images: the first, whether parallel.
+
+        Their axes meet in a point or are parallel, to rounding; see mirrored.hpp of the core.
+        """
+        found: list[tuple[int, bool]] = []
+        for triple in self.structure.triples:
+            first, parallel = triple.first - 1, triple.relation == "parallel"
+            exact = triple.imperfection <= DEFAULT.exact_structure * (1.0 if parallel else self.chain.size)
+            turning = not self.chain.prismatic[first : first + 3].any()
+            if exact and turning and all(first >= other + 3 for other, _ in found):
+                found.append((first, parallel))
+        return tuple(found[:2])
 
     def require_member(self) -> FamilyMember:
         """The arm as a member of its family.

@@ -20,6 +20,10 @@ namespace {
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu>;
 
+// Points are settled in at most ROUNDS rounds of Newton's method, to an error of ENOUGH; with more than FOUND there is none.
+constexpr int ROUNDS = 20;
+constexpr double ENOUGH = 1e-14, FOUND = 1e-10;
+
 constexpr std::size_t SAMPLE = 17;  // numbers: value, rate, arc, seven joints, seven of the tangent
 
 nb::object array_of(const std::vector<double>& from, npy_intp columns) {
@@ -43,6 +47,12 @@ struct PySelfMotion {
             const bool slides = j < 7 && arm.written.slides[j];
             arm.slides[j] = slides ? 1.0 : 0.0, arm.unit[j] = slides ? arm.written.size : 1.0;
         }
+    }
+
+    std::vector<OnCurve> settled(const std::vector<Start>& starts) const {
+        std::vector<OnCurve> points(starts.size());
+        level().self_motion->settle(arm, starts.data(), int(starts.size()), points.data());
+        return points;
     }
 
     // T (m, 4, 4), grid (v) ascending, q (m, v, branches, 7), flags (m, v, branches), limits (7, 2), beyond (m, fine, branches, 7)
@@ -113,13 +123,17 @@ struct PySelfMotion {
         std::vector<double> out(8 * m);
         {
             nb::gil_scoped_release release;
+            std::vector<Start> starts(m, {nullptr, {}, {Pin::nothing, 0, 0.0}, ROUNDS, ENOUGH});
             for (std::size_t i = 0; i < m; ++i) {
-                double q[7];
-                interpolate(arm, sample(before.data() + SAMPLE * i), sample(after.data() + SAMPLE * i), shares.data()[i], q);
-                const OnCurve point = level().self_motion->settle(arm, T.data() + 16 * i, q, {Pin::nothing, 0, 0.0}, 20, 1e-14);
-                const bool found = point.left <= 1e-10;
-                out[8 * i] = found ? point.value : __builtin_nan("");
-                for (int j = 0; j < 7; ++j) out[8 * i + 1 + j] = found ? point.q[j] : __builtin_nan("");
+                starts[i].T = T.data() + 16 * i;
+                interpolate(arm, sample(before.data() + SAMPLE * i), sample(after.data() + SAMPLE * i), shares.data()[i],
+                            starts[i].q);
+            }
+            const std::vector<OnCurve> points = settled(starts);
+            for (std::size_t i = 0; i < m; ++i) {
+                const bool found = points[i].left <= FOUND;
+                out[8 * i] = found ? points[i].value : __builtin_nan("");
+                for (int j = 0; j < 7; ++j) out[8 * i + 1 + j] = found ? points[i].q[j] : __builtin_nan("");
             }
         }
         return array_of(out, 8);
@@ -129,10 +143,13 @@ struct PySelfMotion {
     nb::object samples(const Doubles& T, const Doubles& q, const Doubles& values) const {
         const std::size_t m = values.size();
         if (T.size() != 16 || q.size() != 7 * m) throw nb::value_error("arrays of a pose and joint vectors do not fit each other");
+        std::vector<Start> starts(m, {T.data(), {}, {Pin::nothing, 0, 0.0}, 0, 0.0});
+        for (std::size_t i = 0; i < m; ++i) std::memcpy(starts[i].q, q.data() + 7 * i, sizeof starts[i].q);
+        const std::vector<OnCurve> points = settled(starts);
         std::vector<double> out;
         for (std::size_t i = 0; i < m; ++i) {
             const double* here = q.data() + 7 * i;
-            const OnCurve point = level().self_motion->settle(arm, T.data(), here, {Pin::nothing, 0, 0.0}, 0, 0.0);
+            const OnCurve& point = points[i];
             const double sense = point.rate < 0.0 ? -1.0 : 1.0;
             double square = 0.0;
             for (int j = 0; i && j < 7; ++j) {
@@ -155,10 +172,14 @@ struct PySelfMotion {
         std::vector<double> out(7 * m);
         {
             nb::gil_scoped_release release;
+            std::vector<Start> starts(m, {nullptr, {}, {}, ROUNDS, ENOUGH});
             for (std::size_t i = 0; i < m; ++i) {
-                const OnCurve point = level().self_motion->settle(arm, T.data() + 16 * i, q.data() + 7 * i,
-                                                                  {Pin::parameter, 0, values.data()[i]}, 20, 1e-14);
-                for (int j = 0; j < 7; ++j) out[7 * i + j] = point.left <= 1e-10 ? point.q[j] : __builtin_nan("");
+                starts[i].T = T.data() + 16 * i, starts[i].pin = {Pin::parameter, 0, values.data()[i]};
+                std::memcpy(starts[i].q, q.data() + 7 * i, sizeof starts[i].q);
+            }
+            const std::vector<OnCurve> points = settled(starts);
+            for (std::size_t i = 0; i < m; ++i) {
+                for (int j = 0; j < 7; ++j) out[7 * i + j] = points[i].left <= FOUND ? points[i].q[j] : __builtin_nan("");
             }
         }
         return array_of(out, 7);

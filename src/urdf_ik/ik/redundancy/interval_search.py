@@ -100,7 +100,8 @@ def intervals(
     threads = inputs.threads(threads)
     curves = Curves.of(solver)
     stack = T.reshape(-1, 4, 4)
-    bounds = np.tile([-np.inf, np.inf], (7, 1))
+    bounds = np.full((7, 2), np.inf)
+    bounds[:, 0] = -np.inf
     if inputs.flag(within_limits, "within_limits"):
         bounds[: solver.dof] = solver.limits
     parts, open_ = [], np.arange(len(stack))
@@ -181,13 +182,14 @@ def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, boun
     low, high = span(solver, parameter, T)
     if not parameter.round and high - low < NARROWEST:
         return _at_one_value(solver, curves, T, 0.5 * (low + high), bounds, threads)
-    grid = np.linspace(low, high, GRID_GENERAL if general else GRID, endpoint=not parameter.round)
-    solutions = solve(solver, T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
-    values = np.broadcast_to(grid[:, None], solutions.valid.shape)
-    q = np.ascontiguousarray(curves.seven(solutions.q, values))
+    grid = _grid(low, high, GRID_GENERAL if general else GRID, parameter.round)
+    solutions = solve(solver, T[:, None], redundancy=grid, threads=threads)
+    q = solutions.q
+    if curves.appended:
+        q = np.ascontiguousarray(curves.seven(q, np.broadcast_to(grid[:, None], solutions.valid.shape)))
     beyond = None
     if not general:
-        fine = np.linspace(low, high, FINER * len(grid), endpoint=not parameter.round)
+        fine = _grid(low, high, FINER * len(grid), parameter.round)
         beyond = np.ascontiguousarray(_beyond(solver, plan, curves, T, fine))
     scale = np.ones(7)
     scale[: solver.dof] = np.where(solver.chain.prismatic, solver.chain.size, np.pi)
@@ -202,7 +204,7 @@ def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, boun
     low, high = value[first], value[first + count - 1]
     if parameter.unit == "rad":
         turned = wrapped(low) - low
-        whole = np.isclose(high - low, TURN, rtol=0.0, atol=1e-12)
+        whole = np.abs(high - low - TURN) <= 1e-12
         turned[whole] = -np.pi - low[whole]
         samples_of = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
         value = value.copy()
@@ -213,6 +215,12 @@ def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, boun
     _name(solver, T, found)
     order = np.lexsort((low, column, pose))
     return found.of(order)
+
+
+@lru_cache(maxsize=64)
+def _grid(low: float, high: float, count: int, is_round: bool) -> Array:
+    """Evenly spread values (count,); a periodic grid does without the end."""
+    return frozen(np.linspace(low, high, count, endpoint=not is_round))
 
 
 @lru_cache(maxsize=2)
@@ -283,14 +291,14 @@ def _followed(solver: Solver, curves: Curves, T: Array, given: _Given) -> tuple[
 
 def _beyond(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, grid: Array) -> Array:
     """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
-    poses, values = plan.parameter.spread(T[:, None], np.broadcast_to(grid, (len(T), len(grid))))
+    poses, values = plan.parameter.spread(T[:, None], grid)
     branches = len(plan.branches)
     q = np.full((*values.shape, branches, solver.dof), np.nan)
     rows = q.reshape(-1, branches, solver.dof)
     plan.solver.solve(
         poses.reshape(-1, 4, 4), None, rows, np.zeros(rows.shape[:2], np.uint8), values.reshape(-1), 1, beyond=True
     )
-    out = curves.seven(q, np.broadcast_to(values[..., None], q.shape[:-1]))
+    out = curves.seven(q, np.broadcast_to(values[..., None], q.shape[:-1])) if curves.appended else q
     if plan.parameter.kind != SWIVEL:
         given = 6 if curves.appended else solver.joint_names.index(plan.parameter.joint)
         out[..., given] = values[..., None]  # branches that are no solution have no value yet

@@ -152,13 +152,14 @@ def inverse(solutions: KeptSolutions) -> Array:
         if held and held[0].kind == SWIVEL:
             swivel = solver.redundant_member.swivel
         if not held:
-            X = chain.motion.inverse(q, chain.size, DEFAULT.singular)
+            X = chain.motion.inverse(q, chain.size, DEFAULT.singular, solver.mirrors)
         elif swivel is None:
             joint = chain.joint_names.index(held[0].joint)
-            X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular)
+            mirrors = [(first, parallel) for first, parallel in solver.mirrors if not first <= joint < first + 3]
+            X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular, mirrors)
         else:
             ends = (swivel.tool_point.tolist(), swivel.base_origin.tolist(), swivel.base_rotation[2].tolist())
-            X = chain.motion.inverse_holding_swivel(q, *ends, chain.size, DEFAULT.singular)
+            X = chain.motion.inverse_holding_swivel(q, *ends, chain.size, DEFAULT.singular, solver.mirrors)
     else:
         X = _inverse_of_any(solutions, held, weights)
     singular = solutions.singular

@@ -90,8 +90,10 @@ class Redundancy:
             >>> urdf_ik.load("srs_7r").redundancy.check([0, 0.5]).tolist()
             [0.0, 0.5]
         """
-        needed = f"a number [{self.unit}], or an array of numbers: {self}"
-        values = inputs.real(value, "redundancy", needed)
+        if type(value) is np.ndarray and value.dtype == np.float64:
+            values = np.ascontiguousarray(value) if value.ndim else value
+        else:
+            values = inputs.real(value, "redundancy", f"a number [{self.unit}], or an array of numbers: {self}")
         if (bad := inputs.first_bad(values)) is not None:
             problem = f"redundancy is {quoted(value)}; {inputs.why_bad(values[bad])}"
             raise ArgumentError(f"{problem}, finite numbers [{self.unit}]: {self}")

@@ -192,7 +192,7 @@ class Chain(Frozen):
         """(n, 3) m, a point on each joint axis at q = 0."""
         return np.cumsum(self.P, axis=0)[:-1]
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip.
 

@@ -1,0 +1,125 @@
+// Joining solutions at neighbouring values of the grid without following; see follower.hpp.
+#include "self_motion/follower.hpp"
+
+namespace urdf_ik::self_motion {
+
+// The difference between two samples' chord and the mean of their tangents times the arc, as a share of the arc. Small on a short
+// circular arc; infinite if the two samples cannot be joined.
+double Follower::off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const {
+    double way[7], square = 0.0, same = 0.0;
+    if (!agree(a, b)) return INFINITY;
+    for (int j = 0; j < 7; ++j) {
+        way[j] = gap(j, b.q[j], a.q[j]);
+        if (std::abs(way[j]) > BRIDGE) return INFINITY;
+        square += way[j] * way[j], same += a.along[j] * b.along[j];
+    }
+    if (same < 0.5) return INFINITY;  // a turn of more than BRIDGE_TURN
+    turned = std::acos(std::min(same, 1.0));
+    arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
+    if (!(arc <= BRIDGE && turned <= BRIDGE_TURN)) return INFINITY;
+    double off = 0.0;
+    for (int j = 0; j < 7; ++j) off += std::pow(way[j] - 0.5 * arc * (a.along[j] + b.along[j]), 2);
+    return std::sqrt(off) / (arc + 1e-300);
+}
+
+// Check a bridge's steps, and add the points from which their middles are settled. The curve is halved until its steps are as short
+// as those of step(), at least once. A bridge is given up if the value does not grow all the way.
+void Follower::halve(Bridge& bridge, int depth, std::vector<Start>& middles) const {
+    bridge.halved = 0;
+    for (int k = 1; k < bridge.count; ++k) {
+        const CurveSample& a = bridge.way[k - 1];
+        CurveSample& b = bridge.way[k];
+        if (bridge.done >> k & 1) continue;
+        double arc, turned, u;
+        if (!(off_line(a, b, arc, turned) <= BRIDGE_OFF)) return bridge.give_up();
+        b.arc = arc;
+        if (depth && arc <= LONGEST && turned <= 2.0 * AIM && least_rate(a, b, u) > 0.0) {
+            bridge.done |= 1u << k;
+            continue;
+        }
+        if (depth == MOST_HALVED) return bridge.give_up();
+        bridge.halved |= 1u << k;
+    }
+    for (int k = 1; k < bridge.count; ++k) {
+        if (bridge.halved >> k & 1)
+            between(bridge.way[k - 1], bridge.way[k], 0.5, middles.emplace_back(start(FEW_ROUNDS, ON_THE_WAY)).q);
+    }
+}
+
+// Put the settled middles into a bridge. It is given up if one is far from the cubic, or not between its neighbours' values.
+const OnCurve* Follower::put_middles(Bridge& bridge, const OnCurve* next) const {
+    if (!bridge.halved) return next;
+    const Bridge before = bridge;
+    bridge.count = 1, bridge.done = 0;
+    for (int k = 1; k < before.count; ++k) {
+        const CurveSample &a = before.way[k - 1], &b = before.way[k];
+        if (before.halved >> k & 1) {
+            const OnCurve& point = *next++;
+            CurveSample middle = oriented(point, a.along, a.value);
+            if (!(point.left <= ON_THE_WAY && point.moved <= BRIDGE_ASIDE * b.arc && middle.rate > 0.0 && middle.value > a.value &&
+                  middle.value < b.value))
+                bridge.good = false;
+            bridge.way[bridge.count++] = middle;
+        }
+        if (before.done >> k & 1) bridge.done |= 1u << bridge.count;
+        bridge.way[bridge.count++] = b;
+    }
+    return next;
+}
+
+// Join solutions at the two ends of cells that clearly lie on one curve.
+void Follower::bridge_cells() {
+    std::vector<Bridge> bridges;
+    for (long cell = 0; cell < cells_; ++cell) {
+        const long after = next(cell);
+        for (long i = 0; i < long(nodes_[cell].size()); ++i) {
+            const Node& from = nodes_[cell][i];
+            if (from.stands || from.behind >= 0) continue;
+            long best = -1;
+            double least = INFINITY, second = INFINITY, arc, turned;
+            for (long j = 0; j < long(nodes_[after].size()); ++j) {
+                const double off = off_line(from.at, nodes_[after][j].at, arc, turned);
+                if (off < least) second = least, least = off, best = j;
+                else second = std::min(second, off);
+            }
+            if (best < 0 || least > BRIDGE_OFF || second < BRIDGE_CLEAR * least) continue;
+            const Node& to = nodes_[after][best];
+            if (to.stands || to.before >= 0) continue;
+            Bridge& bridge = bridges.emplace_back();
+            bridge.cell = cell, bridge.node = i;
+            bridge.way[0] = from.at, bridge.way[1] = to.at;
+            bridge.way[0].value = low_of(cell), bridge.way[1].value = high_of(cell);
+        }
+    }
+    std::vector<Start> middles;
+    std::vector<OnCurve> points;
+    for (int depth = 0; depth <= MOST_HALVED; ++depth) {
+        middles.clear();
+        for (Bridge& bridge : bridges) {
+            if (bridge.good) halve(bridge, depth, middles);
+        }
+        settle(middles, points);
+        const OnCurve* next = points.data();
+        for (Bridge& bridge : bridges) {
+            if (bridge.good) next = put_middles(bridge, next);
+        }
+    }
+    for (const Bridge& bridge : bridges) {
+        if (!bridge.good) continue;
+        const std::size_t parts = parts_.size();
+        std::vector<CurveSample> way(bridge.way, bridge.way + bridge.count);
+        if (add_parts(bridge.cell, way, {}, bridge.cell, bridge.node, true, Stop::high)) parts_[parts].bridge = true;
+    }
+}
+// Undo the bridges of a cell: its curves contradict each other.
+void Follower::drop_bridges(long cell) {
+    for (Node& node : nodes_[cell]) {
+        if (node.behind < 0 || !parts_[node.behind].bridge) continue;
+        Part& part = parts_[node.behind];
+        nodes_[part.node[1][0]][part.node[1][1]].before = -1;
+        node.behind = -1;
+        part.used = true;
+    }
+}
+
+}  // namespace urdf_ik::self_motion

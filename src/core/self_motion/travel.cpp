@@ -1,0 +1,264 @@
+// Following a curve between two values; see follower.hpp.
+#include "self_motion/follower.hpp"
+
+namespace urdf_ik::self_motion {
+
+// The share at which the cubic Hermite interpolant of two numbers with opposite signs, and of their derivatives by the share, is
+// zero: Newton's method, and bisection where it leaves the bracket.
+double Follower::share_at(double from, double to, double s, double e) {
+    const double d = to - from, third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
+    double low = 0.0, high = 1.0, u = from / (from - to);
+    for (int round = 0; round < MOST_SECANTS; ++round) {
+        const double there = from + u * (s + u * (second + u * third));
+        (there * d < 0.0 ? low : high) = u;
+        double next = u - there / (s + u * (2.0 * second + 3.0 * u * third));
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (std::abs(next - u) < 1e-12) return next;
+        u = next;
+    }
+    return u;
+}
+
+// The position of a point along the step between two samples, from 0 to 1.
+double Follower::way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
+    double ahead = 0.0;
+    for (int j = 0; j < 7; ++j) ahead += gap(j, point.q[j], a.q[j]) * a.along[j];
+    return std::clamp(ahead / b.arc, 0.0, 1.0);
+}
+// Whether the step between two samples passes through a point, in the direction of its tangent.
+bool Follower::closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
+    if (apart(a.q, point.q) > 1.5 * b.arc || apart(b.q, point.q) > 1.5 * b.arc) return false;
+    double ahead = 0.0, behind = 0.0, same = 0.0, q[7];
+    for (int j = 0; j < 7; ++j) {
+        ahead += gap(j, point.q[j], a.q[j]) * a.along[j], behind += gap(j, b.q[j], point.q[j]) * b.along[j];
+        same += a.along[j] * point.along[j];
+    }
+    if (!(ahead > 0.0 && behind >= 0.0 && same > 0.0 && agree(a, point))) return false;
+    between(a, b, way_to(a, b, point), q);
+    return apart(q, point.q) < NEARLY_SAME;
+}
+
+Travel::Travel(const Follower& follower, const CurveSample& from, double low, double high)
+    : way(1, from), next(follower.start(0, 0.0)), f_(follower), low_(low), high_(high), h_(0.5 * follower.longest_) {
+    begin_step();
+}
+
+void Travel::ask(double enough, State state) {
+    next.rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS, next.enough = enough;
+    state_ = state;
+}
+
+// Newton's method has reached a point from what was asked for.
+void Travel::go_on(const OnCurve& point) {
+    const bool settled = Follower::is_settled(point, next.enough);
+    switch (state_) {
+        case State::step:
+            return after_step(point, settled);
+        case State::first_of_fold:
+            return after_first(point, settled);
+        case State::fold:
+            return after_secant(point, settled);
+        case State::value:
+            if (push_value(point, settled)) return end(over_ ? Stop::high : Stop::low);
+            if (to_.arc < 1e-5) return end(Stop::lost);
+            h_ = 0.3 * to_.arc;
+            return begin_step();
+        case State::behind_fold:
+            return end(!push_value(point, settled) ? Stop::lost : over_ ? Stop::high : Stop::low);
+        case State::ended:
+            return;
+    }
+}
+
+// One more step along the curve.
+void Travel::begin_step() {
+    if (count_++ == MOST_STEPS) return end(Stop::lost);
+    smooth_ = way.size() > 1 && (folds.empty() || folds.back() + 1 < long(way.size()));
+    began_ = h_;
+    try_step();
+}
+void Travel::try_step() {
+    if (h_ < SHORTEST) return end(Stop::lost);
+    const CurveSample& from = way.back();
+    const double bend = smooth_ && from.arc > 0.0 ? 0.5 * h_ * h_ / from.arc : 0.0;
+    for (int j = 0; j < 7; ++j) {
+        const double curved = smooth_ ? bend * (from.along[j] - way[way.size() - 2].along[j]) : 0.0;
+        next.q[j] = from.q[j] + f_.unit(j) * (h_ * from.along[j] + curved);
+    }
+    const double share = std::min(1.0, h_ / WIDE_STEP);
+    ask(std::max(ON_THE_WAY * share * share, EXACT), State::step);
+}
+void Travel::after_step(const OnCurve& point, bool settled) {
+    const CurveSample& from = way.back();
+    to_ = f_.oriented(point, from.along, from.value);
+    double same = 0.0;
+    for (int j = 0; j < 7; ++j) same += to_.along[j] * from.along[j];
+    const double turned = std::acos(std::min(1.0, same));
+    if (!(settled && point.moved <= ASIDE * h_ && f_.agree(from, to_) && turned <= TOO_MUCH)) {
+        h_ *= 0.4;
+        return try_step();
+    }
+    double square = 0.0;
+    for (int j = 0; j < 7; ++j) square += std::pow(f_.gap(j, to_.q[j], from.q[j]), 2);
+    // The arc, from its chord.
+    to_.arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
+    h_ = std::min(f_.longest_, h_ * std::clamp(AIM / (turned + 1e-3), 0.3, 2.0));
+
+    double u;
+    CurveSample a = from, b = to_;
+    if (sense() < 0.0) a.value = -a.value, a.rate = -a.rate, b.value = -b.value, b.rate = -b.rate;
+    if (b.rate >= 0.0 && a.rate > STANDS && f_.least_rate(a, b, u) <= 0.0 && to_.arc > 1e-5) return again_shorter();  // two folds
+    has_fold_ = from.rate * to_.rate < 0.0 && std::abs(from.rate) > STANDS;
+    if (!has_fold_) return after_fold();
+    const double ahead = f_.stand_still(from, to_);
+    f_.between(from, to_, ahead > 0.0 && ahead < 1.0 ? ahead : 0.5, next.q);
+    ask(EXACT, State::first_of_fold);
+}
+// Several folds may lie in the step.
+void Travel::again_shorter() {
+    h_ = 0.4 * std::min(began_, to_.arc);
+    begin_step();
+}
+
+// The fold, where the rate is zero: the secant method on the rate, from the cubic's stationary point.
+void Travel::after_first(const OnCurve& point, bool settled) {
+    const CurveSample& from = way.back();
+    fold_ = f_.oriented(point, from.along, from.value);
+    if (!settled || !f_.agree(from, fold_)) return end(Stop::lost);
+    bracket_[0] = 0.0, bracket_[1] = to_.arc, share_ = 1.0, round_ = 0;
+    at_ = to_.arc * f_.way_to(from, to_, fold_), before_ = from.rate * fold_.rate > 0.0 ? bracket_[1] : bracket_[0];
+    rate_before_ = before_ > 0.0 ? to_.rate : from.rate;
+    try_secant();
+}
+void Travel::try_secant() {
+    if (round_++ == MOST_SECANTS || !(std::abs(fold_.rate) >= STANDS) || !(bracket_[1] - bracket_[0] > 1e-12 * to_.arc)) {
+        fold_.arc = at_;
+        return after_fold();
+    }
+    bracket_[fold_.rate * way.back().rate > 0.0 ? 0 : 1] = at_;
+    double there = at_ - fold_.rate * (at_ - before_) / (fold_.rate - rate_before_);
+    if (!(there > bracket_[0] && there < bracket_[1])) there = 0.5 * (bracket_[0] + bracket_[1]);
+    there = at_ + share_ * (there - at_);
+    for (int j = 0; j < 7; ++j) next.q[j] = fold_.q[j] + f_.unit(j) * (there - at_) * fold_.along[j];
+    ask(EXACT, State::fold);
+}
+void Travel::after_secant(const OnCurve& point, bool settled) {
+    const CurveSample here = f_.oriented(point, fold_.along, fold_.value);
+    if (settled && f_.agree(fold_, here)) {
+        before_ = at_, rate_before_ = fold_.rate, share_ = 1.0;
+        for (int j = 0; j < 7; ++j) at_ += f_.gap(j, here.q[j], fold_.q[j]) * fold_.along[j];
+        fold_ = here;
+    } else {
+        share_ *= 0.25;
+    }
+    try_secant();
+}
+
+// The step and its fold are known. Where the value leaves the range, the way ends.
+void Travel::after_fold() {
+    const CurveSample& from = way.back();
+    if (has_fold_ && to_.arc > 1e-5 &&
+        (Follower::folds_twice(from, fold_, fold_.arc) || Follower::folds_twice(to_, fold_, to_.arc - fold_.arc)))
+        return again_shorter();  // three folds
+    const CurveSample& last = has_fold_ ? fold_ : to_;
+    over_ = last.value > high_;
+    if ((over_ && sense() > 0.0) || (last.value < low_ && sense() < 0.0)) { return ask_at_value(from, last, State::value); }
+    const long known = long(way.size());
+    if (has_fold_) {
+        folds.push_back(known);
+        way.push_back(fold_);
+        to_.arc -= fold_.arc;
+    }
+    if (!has_fold_ || to_.arc > SHORTEST) way.push_back(to_);
+    for (long k = known; known > 2 && k < long(way.size()); ++k) {
+        const CurveSample& first = way.front();
+        if (!f_.closes(way[k - 1], way[k], first)) continue;
+        way.resize(k + 1);
+        if (!folds.empty() && folds.back() == k) folds.pop_back();
+        const double arc = way[k].arc * f_.way_to(way[k - 1], way[k], first);
+        way[k] = way.front();
+        way[k].arc = arc;
+        return end(Stop::closed);
+    }
+    // The sample behind the fold may lie outside the range.
+    over_ = to_.value > high_;
+    if (has_fold_ && ((over_ && to_.rate > 0.0) || (to_.value < low_ && to_.rate < 0.0))) {
+        way.resize(known + 1);
+        return ask_at_value(fold_, to_, State::behind_fold);
+    }
+    begin_step();
+}
+
+// The point between two samples at which the value leaves the range.
+void Travel::ask_at_value(const CurveSample& a, const CurveSample& b, State state) {
+    const double value = over_ ? high_ : low_;
+    const double share = Follower::share_at(a.value - value, b.value - value, b.arc * a.rate, b.arc * b.rate);
+    f_.between(a, b, share, next.q);
+    next.pin = {Pin::parameter, 0, value};
+    value_at_ = share * b.arc;
+    ask(EXACT, state);
+}
+bool Travel::push_value(const OnCurve& point, bool settled) {
+    CurveSample there = f_.oriented(point, way.back().along, next.pin.value);
+    there.value = next.pin.value, there.arc = value_at_;
+    next.pin = {Pin::nothing, 0, 0.0};
+    if (!settled || !f_.agree(way.back(), there)) return false;
+    way.push_back(there);
+    return true;
+}
+
+// Follow the curves of nodes that are not joined side by side, before the cells are gone through: travelled() has them. The two
+// ends of a fold lead to each other, so of two nodes that look like its ends only one is followed.
+void Follower::travel_ahead() {
+    ahead_.clear();
+    std::vector<Travel*> ways;
+    for (long cell = 0; cell < cells_; ++cell) {
+        for (int side = 0; side < 2; ++side) {
+            const long k = side ? next(cell) : cell;
+            std::vector<long> open;
+            for (long i = 0; i < long(nodes_[k].size()); ++i) {
+                const Node& node = nodes_[k][i];
+                if (!node.stands && (side ? node.before : node.behind) < 0) open.push_back(i);
+            }
+            while (!open.empty()) {
+                const long i = open.front();
+                open.erase(open.begin());
+                CurveSample from = nodes_[k][i].at;
+                if (side) flip(from), from.value = high_of(cell);
+                ahead_.push_back({k, i, side, std::make_unique<Travel>(*this, from, low_of(cell), high_of(cell))});
+                ways.push_back(ahead_.back().way.get());
+                const auto away = [&](long j) { return apart(nodes_[k][i].at.q, nodes_[k][j].at.q); };
+                const auto mate = std::min_element(open.begin(), open.end(), [&](long a, long b) { return away(a) < away(b); });
+                if (mate != open.end() && nodes_[k][i].at.sense * nodes_[k][*mate].at.sense < 0) open.erase(mate);
+            }
+        }
+    }
+    follow(ways);
+}
+// What was followed ahead from a node, or null.
+Travel* Follower::travelled(long k, long node, int side) const {
+    if (straight_ || longest_ != LONGEST) return nullptr;
+    for (const Ahead& each : ahead_) {
+        if (each.k == k && each.node == node && each.side == side) return each.way.get();
+    }
+    return nullptr;
+}
+
+// Follow curves side by side, each to its end.
+void Follower::follow(std::vector<Travel*> ways) const {
+    std::vector<Start> starts;
+    std::vector<OnCurve> points;
+    for (;;) {
+        std::erase_if(ways, [](const Travel* each) { return each->ended(); });
+        if (ways.empty()) return;
+        starts.clear();
+        for (const Travel* each : ways) starts.push_back(each->next);
+        settle(starts, points);
+        for (std::size_t i = 0; i < ways.size(); ++i) {
+            if (has_enough()) ways[i]->end(Stop::lost);
+            else ways[i]->go_on(points[i]);
+        }
+    }
+}
+
+}  // namespace urdf_ik::self_motion
