@@ -1,11 +1,12 @@
-"""Compiled arms without Python: the C++ library and the C interface against Python, pose by pose, and batch times.
+"""Compiled arms without Python: C++ library, C interface and WebAssembly against Python pose by pose; batch times.
 
-    python benchmarks/outside.py [--poses 1000] [--timed] [FOLDER]
+    [URDF_IK_ISA=v2] python benchmarks/outside.py [--poses 1000] [--timed] [FOLDER]
 
 FOLDER has an index.csv with the columns name, base_link and tip_link, and urdf/NAME.urdf; default: the bundled arms and
 those of benchmarks/urdf. A third of the poses is random, a third round, a third singular. The status is 1 where a bit
-of a solution, a flag, a status or a branch name differs. --timed measures processor times of batches instead: least of
-many, alternating. It needs an editable install, whose build folder has the library.
+of a solution, a flag, a status or a branch name differs. WebAssembly is compared at v2, whose arithmetic it has, where
+`make wasm` built it and Node is there. --timed measures processor times of batches instead: least of many, alternating.
+It needs an editable install, whose build folder has the library.
 """
 
 from __future__ import annotations
@@ -30,10 +31,12 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT / "tools")]
 
 import native_arms  # noqa: E402
+import web_arms  # noqa: E402
 from cortex_m7 import poses_of  # noqa: E402
 
 TIMED = ("planar_2r", "scara_rrpr", "zyyzyz_6r", "srs_7r", "kinova_j2n6s300")
 REPEATS = 12
+WITH_WEB = web_arms.NODE is not None and web_arms.NO_WASM is None and _core.isa() == "v2"
 
 
 def arms(folder: Path | None) -> Iterator[tuple[str, urdf_ik.Arm]]:
@@ -82,6 +85,15 @@ def compared(arm: urdf_ik.Arm, file: Path, many: int) -> tuple[int, list[str]]:
         "branch names": said.stderr.decode().splitlines()[1:] == list(arm.solver.branches),
         "allocations": native.allocations == (0 if arm.chain.axes is arm.chain else 1),
     }
+    if WITH_WEB:
+        web = web_arms.answers(file, T, values)
+        facts |= {
+            "solutions in WebAssembly": web.q[valid].tobytes() == expected.q[valid].tobytes(),
+            "flags and status in WebAssembly": (web.valid == valid).all()
+            and (web.singular == (valid & (expected.singular != 0))).all()
+            and web.status == expected.status.tolist(),
+            "branch names in WebAssembly": web.branches == list(arm.solver.branches),
+        }
     assert n == q.shape[-1]
     return int(valid.sum()), [fact for fact, holds in facts.items() if not holds]
 
@@ -132,7 +144,8 @@ def main() -> None:
             if wrong:
                 print(f"{name}: {', '.join(wrong)} differ", flush=True)
     if not given.timed:
-        print(f"{many} arms, {given.poses} poses each, {solutions} solutions, at {_core.isa()}:", end=" ")
+        print(f"{many} arms, {given.poses} poses each, {solutions} solutions, at {_core.isa()},", end=" ")
+        print("with WebAssembly:" if WITH_WEB else "without WebAssembly:", end=" ")
         print(f"{differ} arms differ, {refused} not compiled")
     sys.exit(differ > 0)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import core_steps
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 from core_samples import PI, angles, apart, step, with_roots
 from hypothesis import given
 from numpy.typing import NDArray
+
+from urdf_ik.cmake import core
 
 Array = NDArray[np.float64]
 
@@ -49,6 +52,21 @@ def test_atan2_of_zeros() -> None:
     assert [atan2(0.0, x) for x in (0.0, -0.0, 1.0)] == [0.0, 0.0, 0.0]
     assert (atan2(0.0, -1.0), atan2(-0.0, -1.0)) == (PI, -PI)
     assert (atan2(1.0, 0.0), atan2(-1.0, -0.0)) == (PI / 2, -PI / 2)
+
+
+def test_no_digit_depends_on_the_c_library() -> None:
+    """The functions whose last digits differ between C libraries are called in one file, for angles beyond FAR."""
+    called = re.compile(
+        r"(?:__builtin_|std::)(?:a?(?:sin|cos|tan)h?|atan2|sincos|exp2?|expm1|log|log2|log10|log1p|pow|cbrt|hypot)\("
+    )
+    units = [
+        path for path in core().rglob("*.?pp") if path.parent.name not in ("self_motion", "library", "arms", "bindings")
+    ]
+    assert len(units) > 80
+    calls = {str(path.relative_to(core())): called.findall(path.read_text()) for path in units}
+    assert {name: sorted(set(found)) for name, found in calls.items() if found} == {
+        "arithmetic/trig.hpp": ["__builtin_cos(", "__builtin_sin("]
+    }
 
 
 def wrap(a: float) -> float:

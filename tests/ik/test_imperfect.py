@@ -240,6 +240,25 @@ def test_an_aligned_wrist_of_a_rounded_arm_is_proven_and_lacks_nothing(name: str
             assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
 
 
+@pytest.mark.parametrize("name", ["ur calibrated", "ur off by 1e-3"])
+def test_a_calibrated_arm_is_proven_and_lacks_nothing(name: str) -> None:
+    """Random poses are proven; 1e-3 rad off an aligned wrist or a stretched elbow Newton's method finds no more."""
+    case, rng = made(name), np.random.default_rng(4)
+    q = rng.uniform(-np.pi, np.pi, (240, 6))
+    assert (case.arm.ik(case.arm.fk(q)).status == "complete").mean() > 0.93
+    q[:20, 4] = rng.choice([0.0, np.pi], 20) + 1e-3 * rng.choice([-1.0, 1.0], 20)
+    q[20:40, 2] = 1e-3 * rng.choice([-1.0, 1.0], 20)
+    T = np.asarray(case.arm.fk(q[:40]))
+    found = case.arm.ik(T)
+    certain = np.flatnonzero(np.asarray(found.certain))
+    assert len(certain) >= 10
+    for k in certain:
+        have = rows(found[int(k)])
+        starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
+        for root in newton(case, starts, T[k]):
+            assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
+
+
 @pytest.mark.parametrize("eps", [1e-6, 1e-5, 1e-4])
 def test_industrial_arm_near_two_singularities_at_once_finds_the_planted_vector(eps: float) -> None:
     """Wrist axes aligned, the elbow straight or the wrist over axis 1: more solutions than branches, none lost."""

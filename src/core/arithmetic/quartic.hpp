@@ -36,7 +36,7 @@ template <int N> STEP void collect_real(const Complex (&c)[N + 1], Quartic& out)
     self_inversive_roots<N>(c, z);
     for (const Complex& each : z) {
         const double size = sqrt(each.re * each.re + each.im * each.im);
-        if (!(size > 0.0 && abs(__builtin_log(size)) < NEAR_UNIT_CIRCLE)) continue;
+        if (!(size > 0.0 && abs(logarithm(size)) < NEAR_UNIT_CIRCLE)) continue;
         const Turn<double> root = {each.re / size, each.im / size};
         const double at = angle(root);
         int place = out.count++;

@@ -20,6 +20,7 @@ void read_variant(const Values& values, int variants, int index, EliminationVari
     part("first", to.first), part("reversed", to.reversed);
     part("left", to.left), part("right", to.right), part("left_inverse", to.left_inverse);
     part("slides", to.slides), part("axes", to.axes), part("points", to.points), part("across", to.across);
+    part("inexact", to.inexact);
 }
 
 static void read(const Values& values, Continuation& to) {

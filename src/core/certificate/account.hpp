@@ -69,9 +69,7 @@ STEP void conjugate(const double (&z)[6][2], double (&out)[6][2]) {
 }
 
 STEP void q_of(const double (&z)[6][2], Number (&q)[6]) {
-    for (int k = 0; k < 6; ++k) {
-        q[k] = {__builtin_atan2(z[k][1], z[k][0]), -0.5 * __builtin_log(z[k][0] * z[k][0] + z[k][1] * z[k][1])};
-    }
+    for (int k = 0; k < 6; ++k) { q[k] = {atan2(z[k][1], z[k][0]), -0.5 * logarithm(z[k][0] * z[k][0] + z[k][1] * z[k][1])}; }
 }
 // How far joint values are from a cluster's centre, across and along its small directions, whole turns aside.
 struct FromCentre {
@@ -223,8 +221,8 @@ PART void as_data(const Account& account, Proof& out) {
             const int to = out.roots++;
             for (int k = 0; k < 6; ++k) {
                 const double square = each.z[k][0] * each.z[k][0] + each.z[k][1] * each.z[k][1];
-                out.root[to][k][0] = __builtin_atan2(each.z[k][1], each.z[k][0]);
-                out.root[to][k][1] = sign * 0.5 * __builtin_log(square);
+                out.root[to][k][0] = atan2(each.z[k][1], each.z[k][0]);
+                out.root[to][k][1] = sign * 0.5 * logarithm(square);
             }
             // Rounding of the logarithm and the angle, in units of one.
             out.inner[to] = each.inner + 8.0 * UNIT, out.outer[to] = each.outer - 8.0 * UNIT, out.real[to] = false;

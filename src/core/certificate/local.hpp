@@ -27,7 +27,7 @@ STEP LoopAt<Number> loop_at(const Loop& loop, const Number (&q)[6]) {
     for (int k = 0; k < 6; ++k) {
         // A real angle stays exactly real.
         const Turn<double> t = exact_turn(q[k].re);
-        const double length = __builtin_exp(-q[k].im);
+        const double length = exponential(-q[k].im);
         turn[k] = q[k].im == 0.0 ? Turn<Number>{t.c, t.s} : turn_of(Number(length * t.c, length * t.s));
     }
     return loop_at(loop, turn);
@@ -56,7 +56,7 @@ PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)
         growth += abs(q[k].im), side[k / 3] += abs(q[k].im), out.q[k] = q[k];
         out.twist[k] = at.twist[k];
     }
-    const double M = __builtin_exp(growth), m = __builtin_exp(max(side[0], side[1])), l = loop.length;
+    const double M = exponential(growth), m = exponential(max(side[0], side[1])), l = loop.length;
     out.rounding = M * sqrt(ROUNDING_OF_ROTATION * ROUNDING_OF_ROTATION + loop.rounding * loop.rounding);
     const double of_twist = ROUNDING_OF_TWIST * m * m * (2.0 * l + 1.0);
     out.near = square(at.off) < SAME_BRANCH;

@@ -23,8 +23,9 @@ inline void set_status(std::uint8_t& first_flags, Status status) {
 }
 
 // Why there are no more isolated complex solutions than Expected::many, counted by multiplicity: nothing is proven; six turning
-// joints have at most 16 (Primrose 1986); the stored axes are exactly those of a special family.
-enum class Why : std::uint8_t { unproven, theorem, family };
+// joints have at most 16 (Primrose 1986); the stored axes are exactly those of a special family; of the real ones: each is a zero
+// of a determinant (certificate/circle.hpp).
+enum class Why : std::uint8_t { unproven, theorem, family, zeros };
 
 struct Expected {
     int many;

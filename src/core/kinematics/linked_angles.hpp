@@ -37,7 +37,8 @@ struct Extreme {
 // sin^2 u = square - 2 cosine slope w - slope^2 w^2 without cancellation. Two steps of Newton's method on the difference.
 STEP double sharpened(double x, double b, double g, double k, const Extreme& e) {
     for (int round = 0; round < 2; ++round) {
-        const double half = __builtin_sin(0.5 * x), w = 2.0 * half * half, s = __builtin_sin(x), c = __builtin_cos(x);
+        const double half = exact_turn(0.5 * x).s, w = 2.0 * half * half;
+        const auto [c, s] = exact_turn(x);
         const double bend = b + g * s + k * w, value = bend * bend - e.square + (2.0 * e.cosine + e.slope * w) * e.slope * w;
         const double change = 2.0 * bend * (g * c + k * s) + 2.0 * (e.cosine + e.slope * w) * e.slope * s;
         if (abs(change) > FLAT * abs(x)) x -= value / change;
@@ -46,7 +47,7 @@ STEP double sharpened(double x, double b, double g, double k, const Extreme& e) 
 }
 
 STEP Turn<double> beside(const Turn<double>& at, double x) {
-    const double c = __builtin_cos(x), s = __builtin_sin(x);
+    const auto [c, s] = exact_turn(x);
     return {at.c * c - at.s * s, at.s * c + at.c * s};
 }
 

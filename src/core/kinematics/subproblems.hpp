@@ -133,9 +133,9 @@ PART double nearest_between(double wanted, double x, double y, double low, doubl
     const double size = sqrt(x * x + y * y), phase = atan2(y, x);
     if (low > size + slack || high < -size - slack) return __builtin_nan("");
     double beta = wrap(wrap(wanted - phase));
-    const double now = size * __builtin_cos(beta);
-    if (now < low) beta = copysign(__builtin_acos(min(low / size, 1.0)), beta);
-    else if (now > high) beta = copysign(__builtin_acos(max(high / size, -1.0)), beta);
+    const double now = size * exact_turn(beta).c;
+    if (now < low) beta = copysign(acos(min(low / size, 1.0)), beta);
+    else if (now > high) beta = copysign(acos(max(high / size, -1.0)), beta);
     return beta + phase;
 }
 

@@ -14,8 +14,3 @@ extern "C" void __cxa_free_exception(void*) noexcept {}
 extern "C" [[noreturn]] void __cxa_throw(void* thrown, void*, void* (*)(void*)) {
     refuse(static_cast<const std::exception*>(thrown)->what());
 }
-
-// Correctly rounded, as those of the machine's C library are for all but one angle in 700: so are the answers the same bits. Long
-// doubles have 113 bits here.
-extern "C" double sin(double x) { return double(__builtin_sinl(x)); }
-extern "C" double cos(double x) { return double(__builtin_cosl(x)); }

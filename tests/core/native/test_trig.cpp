@@ -32,6 +32,34 @@ static void cosines_and_sines_are_the_librarys() {
     }
 }
 
+// The error of a number beside one of more digits, in units in the last place of the latter.
+static double ulps(double found, long double wanted) {
+    const double size = std::abs(double(wanted));
+    return double(std::abs(found - wanted)) / (std::nextafter(size, INFINITY) - size);
+}
+
+static void exact_functions_are_right_to_the_last_digit() {
+    static_assert(sizeof(long double) > 8);
+    for (int k = -20000; k <= 20000; ++k) {
+        const double share = k / 20000.0, tiny = share * std::pow(10.0, k % 12), quarters = std::round(40.0 * share) * (PI / 4.0);
+        for (const double a : {3.2 * share, tiny, std::nextafter(quarters, 0.0), 1e6 * share}) {
+            const Turn<double> t = exact_turn(a);
+            HOLDS(ulps(t.c, std::cos((long double)a)) < 1.0);
+            HOLDS(ulps(t.s, std::sin((long double)a)) < 1.0);
+        }
+        for (const double x : {share, 40.0 * share, 690.0 * share}) {
+            const double e = exponential(x);
+            HOLDS(ulps(e, std::exp((long double)x)) < 0.7);
+            HOLDS(ulps(logarithm(e), std::log((long double)e)) < 1.0);
+        }
+        HOLDS(near(urdf_ik::URDF_IK_LEVEL::acos(share), double(std::acos((long double)share)), 2.0 * ULPS));
+    }
+    HOLDS(exact_turn(0.0).c == 1.0 && exact_turn(0.0).s == 0.0 && exponential(0.0) == 1.0 && logarithm(1.0) == 0.0);
+    HOLDS(exponential(701.0) == INFINITY && exponential(-701.0) == 0.0 && logarithm(0.0) == -INFINITY);
+    HOLDS(logarithm(INFINITY) == INFINITY && std::isnan(logarithm(NAN)) && std::isnan(exponential(NAN)));
+    HOLDS(std::isnan(exact_turn(INFINITY).c) && std::isnan(exact_turn(NAN).s));
+}
+
 static void angles_come_to_one_circle() {
     HOLDS(on_circle(PI) == PI);
     HOLDS(on_circle(-PI) == PI);
@@ -54,6 +82,7 @@ static void a_block_answers_as_a_number_does() {
 void test_trig() {
     atan2_is_the_librarys();
     cosines_and_sines_are_the_librarys();
+    exact_functions_are_right_to_the_last_digit();
     angles_come_to_one_circle();
     a_block_answers_as_a_number_does();
 }

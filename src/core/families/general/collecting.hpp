@@ -20,13 +20,18 @@ struct SearchState {
     double enough;  // a candidate with at most this error is a solution
     double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
     bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
-    bool provable = false;  // whether the roots are certified and counted
+    bool provable = false;  // whether complex roots are counted
+    bool certifies = false;  // whether real roots are certified: all joints turn
+    int zeros = -1;  // real roots that there can be at most; -1 where that is open
     Loop loop = {};
     Account account = {};
     static constexpr int most = 48;
     Number left[most][6];  // joint vectors near which no single root is certified
     int lefts = 0, tried = 0;  // how many there are; how many of them were tried as clusters
     unsigned tried_columns = 0;
+
+    // Whether as many different real roots are certified as there can be.
+    STEP bool counted() const { return zeros >= 0 && zeros == account.reals; }
 
     STEP void leave(const Number (&q)[6]) {
         double size = 0.0;
@@ -71,7 +76,8 @@ STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goa
     SearchState search;
     search.columns = columns, search.enough = enough;
     search.all_known = all_known(arm), search.provable = is_provable(arm);
-    if (search.provable) search.loop = loop_of(arm.written, goal);
+    search.certifies = !arm.any_slide;
+    if (search.certifies) search.loop = loop_of(arm.written, goal);
     return search;
 }
 
@@ -110,6 +116,17 @@ PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     return nearest;
 }
 
+// Certifies a block of solutions; least: bounds on the smallest singular value.
+PART void account_for(SearchState& search, const Block (&q)[6], unsigned lanes, const Block& least) {
+    const Certificate c = certify_real(search.loop, q);
+    for (unsigned rest = bits(c.holds) & lanes; rest; rest &= rest - 1) {
+        const int l = __builtin_ctz(rest);
+        RealRoot root = {{}, c.inner[l], c.outer[l], least[l]};
+        lane_of(q, l, root.q);
+        add_real(search.account, root);
+    }
+}
+
 // The columns of the solutions that Newton's method reaches from the starts; -1 for starts that reach no solution.
 template <bool damped>
 PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts, int rounds,
@@ -118,15 +135,7 @@ PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, Sear
     const Polished<Block> out =
         polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
     const unsigned good = bits(out.error <= Block(search.enough)) & starts.lanes;
-    if (search.provable && good) {
-        const Certificate c = certify_real(search.loop, starts.q);
-        for (unsigned rest = bits(c.holds) & good; rest; rest &= rest - 1) {
-            const int l = __builtin_ctz(rest);
-            RealRoot root = {{}, c.inner[l], c.outer[l], out.least[l]};
-            lane_of(starts.q, l, root.q);
-            add_real(search.account, root);
-        }
-    }
+    if (search.certifies && good) account_for(search, starts.q, good, out.least);
     for (int l = 0; l < BLOCK; ++l) {
         double q[6];
         lane_of(starts.q, l, q);
@@ -273,6 +282,31 @@ PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, co
     }
     columns.clear();
     for (int i = 0; i < many; ++i) keep(columns, i, q[i], flags[i]);
+}
+
+// The columns that approximate certified real roots stay, the others go, and roots without one get one.
+PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
+    const Account& account = search.account;
+    const Columns<6>& columns = search.columns;
+    unsigned owned = 0;
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        int own = -1;
+        for (int i = 0; i < account.reals; ++i) {
+            double most = 0.0;
+            for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(columns.row(b)[j] - account.real[i].q[j])));
+            if (most <= account.real[i].outer) own = i;
+        }
+        if (own < 0 || owned >> own & 1) columns.clear(b);
+        else owned |= 1u << own;
+    }
+    for (int i = 0, b = 0; i < account.reals; ++i) {
+        if (owned >> i & 1) continue;
+        while (b < columns.many && columns.valid(b)) ++b;
+        if (b == columns.many) return;
+        const RealRoot& root = account.real[i];
+        keep(columns, b, root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
+    }
 }
 
 // ---- continua -----------------------------------------------------------------------------------------------------------

@@ -6,8 +6,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Adds to the columns (16) the solutions of one pose that they lack. `complete` is proven for six turning joints whose known
-// poses have all sixteen solutions; for arms near a special one it is a count that leaves out solutions far from real.
+// Adds to the columns (16) the solutions of one pose that they lack. `complete` and `clustered` are proven: either all sixteen
+// complex solutions are certified, or as many real ones as the determinant can have zeros on the circle.
 Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -54,7 +54,7 @@ STEP double imaginary_part(const Written<6>& arm, const ComplexJoints& q) {
     double most = 0.0;
     for (int k = 0; k < 6; ++k) {
         const double square = z[k][0] * z[k][0] + z[k][1] * z[k][1];
-        most = max(most, arm.slides[k] ? abs(z[k][1]) : 0.5 * abs(__builtin_log(square + TINY)));
+        most = max(most, arm.slides[k] ? abs(z[k][1]) : 0.5 * abs(logarithm(square + TINY)));
     }
     return most;
 }

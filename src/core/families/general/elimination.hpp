@@ -8,6 +8,7 @@
 #pragma once
 
 #include "answers/beside.hpp"
+#include "certificate/circle.hpp"
 #include "families/general/collecting.hpp"
 #include "families/general/complete.hpp"
 #include "families/general/complex_roots.hpp"
@@ -50,6 +51,12 @@ STEP Frame<double> loop_motion(const EliminationArm& arm, const Goal<double>& go
     return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}}, {-dot(R.x, p), -dot(R.y, p), -dot(R.z, p)}};
 }
 
+// A bound on the length of this motion, and of those that it is computed from.
+STEP double length_of_motion(const EliminationArm& arm, const Goal<double>& goal) {
+    const auto length = [](const double (&t)[3]) { return sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]); };
+    return arm.scale * (sqrt(dot(goal.p, goal.p)) + length(arm.home_inverse.t) + length(arm.centre));
+}
+
 // The roots that may be real, as (cos, sin).
 struct RealRoots {
     double c[2 * DEGREE], s[2 * DEGREE];
@@ -59,7 +66,7 @@ struct RealRoots {
 STEP RealRoots real_roots(const Complex (&z)[2 * DEGREE], bool hides_slide) {
     RealRoots out = {};
     // |log |z|| < d, by the squares.
-    const double near = __builtin_exp(2.0 * NEAR_CIRCLE);
+    const double near = exponential(2.0 * NEAR_CIRCLE);
     for (const Complex& each : z) {
         const double square = each.re * each.re + each.im * each.im;
         if (!(square < near && square * near > 1.0)) continue;
@@ -107,6 +114,23 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
     }
 }
 
+// Bounds the number of real solutions by that of the zeros that the determinant of the arm as written has on the circle. A zero is
+// at least as multiple as its matrix loses ranks. One null vector leads to one solution at most; a plane of them to two at most,
+// since the products of (1, cos, sin) and the halves are a surface that is cut out by quadrics and contains no line.
+PART void count_zeros(const EliminationArm& arm, const EliminationVariant& variant, SearchState& search,
+                      const Complex (&coefficients)[2 * DEGREE + 1], double error) {
+    if (!search.certifies || !(error < __builtin_inf())) return;
+    OnCircle p;
+    for (int k = 0; k <= DEGREE; ++k) p.re[k] = coefficients[DEGREE + k].re, p.im[k] = coefficients[DEGREE + k].im;
+    p.error = error;
+    double known[Account::most];
+    for (int i = 0; i < search.account.reals; ++i) {
+        const Turn<double> t = hidden_at(arm, variant, search.account.real[i].q);
+        known[i] = atan2(t.s, t.c);
+    }
+    search.zeros = zeros_on_circle(p, known, search.account.reals);
+}
+
 // Adds the solutions that one variant finds. Returns whether they are certain to be all. Of an arm whose roots are counted: they
 // are proven to be. Else: each root that may be real led to a different solution, and no other solution is known; at least one
 // solution has to confirm the determinant.
@@ -116,8 +140,16 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     Complex coefficients[2 * DEGREE + 1];
     const Frame<double> G = loop_motion(arm, goal, variant.reversed);
     equations(variant, G, A);
-    determinants(A, D);
+    const double reach = length_of_motion(arm, goal);
+    double error;
+    determinants(A, D, variant.inexact[0] + reach * (variant.inexact[1] + reach * variant.inexact[2]), error);
     const bool noisy = !(harmonics(D, coefficients) < LARGEST_NOISE);
+    // Sums of 24 products.
+    for (const double each : D) error += 32.0 * UNIT * abs(each);
+    if (search.account.reals) {
+        count_zeros(arm, variant, search, coefficients, error);
+        if (search.counted()) return true;
+    }
     if (noisy && all_known(arm)) return false;
     Complex z[2 * DEGREE];
     self_inversive_roots<2 * DEGREE>(coefficients, z);
@@ -153,8 +185,11 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     }
     if (search.provable) {
         gather_pairs(arm, variant, goal, A, G, z, search);
-        return search.account.all();
+        if (search.account.all()) return true;
     }
+    count_zeros(arm, variant, search, coefficients, error);
+    if (search.counted()) return true;
+    if (search.provable) return false;
     return !noisy && settled > 0 && settled == roots.many && settled == search.columns.count();
 }
 
@@ -278,13 +313,36 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
+        if (search.counted()) return true;
         // A result with singular ends needs a second attempt that agrees.
         if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
         if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
         settled |= all == Arrived::settled;
     }
     search_all_over(arm, goal, search);
-    return false;
+    return search.counted();
+}
+
+// Certifies the solutions that are there.
+PART void certify_columns(SearchState& search) {
+    if (!search.certifies) return;
+    int from[BLOCK], filled = 0;
+    Block q[6], least;
+    const auto certify = [&] {
+        if (!filled) return;
+        for (int l = filled; l < BLOCK; ++l) from[l] = from[0];
+        for (int l = 0; l < BLOCK; ++l) {
+            for (int j = 0; j < 6; ++j) q[j].set(l, search.columns.row(from[l])[j]);
+            least.set(l, search.columns.flags[from[l]] & SINGULAR ? 0.0 : 1.0);
+        }
+        account_for(search, q, (1u << filled) - 1, least);
+        filled = 0;
+    };
+    for (int b = 0; b < search.columns.many; ++b) {
+        if (search.columns.valid(b)) from[filled++] = b;
+        if (filled == BLOCK) certify();
+    }
+    certify();
 }
 
 // The same with the account; see complete.hpp.
@@ -293,7 +351,14 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // the tolerance.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
+    certify_columns(search);
     bool certain = find_all(arm, goal, search);
+    account = search.account;
+    if (search.counted()) {
+        keep_certified(arm, goal, search);
+        if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = account.clusters = 0;
+        return Status::complete;
+    }
     const Status proven = search.provable ? count_clusters(arm, goal, search) : Status::incomplete;
     account = search.account;
     if (proven != Status::incomplete) {
@@ -316,7 +381,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
     if (search.provable && holds_curve(arm, goal, search)) return Status::continuum;
-    return certain && !search.provable && !arm.any_slide ? Status::complete : Status::incomplete;
+    return Status::incomplete;
 }
 
 Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
@@ -330,8 +395,7 @@ struct General6 {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
         const Status status = complete(arm, goal, columns);
         sort(columns);
-        // A count that leaves out solutions far from real proves nothing.
-        set_status(columns.flags[0], is_provable(arm) ? status : Status::incomplete);
+        set_status(columns.flags[0], status);
     }
 };
 
@@ -348,7 +412,7 @@ PART bool prove(const EliminationArm& arm, const double* T, Proof& out) {
     out = {};
     out.status = complete(arm, goal_of(proper), columns, account);
     as_data(account, out);
-    if (!is_provable(arm)) out.expected.why = Why::unproven, out.status = Status::incomplete;
+    if (!is_provable(arm) && out.expected.why == Why::theorem) out.expected.why = Why::unproven;
     return true;
 }
 

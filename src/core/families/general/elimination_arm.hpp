@@ -22,6 +22,9 @@ struct EliminationVariant {
     double axes[6][3], points[6][3];  // directions, and points on them
     double across[3];                 // a unit vector across axis a + 2
     bool slides[6];
+    // A bound on the Frobenius norm of what separates the matrices from those of the arm as written: a polynomial in the length of
+    // the loop's motion, scaled. Huge for slides.
+    double inexact[3];
 };
 
 struct EliminationArm {

@@ -164,8 +164,36 @@ struct Waves {
 };
 inline constexpr Waves WAVES;
 
-// The determinants at the samples.
-PART void determinants(const Equations& A, double (&D)[SAMPLES]) {
+// Rounding of a triangular factor, as a share of the matrix's Frobenius norm: eleven reflections of at most 86 u each (|v|^2 = 2,
+// and v is off by 17 u |v|: 68 u; a product in two sums of six terms 14 u, its subtraction 4 u), and the matrix itself from its
+// coefficients, 10 u.
+inline constexpr double ROUNDING_OF_FACTOR = 960.0 * 1.1102230246251565e-16;
+
+// A bound on what changing each matrix by at most `inexact` and rounding may do to its determinant D, R being the triangular
+// factors: det(M + E) = D det(1 + M^-1 E), and |det(1 + X) - 1| <= e^x - 1 with the sum x of the singular values of X, which is at
+// most |M^-1| |E| in Frobenius norms. Infinite where x exceeds a half.
+STEP Block determinant_error(const Block (&R)[SIZE][SIZE], const Block& D, double inexact) {
+    Block inverse = 0.0, size = 0.0, over[SIZE];
+    for (int i = 0; i < SIZE; ++i) over[i] = 1.0 / R[i][i];
+#pragma GCC unroll 1
+    for (int k = 0; k < SIZE; ++k) {
+        Block x[SIZE];
+        x[k] = over[k], inverse += x[k] * x[k];
+        for (int i = 0; i <= k; ++i) size += R[k][i] * R[k][i];
+#pragma GCC unroll 1
+        for (int i = k - 1; i >= 0; --i) {
+            Block sum = 0.0;
+            for (int j = i + 1; j <= k; ++j) sum -= R[j][i] * x[j];
+            x[i] = over[i] * sum, inverse += x[i] * x[i];
+        }
+    }
+    const Block x = sqrt(inverse) * (inexact + ROUNDING_OF_FACTOR * sqrt(size));
+    return select(x < Block(0.5), abs(D) * (1.3 * x), Block(__builtin_inf()));
+}
+
+// The determinants at the samples. error: the sum of the bounds on what `inexact` (see determinant_error) and rounding may do to
+// them.
+PART void determinants(const Equations& A, double (&D)[SAMPLES], double inexact, double& error) {
     Block M[GROUPS][SIZE][SIZE];
     for (int g = 0; g < GROUPS; ++g) {
         double c[BLOCK], s[BLOCK];
@@ -173,12 +201,16 @@ PART void determinants(const Equations& A, double (&D)[SAMPLES]) {
         matrix_at(A, load<Block>(c), load<Block>(s), M[g]);
     }
     make_triangular(M);
+    Block off = 0.0;
     for (int g = 0; g < GROUPS; ++g) {
         // Each of the eleven reflections turns the determinant's sign.
         Block product = -M[g][0][0];
         for (int i = 1; i < SIZE; ++i) product *= M[g][i][i];
         store(product, D + BLOCK * g);
+        off += determinant_error(M[g], product, inexact);
     }
+    error = 0.0;
+    for (int l = 0; l < BLOCK; ++l) error += off[l];
 }
 
 // Fourier coefficients -8 to 8 of the samples. Returns the noise of the determinant: the largest of the harmonics 9 to

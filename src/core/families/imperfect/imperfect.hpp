@@ -33,6 +33,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Up to this imperfection the elimination alone finds too few solutions, since its equations agree with those of the ideal arm to
 // many digits. The closed form's careful path, one branch at a time, then finds the others.
 inline constexpr double CLOSE_BY = 1e-4;
+// Up to this imperfection boxes are tried.
+inline constexpr double BOXED = 1e-3;
 // A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
 // apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
 inline constexpr double FAR_OFF = 4e-3;
@@ -78,7 +80,7 @@ template <class Family> struct Imperfect {
         if constexpr (!by_quartic) {
             Known known;
             Certified all;
-            if (close) {
+            if (off < BOXED) {
                 const Inclusion family = {
                     &arm.family, include_branches, include_boxes, {0, Family::before_elbow, Family::after_elbow}};
                 all = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, family, known);
@@ -100,22 +102,19 @@ template <class Family> struct Imperfect {
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
             if (!open && columns.count() % 2 == 0) {
-                if (close) set_status(columns.flags[0], Status::incomplete);
+                set_status(columns.flags[0], close ? Status::incomplete : complete(arm.elimination, goal, columns));
                 return;
             }
         }
         if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
-        const bool counted = complete(arm.elimination, goal, columns) == Status::complete;
-        if (!counted) {
+        Status status = complete(arm.elimination, goal, columns);
+        if (status == Status::incomplete) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
+            if (keeps_curve(arm, goal, columns)) status = Status::continuum;
         }
-        if (close && !by_quartic) {
-            set_status(columns.flags[0], keeps_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
-        } else if (!counted) {
-            set_status(columns.flags[0], Status::incomplete);
-        }
+        set_status(columns.flags[0], status);
     }
 
     // Whether a curve of joint vectors through a singular solution keeps the pose to the tolerance of solutions.

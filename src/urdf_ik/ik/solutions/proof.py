@@ -17,7 +17,12 @@ if TYPE_CHECKING:
 
 WORDS = {0: "complete", 32: "incomplete", 64: "clustered", 96: "continuum"}
 """Statuses by the bits of a pose's first column."""
-_WHY = ("nothing is proven", "six turning joints have at most 16 solutions", "the axes are exactly those of the family")
+_WHY = (
+    "nothing is proven",
+    "six turning joints have at most 16 solutions",
+    "the axes are exactly those of the family",
+    "each real solution is a zero of the elimination's determinant, which has no more",
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,7 +63,8 @@ class Proof:
 
     Attributes:
         status: as ``s.status``.
-        expected: how many isolated complex solutions there can be, counted by multiplicity.
+        expected: how many isolated complex solutions there can be, counted by multiplicity; or how many real ones, as
+            ``why`` says, and then the complex ones are not here.
         why: why there are no more than that, in words.
         roots: (k, 6) rad, complex; of a conjugate pair both.
         inner: (k,) rad, one solution is at most that far from each root, in every joint; the balls are disjoint.

@@ -11,12 +11,13 @@ continuation from a pose whose solutions are all known takes over (continuation.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import known_poses, try_elimination
+from urdf_ik.ik.families.parts.inexact import UNKNOWN, inexact
 from urdf_ik.ik.families.parts.written import Written, written
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class Variants:
         points: (v, 6, 3) points on the axes, scaled.
         across: (v, 3) unit vectors across the axis that the loop is cut at.
         slides: (v, 6) which joints slide.
+        inexact: (v, 3) see ``inexact``; ``UNKNOWN`` where nothing is known.
     """
 
     first: Array
@@ -65,6 +67,7 @@ class Variants:
     points: Array
     across: Array
     slides: Array
+    inexact: Array
 
     def at(self, rows: NDArray[np.intp]) -> Variants:
         """Some of the variants, by their places."""
@@ -147,9 +150,20 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
         known=KnownPoses(**known_poses(as_written, Q, near)),
     )
     targets = chain.fk(Q[:_KNOWN])
-    few = _best(setup, _all_variants(H, points, chain.prismatic, rng), targets[:_FIRST], _FEW)
+    every = _all_variants(H, points, chain.prismatic, rng)
+    best = _best(setup, _best(setup, every, targets[:_FIRST], _FEW), targets, 1)
     common = {each.name: getattr(setup, each.name) for each in fields(setup)}
-    return EliminationArm(**common, variant=_best(setup, few, targets, 1))
+    return EliminationArm(**common, variant=_with_bounds(best, setup))
+
+
+def _with_bounds(variant: Variants, setup: EliminationSetup) -> Variants:
+    """One variant with bounds on how far it is from the arm, if all joints turn."""
+    if variant.slides.any():
+        return variant
+    first = int(variant.first[0])
+    factors = variant.left[0, :, : 6 * 3**first], variant.right[0, :, : 3 ** (3 - first)]
+    cut = first, bool(variant.reversed[0])
+    return replace(variant, inexact=inexact(setup.written.steps, setup.centre, setup.scale, cut, *factors)[None])
 
 
 def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: int) -> Variants:
@@ -209,6 +223,7 @@ def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.ra
                 part["axes"], part["points"] = axes[at], places[at]
                 part["across"] = _across(axes[at][:, first + 2])
                 part["slides"] = np.broadcast_to(kinds[reverse].astype(np.float64), (len(_SHIFTS), 6))
+                part["inexact"] = np.full((len(_SHIFTS), 3), UNKNOWN)
                 part["first"] = np.full(len(_SHIFTS), float(first))
                 part["reversed"] = np.full(len(_SHIFTS), float(reverse))
                 parts.append(part)

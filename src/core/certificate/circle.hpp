@@ -1,0 +1,152 @@
+// A bound on the number of zeros of a trigonometric polynomial of degree eight on the circle, each coefficient of which is known up
+// to an error.
+//
+// On an arc theta = centre + 2 atan(t), |t| <= tau = tan(half / 2), the polynomial sum_k c_k e^(i k theta) times (1 + t^2)^8 is
+//   sum_k c_k e^(i k centre) (1 + i t)^(8 + k) (1 - i t)^(8 - k),
+// a real polynomial in t of degree 16. Its Bernstein coefficients on the arc are its polar form at -tau and tau, which is for each
+// term the mean of products of sixteen factors 1 +- i tau: an error of at most e in every c_k changes a coefficient by at most
+// 17 e (1 + tau^2)^8. By Descartes' rule of signs (Lane and Riesenfeld 1981) there are at most as many zeros, by multiplicity, as
+// the coefficients change their sign. An arc with more changes than zeros are known there is cut in two.
+#pragma once
+
+#include "arithmetic/complex.hpp"
+#include "certificate/single.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A real trigonometric polynomial: c_k for k >= 0, the others are conjugates. error: of each of them.
+struct OnCircle {
+    static constexpr int degree = 8;
+    double re[degree + 1], im[degree + 1], error;
+};
+
+// The coefficients of (1 + x)^i (1 - x)^(16 - i), and the binomials of 16.
+struct Krawtchouk {
+    static constexpr int n = 2 * OnCircle::degree;
+    double at[n + 1][n + 1] = {}, over_binomial[n + 1] = {};
+    constexpr Krawtchouk() {
+        for (int i = 0; i <= n; ++i) {
+            at[i][0] = 1.0;
+            for (int k = 0; k < n; ++k) {
+                const double sign = k < i ? 1.0 : -1.0;
+                for (int j = k + 1; j > 0; --j) at[i][j] += sign * at[i][j - 1];
+            }
+        }
+        for (int j = 0; j <= n; ++j) over_binomial[j] = 1.0 / (at[n][j]);
+    }
+};
+inline constexpr Krawtchouk KRAWTCHOUK;
+
+// Arcs that are looked at before the number of zeros is left open; it decides the cost only.
+inline constexpr int MOST_ARCS = 160;
+// Arcs start no wider than this [rad], so that powers of 1 + tau do not lose digits, and end at the least width that angles of
+// rounded cosines allow.
+inline constexpr double WIDEST_ARC = 0.6, NARROWEST_ARC = 1e-12;
+// An arc is cut beside its middle, where a zero often is.
+inline constexpr double CUT = 0.07;
+// Known zeros nearer than this [rad] are looked at together first.
+inline constexpr double TOGETHER = 0.1;
+// Eight products of turns, then sums of nine and of 17 products with powers of tau: less than 160 u.
+inline constexpr double ROUNDING_OF_BERNSTEIN = 160.0 * UNIT;
+
+// A block of arcs [rad]: the lanes that hold no zero, one at most and two at most.
+struct ArcsDecided {
+    unsigned none, one, two;
+};
+PART ArcsDecided zeros_on(const OnCircle& p, const Block& centre, const Block& half) {
+    constexpr int n = Krawtchouk::n;
+    const Turn<Block> turn = cos_sin(centre);
+    // tan(x) <= x + 0.4 x^3 for x <= 0.5, and the arc's ends are rounded outwards.
+    const Block h = 0.5 * (half + 4e-15 * (1.0 + abs(centre))), tau = h + 0.4 * h * h * h;
+    Block m[n + 1], b[n + 1], size = abs(p.re[0]);
+    Turn<Block> power = {1.0, 0.0};
+    for (int j = 0; j <= n; ++j)
+        m[j] = j % 4 == 0 ? KRAWTCHOUK.at[8][j] * p.re[0] : j % 4 == 2 ? -KRAWTCHOUK.at[8][j] * p.re[0] : 0.0;
+    for (int k = 1; k <= OnCircle::degree; ++k) {
+        power = {power.c * turn.c - power.s * turn.s, power.c * turn.s + power.s * turn.c};
+        const Block re = 2.0 * (power.c * p.re[k] - power.s * p.im[k]), im = 2.0 * (power.c * p.im[k] + power.s * p.re[k]);
+        size += 2.0 * (__builtin_fabs(p.re[k]) + __builtin_fabs(p.im[k]));
+        const Block part[4] = {re, -im, -re, im};
+        for (int j = 0; j <= n; ++j) m[j] += KRAWTCHOUK.at[8 + k][j] * part[j % 4];
+    }
+    Block scale = 1.0;
+    for (int j = 0; j <= n; ++j) m[j] = m[j] * (scale * KRAWTCHOUK.over_binomial[j]), scale = scale * tau;
+    for (int i = 0; i <= n; ++i) {
+        b[i] = 0.0;
+        for (int j = 0; j <= n; ++j) b[i] += KRAWTCHOUK.at[i][j] * m[j];
+    }
+    Block wide = 1.0 + tau * tau, lost = 1.0 + tau;
+    for (int k = 0; k < 3; ++k) wide = wide * wide;
+    for (int k = 0; k < 4; ++k) lost = lost * lost;
+    const Block error = SLACK_OF_SUMS * (17.0 * p.error * wide + ROUNDING_OF_BERNSTEIN * size * lost);
+    // positive: the sign of the last certain coefficient. An uncertain one changes nothing between two of opposite signs; two in a
+    // row may add two changes.
+    unsigned positive = bits(b[0] > error), once = 0, twice = 0, unsure = 0, failed = ~(positive | bits(b[0] < -error));
+    for (int i = 1; i <= n; ++i) {
+        const unsigned above = bits(b[i] > error), below = bits(b[i] < -error), now = ~(above | below);
+        const unsigned flip = (above & ~positive) | (below & positive), same = ~(flip | now);
+        failed |= (flip & twice) | ((same | now) & unsure);
+        twice |= flip & once, once |= flip, positive = (positive & ~flip) | (above & flip), unsure = now;
+    }
+    failed |= unsure;
+    const unsigned good = ~failed & ((1u << BLOCK) - 1);
+    return {good & ~once, good & once & ~twice, good & twice};
+}
+
+// A bound on the number of zeros on the circle; -1 if none is found. Where two zeros may be the same, they count as two. known:
+// angles [rad] of known zeros, which are sorted; they decide the cost, and which pairs need not be separated.
+PART int zeros_on_circle(const OnCircle& p, double* known, int many) {
+    struct Arc {
+        double centre, half;
+    } arc[MOST_ARCS + 64];
+    for (int i = 1; i < many; ++i) {
+        const double x = known[i];
+        int j = i;
+        for (; j > 0 && known[j - 1] > x; --j) known[j] = known[j - 1];
+        known[j] = x;
+    }
+    // Cuts half way between neighbours, and more where they are far apart.
+    double cut[48];
+    int cuts = 0;
+    for (int i = 0; i < many; ++i) {
+        const double gap = (i + 1 < many ? known[i + 1] : known[0] + 2.0 * PI) - known[i];
+        if (gap < TOGETHER) continue;
+        const int parts = 1 + int(gap / WIDEST_ARC);
+        for (int k = 0; k < parts && cuts < 48; ++k) cut[cuts++] = known[i] + gap * (k + 0.5) / parts;
+    }
+    for (int k = 0; !many && k < 12; ++k) cut[cuts++] = 0.1 + k * (PI / 6.0);
+    if (cuts == 48 || cuts < 2) return -1;
+    int waiting = 0, zeros = 0, seen = 0;
+    for (int i = 0; i < cuts; ++i) {
+        const double next = i + 1 < cuts ? cut[i + 1] : cut[0] + 2.0 * PI;
+        arc[waiting++] = {0.5 * (cut[i] + next), 0.5 * (next - cut[i])};
+    }
+    while (waiting) {
+        const int lanes = waiting < BLOCK ? waiting : BLOCK;
+        seen += lanes;
+        if (seen > MOST_ARCS) return -1;
+        waiting -= lanes;
+        Arc now[BLOCK];
+        Block centre, half;
+        for (int l = 0; l < BLOCK; ++l) {
+            now[l] = arc[waiting + (l < lanes ? l : 0)];
+            centre.set(l, wrap(now[l].centre)), half.set(l, now[l].half);
+        }
+        const ArcsDecided found = zeros_on(p, centre, half);
+        for (int l = 0; l < lanes; ++l) {
+            int here = 0;
+            for (int i = 0; i < many; ++i) here += abs(wrap(wrap(known[i] - now[l].centre))) < now[l].half;
+            if (found.one >> l & 1) ++zeros;
+            else if ((found.two >> l & 1) && here > 1) zeros += 2;
+            else if (!(found.none >> l & 1)) {
+                if (now[l].half < NARROWEST_ARC) return -1;
+                const double low = now[l].half * (0.5 + CUT), high = now[l].half * (0.5 - CUT);
+                arc[waiting++] = {now[l].centre - now[l].half + low, low};
+                arc[waiting++] = {now[l].centre + now[l].half - high, high};
+            }
+        }
+    }
+    return zeros;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
