@@ -9,13 +9,12 @@
 //   |t| = along:   m along^2 > |g_t| + |A_tt| along + |A_ty| across + |H_t,ty| along across + |H_t,yy| across^2 / 2 + third
 //   third = |T_ttt| along^3 + s across x^2 e^x / 2 + (s_t along)^4 e^x / 24,  x = s_t along + s across >= sum_k |d_k| |zeta_k|,
 //   s^2 = sum_k |zeta_k|^2,  s_t^2 = sum_t (sum_k |V_kt| |zeta_k|)^2,  |zeta_k|^2 = |v_k|^2 + 2 |w_k|^2
-// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2. With one t, the terms in t alone up to the sixth order are
-// computed, and (s_t along)^7 / 7! takes the place of (s_t along)^4 / 4!.
+// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2. With one t, y is counted from the curve y(t) of valley.hpp:
+// the terms in t alone are known up to a higher order, and terms of y(t) join s_t along and |H_yy|.
 // If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
 // right side is convex in |y|: the larger region has no further root.
-// One root, counted in the same way, has the model (A_yy y, A_tt t):
-//   |t| = along:   |A_tt| along > |g_t| + |H_t,tt| along^2 / 2 + the rest as above
-// There is none where |g_t| > |A_tt| along + |H_t,tt| along^2 / 2 + the rest.
+// With one t there may be fewer: one root where the term of first order exceeds the others, f's value among them, and none where
+// the value does.
 // T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials.
 // m is the smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted
 // by the root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each
@@ -111,7 +110,7 @@ inline constexpr double NEARLY_KEPT = 1e-10;
 struct Region {
     double across, along, largest_across, largest_along, m;
     double radius;  // of a ball about the centre that holds the smallest one
-    double rest;   // what g_t may differ from its terms up to the second order in t by in the smallest ball
+    double rest;  // what g_t may differ from its terms up to the second order in t by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
 };
 // Bounds on what a ball's first and second derivatives have outside of the model: |A_yy y| is at least `least` |y|.

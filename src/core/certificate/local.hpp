@@ -79,7 +79,7 @@ template <class V> PART void transform(const LoopAt<Number>& at, Local& out) {
             for (int i = 0; i < 6; ++i) raw[j][k][i] = raw[k][j][i] = each[i];
         }
     }
-    const auto dot6 = [](const V (&a)[6], const V (&b)[6]) {
+    const auto dot6 = [](const V(&a)[6], const V(&b)[6]) {
         V sum = a[0] * b[0];
         for (int i = 1; i < 6; ++i) sum += a[i] * b[i];
         return sum;

@@ -12,13 +12,13 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 inline constexpr int HIGHEST = 8;
-// Rounding of a coefficient, relative to the same coefficient of the factors' norms: six products of sums of up to HIGHEST products,
-// 11 u each, of factors from up to HIGHEST products.
+// Rounding of a coefficient, relative to the same coefficient of the factors' norms: six products of sums of up to HIGHEST
+// products, 11 u each, of factors from up to HIGHEST products.
 inline constexpr double ROUNDING_OF_SERIES = 200.0 * UNIT;
 
 struct Curve {
     double bend[HIGHEST + 1][5] = {};  // a_n, real parts
-    double bent[HIGHEST + 1] = {};     // |a_n|
+    double bent[HIGHEST + 1] = {};  // |a_n|
 
     // The curve at t.
     STEP void at(double t, double (&y)[5]) const {
@@ -75,7 +75,7 @@ STEP double real_part(const Number& a) { return a.re; }
 template <class V> PART void follow_valley(const Local& at, bool bent, Valley& out) {
     constexpr int N = HIGHEST;
     TwistProduct<V> power[6][N + 1], factor[6][N + 1], P[6][N + 1];  // zeta^m / m!; orders of each exponential; of products
-    V raised[6][N + 1][N + 1] = {};                                   // coefficients of d_k^m: m, order
+    V raised[6][N + 1][N + 1] = {};  // coefficients of d_k^m: m, order
     V left[6][6];
     for (int o = 0; o < 6; ++o) {
         for (int i = 0; i < 6; ++i) left[o][i] = part<V>(at.J.left[o][i]);

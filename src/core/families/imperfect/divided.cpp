@@ -94,7 +94,8 @@ struct Divider {
         return is_in_region(q, each.half);
     }
 
-    Surroundings& keep_region(const Number (&q)[6], const Number (&direction)[6][6], double across, double along, const Curve& valley) {
+    Surroundings& keep_region(const Number (&q)[6], const Number (&direction)[6][6], double across, double along,
+                              const Curve& valley) {
         Surroundings& to = region[regions++ % REGIONS];
         for (int k = 0; k < 6; ++k) {
             to.q[k] = wrap(wrap(q[k].re));
@@ -145,8 +146,8 @@ struct Divider {
         return false;
     }
 
-    // Whether a region about the valley next to the box's middle holds the box, and its roots are known: none, one, or two. A region
-    // that does not hold the box stays for parts of it.
+    // Whether a region about the valley next to the box's middle holds the box, and its roots are known: none, one, or two. A
+    // region that does not hold the box stays for parts of it.
     bool on_valley(const Box& each, const double (&start)[6]) {
         double q[6];
         for (int j = 0; j < 6; ++j) q[j] = start[j];
