@@ -6,6 +6,7 @@
 #pragma once
 
 #include "answers/blocks.hpp"
+#include "answers/on_curve.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -82,7 +83,13 @@ struct Sampled {
         }
         sort(columns);
         // A search cannot prove that its result is complete.
-        set_status(columns.flags[0], Status::incomplete);
+        bool curve = false;
+        for (int b = 0; b < columns.many && !curve; ++b) {
+            double q[6];
+            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+            curve = columns.valid(b) && is_on_curve(arm, goal, q, {40, CONVERGED, LONG_PATIENCE}, CONVERGED);
+        }
+        set_status(columns.flags[0], curve ? Status::continuum : Status::incomplete);
     }
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {

@@ -380,7 +380,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
-    if (search.provable && holds_curve(arm, goal, search)) return Status::continuum;
+    if (search.certifies && holds_curve(arm, goal, search)) return Status::continuum;
     return Status::incomplete;
 }
 
