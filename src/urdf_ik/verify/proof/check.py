@@ -37,6 +37,7 @@ _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too 
 _BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
 _TOGETHER = 1e-5  # rad; the roots of a cluster as narrow as that may stand as one solution
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
+_SHARP = 1e-9  # rad; a box as narrow as that is as good as its root
 
 
 @dataclass(frozen=True)
@@ -305,11 +306,13 @@ def _by_family(loop: Loop, near: Loop, answer: _Answer, rng: np.random.Generator
         if not all(found.apart(other) for other in wide):
             return None, "real roots of the ideal arm are too close to each other"
         # The box is as wide as the arms differ; a narrow one in it holds its root.
-        root = single_root(loop, found.centre)
-        if isinstance(root, str) or not root.distance(found.centre) + root.radius < found.radius:
-            return None, "beside a real root of the ideal arm, that of the arm as written is not enclosed"
         wide.append(found)
-        singles.append(root)
+        if not found.radius < _SHARP:
+            root = single_root(loop, found.centre)
+            if isinstance(root, str) or not root.distance(found.centre) + root.radius < found.radius:
+                return None, "beside a real root of the ideal arm, that of the arm as written is not enclosed"
+            found = root
+        singles.append(found)
     return _answered(loop, answer, singles, [])
 
 
