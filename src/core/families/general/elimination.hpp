@@ -139,16 +139,21 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
 // since the products of (1, cos, sin) and the halves are a surface that is cut out by quadrics and contains no line.
 // Returns whether that many real roots are certified.
 PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const Eliminant& of, SearchState& search) {
-    if (search.zeros >= 0 || !search.certifies || !(of.error < __builtin_inf())) return search.counted();
+    if (search.counted() || !search.certifies || !(of.error < __builtin_inf())) return search.counted();
     OnCircle p;
     for (int k = 0; k <= DEGREE; ++k) p.re[k] = of.coefficients[DEGREE + k].re, p.im[k] = of.coefficients[DEGREE + k].im;
     p.error = of.error;
+    // Higher harmonics are zero, so what rounding leaves of them is within the bound.
+    double largest = 0.0;
+    for (int k = 0; k <= DEGREE; ++k) largest = max(largest, sqrt(p.re[k] * p.re[k] + p.im[k] * p.im[k]));
+    if (!(of.noise * largest <= of.error)) return false;
     double known[Account::most];
     for (int i = 0; i < search.account.reals; ++i) {
         const Turn<double> t = hidden_at(arm, variant, search.account.real[i].q);
         known[i] = atan2(t.s, t.c);
     }
-    search.zeros = zeros_on_circle(p, known, search.account.reals);
+    const int bound = zeros_on_circle(p, known, search.account.reals);
+    if (bound >= 0 && (search.zeros < 0 || bound < search.zeros)) search.zeros = bound;
     return search.counted();
 }
 
@@ -318,10 +323,13 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Eliminant own, other;
     const bool alike = !arm.counter_apart, counting = counts(arm.counter);
-    const auto count = [&] { return counting && count_zeros(arm, arm.counter, alike ? own : other, search); };
+    const auto count = [&] {
+        return (counting && count_zeros(arm, arm.counter, alike ? own : other, search)) ||
+               (counts(arm.variant) && !alike && count_zeros(arm, arm.variant, own, search));
+    };
     if (counting && search.account.reals) {
         eliminate(arm, arm.counter, goal, alike ? own : other);
-        if (count()) return true;
+        if (count_zeros(arm, arm.counter, alike ? own : other, search)) return true;
     }
     const bool there = counting && search.account.reals;
     if (!(there && alike)) eliminate(arm, arm.variant, goal, own);
