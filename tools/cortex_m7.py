@@ -22,8 +22,10 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik import export
 
-HERE = Path(__file__).resolve().parent / "cortex_m7"
-ARMS = ("planar_2r", "scara_rrpr", "zyyzyz_6r", "srs_7r", "rail_6r")
+ROOT = Path(__file__).resolve().parents[1]
+HERE = ROOT / "tools" / "cortex_m7"
+GENERAL = str(ROOT / "benchmarks" / "urdf" / "kinova_j2n6s300.urdf")
+ARMS = ("planar_2r", "scara_rrpr", "zyyzyz_6r", "srs_7r", "rail_6r", GENERAL)
 COMPILER, EMULATOR = "arm-none-eabi-g++", "qemu-system-arm"
 FLAGS = (
     "-std=c++20", "-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-ffunction-sections",
@@ -102,8 +104,9 @@ def main() -> None:
     print("|---|---|---|---|---|")
     differ = False
     for name in given.arms:
-        code, same, poses, solutions, stack = measured(urdf_ik.load(name), given.poses, given.optimise)
-        print(f"| {name} | {code / 1e3:.0f} | {same} of {poses} | {solutions} | {stack / 1e3:.1f} |", flush=True)
+        arm = urdf_ik.load(name)
+        code, same, poses, solutions, stack = measured(arm, given.poses, given.optimise)
+        print(f"| {arm.name} | {code / 1e3:.0f} | {same} of {poses} | {solutions} | {stack / 1e3:.1f} |", flush=True)
         differ |= same != poses
     sys.exit(differ)
 

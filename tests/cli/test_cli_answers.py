@@ -92,6 +92,20 @@ def test_orientations_in_any_notation_are_the_same_pose() -> None:
             assert np.abs(np.array(strict_json(text)["poses"][0]["pose"]) - T).max() < 1e-12, option
 
 
+def test_an_answer_says_that_its_pose_was_typed_in_degrees() -> None:
+    """Beside --degrees, --rpy and --rotvec are in degrees, and the first lines say so; a quaternion has no unit."""
+    pose = ("ik", ARM, "--xyz", "1.2,0.4,0.9")
+    for option, typed, said in (
+        ("--rpy", "0,1,0", True),
+        ("--rotvec", "0,1,0", True),
+        ("--quat-xyzw", "0,0,0,1", False),
+    ):
+        assert (f"{option} in degrees" in succeed(*pose, option, typed, "--degrees")) == said
+        assert "in degrees" not in succeed(*pose, option, typed)
+    text = " ".join(succeed("ik", "--help").replace("│", " ").split())
+    assert "Roll, pitch, yaw about fixed x, y, z [rad]." in text and "those of --rpy and --rotvec too." in text
+
+
 def test_degrees_are_the_same_answers() -> None:
     """--degrees turns every angle, in and out, and changes nothing else."""
     radians = strict_json(succeed("ik", ARM, "--q", TYPED, "-f", "json"))

@@ -34,6 +34,7 @@ FEW = {"rail_6r", "srs_7r", "mimic of one joint", "hollow wrist"}
 # The flags of the library, without which the compiler fuses other operations.
 FLAGS = ("-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
 LEVEL = {"v2": ("-march=x86-64-v2",), "v3": ("-march=x86-64-v3",), "v4": ("-march=x86-64-v4",)}.get(_core.isa(), ())
+FREESTANDING = ("-ffreestanding", "-fno-exceptions", "-fno-rtti")
 # What a controller's toolchain has: the C library's own names, and the mathematics.
 ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos"}
 
@@ -102,8 +103,8 @@ def test_each_family_gives_the_same_answers(compile_with: str, name: str, arm: u
     header, program = tmp_path / "arm.hpp", tmp_path / "program"
     header.write_text(export.cpp(arm, "arm"))
     source, macro = str(PROGRAMS / "one_file.cpp"), f'-DARM_FILE="{header}"'
-    command = (compile_with, "-std=c++20", *FLAGS, *LEVEL, *WARNINGS, "-fno-exceptions", "-fno-rtti", macro, source)
-    native_arms.run(*command, "-ffreestanding", "-fsyntax-only")
+    level = FLAGS if compile_with == compiler("CXX") else ("-O1", *FLAGS[1:])
+    command = (compile_with, "-std=c++20", *level, *LEVEL, *WARNINGS, *FREESTANDING, macro, source)
     native_arms.run(*command, "-o", str(program))
     T, values = targets(arm)
     free_values = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
@@ -148,7 +149,7 @@ def test_no_operating_system_is_needed(tmp_path: Path) -> None:
         '#include "scara.hpp"\nextern "C" int solve(const double* T, double* q, uint8_t* flags) '
         "{ return scara::ik(T, q, flags); }\n"
     )
-    free = ("-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-stack-protector", "-fno-math-errno", "-Os")
+    free = (*FREESTANDING, "-fno-stack-protector", "-fno-math-errno", "-Os")
     native_arms.run(compiler("CXX"), "-std=c++20", *free, *WARNINGS, "-c", str(source), "-o", str(unit))
     listed = subprocess.run(["nm", "-u", str(unit)], capture_output=True, text=True, check=True).stdout.split()
     assert {name for name in listed if name not in ("U", "w")} <= ALLOWED

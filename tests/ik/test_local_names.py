@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import arms_hollow
+import core_arms
 import numpy as np
 import pytest
 from paths import described, joint_path
 
 import urdf_ik
+from urdf_ik.cli.arm_options import angles_of
+from urdf_ik.cli.commands.info import as_text
 from urdf_ik.ik.solutions import local_names
 
 SEEDS = range(4)
@@ -84,6 +88,31 @@ def test_three_joints_have_the_sign_of_their_position() -> None:
             det = np.linalg.det(arm.cell.reference.jacobian(each.q)[:3])
             if not each.singular:
                 assert each.branch.startswith(f"determinant {'+' if det > 0.0 else '-'}, solution ")
+
+
+def test_joints_that_drive_several_axes_have_a_sign() -> None:
+    """A hollow wrist's numbers follow the sign of Pinocchio's Jacobian for its six joints."""
+    arm = urdf_ik.load(arms_hollow.hollow("mirrored"), base="base", tip="tool")
+    s = arm.ik(arm.fk(np.random.default_rng(4).uniform(-1.0, 1.0, (10, 6))))
+    regular = [each for k in range(10) for each in s[k] if not each.singular]
+    assert len(regular) > 20
+    for each in regular:
+        assert each.branch.startswith(f"determinant {sign_at(arm, each.q)}, solution ")
+
+
+def test_information_says_what_a_name_is() -> None:
+    """Words of geometry, a sign with a number, or a number alone: `info` says which the answers have."""
+    seen = set()
+    for name, arm in core_arms.every_arm():
+        q = np.random.default_rng(5).uniform(-0.5, 0.5, arm.dof)
+        names = [one.branch for one in arm.ik(arm.fk(q)) if not one.singular]
+        text = " ".join(as_text(arm, angles_of(arm, False)).split())
+        said = ("no name: the sign of the Jacobian's determinant" in text, "no name: a number" in text)
+        signed = [each.startswith("determinant") for each in names if local_names.is_local(each)]
+        assert sum(said) == local_names.local(arm.structure.branches)
+        assert not signed or said == (all(signed), not any(signed)), name
+        seen.add(said)
+    assert len(seen) == 3
 
 
 def test_names_of_geometry_stay() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
+from browser import CHROMIUM, INSTALL, PATIENCE, chromium
 
 for package in ("sphinx", "furo", "myst_nb", "latex2mathml"):
     pytest.importorskip(package, reason="the pages are built by urdf-ik[docs]")
@@ -87,10 +87,9 @@ def test_the_footer_has_a_name(pages: Path) -> None:
 @pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 def test_a_browser_without_a_network_draws_formulas_pictures_and_wide_tables(pages: Path) -> None:
     """Formulas take room, every picture of the gallery is there, a wide table scrolls instead of being cut off."""
-    driver = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+    pytest.importorskip("playwright.sync_api", reason=INSTALL)
     asked: list[str] = []
-    with driver.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": WIDTH, "height": 800})
         page.set_default_timeout(1000.0 * PATIENCE)
         page.context.set_offline(True)
@@ -110,5 +109,4 @@ def test_a_browser_without_a_network_draws_formulas_pictures_and_wide_tables(pag
         before, after = page.locator("article table").evaluate_all(LAST_CELLS)
         assert max(before) > WIDTH and max(after) <= WIDTH
         assert page.evaluate("document.documentElement.scrollWidth") <= WIDTH
-        browser.close()
     assert not [url for url in asked if not url.startswith(("file:", "data:"))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from browser import CHROMIUM, INSTALL, SOFTWARE
+from browser import CHROMIUM, INSTALL, chromium
 
 ROOT = Path(__file__).parents[2]
 
@@ -15,13 +15,12 @@ def test_the_swap_notebook_can_be_read_without_a_kernel(tmp_path: Path) -> None:
     """Run and exported, a browser shows the tables of the comparison, the picture of the arms and the verdicts."""
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     exporters = pytest.importorskip("nbconvert.exporters")
-    playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+    pytest.importorskip("playwright.sync_api", reason=INSTALL)
     notebook = nbformat.read(ROOT / "notebooks" / "02_swap_the_urdf.ipynb", as_version=4)
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
     file = tmp_path / "swap.html"
     file.write_text(exporters.HTMLExporter().from_notebook_node(notebook)[0])
-    with playwright.sync_playwright() as running:
-        browser = running.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
+    with chromium() as browser:
         page = browser.new_page()
         page.goto(file.as_uri(), wait_until="domcontentloaded")
         tables, pictures = page.locator("table"), page.locator("svg[role=img], .jp-RenderedImage img")
@@ -33,4 +32,3 @@ def test_the_swap_notebook_can_be_read_without_a_kernel(tmp_path: Path) -> None:
             assert page.get_by_text(words).first.is_visible(), words
         broken = "Array.from(document.images).filter(i => i.complete && !i.naturalWidth).length"
         assert page.evaluate(broken) == 0 and page.locator(".jp-RenderedText[data-mime-type*=error]").count() == 0
-        browser.close()

@@ -80,7 +80,9 @@ class ArmOptions:
     tool_xyz: Annotated[
         str | None, Option(metavar="X,Y,Z", help="Put a tool there: its point in the tip link [m].")
     ] = None
-    tool_rpy: Annotated[str | None, Option(metavar="R,P,Y", help="The tool's orientation in the tip link.")] = None
+    tool_rpy: Annotated[str | None, Option(metavar="R,P,Y", help="The tool's orientation in the tip link [rad].")] = (
+        None
+    )
     redundancy_joint: Annotated[
         list[str] | None,
         Option(metavar="NAME", help="Joint whose value is a redundancy parameter; repeatable."),

@@ -61,7 +61,12 @@ class Value(StrEnum):
 POSES, OBSTACLES, OUTPUT = "Poses", "Obstacles", "Output"
 
 Degrees = Annotated[
-    bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.", rich_help_panel=OUTPUT)
+    bool,
+    Option(
+        "--degrees",
+        help="All angles in degrees, typed and shown, those of --rpy and --rotvec too.",
+        rich_help_panel=OUTPUT,
+    ),
 ]
 Output = Annotated[
     Path | None,
@@ -157,10 +162,10 @@ class PoseOptions:
 
     GROUP: ClassVar[str] = POSES
     xyz: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Position of the tip [m]; repeatable.")] = None
-    rpy: Annotated[list[str] | None, Option(metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z.")] = None
+    rpy: Annotated[list[str] | None, Option(metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z [rad].")] = None
     quat_xyzw: Annotated[list[str] | None, Option(metavar="X,Y,Z,W", help="Orientation, scalar last.")] = None
     quat_wxyz: Annotated[list[str] | None, Option(metavar="W,X,Y,Z", help="Orientation, scalar first.")] = None
-    rotvec: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Rotation axis times angle.")] = None
+    rotvec: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Rotation axis times angle [rad].")] = None
     q: Annotated[
         list[str] | None,
         Option(

@@ -13,6 +13,7 @@ from urdf_ik.paths.path_settings import COSTS
 from urdf_ik.paths.planner import graph
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
+from urdf_ik.paths.watch import Watch
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import largest_apart
 from urdf_ik.support.text import quoted
@@ -51,6 +52,8 @@ class CheckedSettings:
         limit_cost: weight of the cost of being near a joint limit.
         reconfigure: whether the branch may be changed.
         looser: whether a plan may stray ``LOOSER`` times as far where no plan stays within the tolerance.
+        watch: the time limit and the progress of the search.
+        whole: the solver and the obstacles of the whole search; parts of it hold a parameter, or leave obstacles out.
     """
 
     solver: Solver
@@ -65,6 +68,8 @@ class CheckedSettings:
     limit_cost: float
     reconfigure: bool
     looser: bool
+    watch: Watch
+    whole: tuple[Solver, Obstacles | None]
 
     @property
     def window(self) -> Array:
@@ -105,6 +110,8 @@ def checked(solver: Solver, T: Array, given: PathSettings, obstacles: Obstacles 
         limit_cost=inputs.number(given.limit_cost, "limit_cost", low=0.0),
         reconfigure=inputs.flag(given.reconfigure, "reconfigure"),
         looser=given.tolerance is None and not given.reconfigure,
+        watch=Watch(given.time_limit, given.progress),
+        whole=(solver, obstacles),
     )
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik.support.settings import Form, documented, setting
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from urdf_ik.cell import World
 
 COSTS = ("l1", "l2", "max", "time")
@@ -16,7 +18,10 @@ COSTS = ("l1", "l2", "max", "time")
 @documented
 @dataclass(frozen=True)
 class PathSettings:
-    """Settings of a path: the keyword arguments of :meth:`urdf_ik.Arm.follow`, and the options of ``urdf-ik path``."""
+    """Settings of a path: the keyword arguments of :meth:`urdf_ik.Arm.follow`, and the options of ``urdf-ik path``.
+
+    ``progress``, a function, is called with what is being looked at, in words; it is no option of the command.
+    """
 
     start: Any = setting(
         None, "Joint vector at the first waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
@@ -58,3 +63,10 @@ class PathSettings:
     reconfigure: bool = setting(
         False, "Whether the branch may change, as seldom as possible, where no motion leads all the way.", Form.FLAG
     )
+    time_limit: float | None = setting(
+        None,
+        "Longest time to search; then the best plan so far is returned, with what was not looked at.",
+        Form.NUMBER,
+        "s",
+    )
+    progress: Callable[[str], object] | None = None

@@ -13,7 +13,8 @@ from urdf_ik.support.text import Section
 def title(plan: Any) -> str:
     """Whose plan it is, whether it was found, and whether contacts were checked."""
     found = f"Plan of {plan.solver.name}: {'found' if plan.found else 'not found'}, {len(plan.poses)} waypoints"
-    return f"{found}, contacts not checked: {plan.unchecked}" if plan.unchecked else found
+    found = f"{found}, contacts not checked: {plan.unchecked}" if plan.unchecked else found
+    return f"{found}, {plan.unlooked}" if plan.unlooked else found
 
 
 def lines(plan: Any) -> list[str]:

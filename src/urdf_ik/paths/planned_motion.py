@@ -59,7 +59,7 @@ class Stop(NamedTuple):
     Attributes:
         branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
         waypoint: number of the first waypoint that cannot be reached from it.
-        cause: 'reach', 'limit', 'contact' or 'jump'.
+        cause: 'reach', 'limit', 'contact' or 'jump'; 'time' where the time limit ended the search before any plan.
         reason: the cause in words, with the number, the joint or the bodies.
     """
 
@@ -117,6 +117,7 @@ class Plan:
         obstacles: the bodies that the plan stays clear of; None where collisions are not checked.
         others: computes the ``alternatives`` at their first use.
         unchecked: why contacts were not checked, such as '6 meshes missing' or 'not asked for'; '' where they were.
+        unlooked: what the time limit left out; '' where the search came to its end.
 
     Example:
         >>> import urdf_ik
@@ -140,6 +141,7 @@ class Plan:
     obstacles: Obstacles | None = field(default=None, repr=False)
     others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
     unchecked: str = ""
+    unlooked: str = ""
 
     @property
     def found(self) -> bool:
@@ -214,7 +216,7 @@ class Plan:
 
         Raises:
             ArgumentError: there is no plan, or an argument does not fit.
-            UnsupportedArm: the arm is solved at a swivel angle.
+            UnsupportedArm: the arm is solved for the task 'position and axis'.
 
         Example:
             >>> import urdf_ik
@@ -322,6 +324,7 @@ class Plan:
                 "changes": [change._asdict() for change in self.changes],
                 "stops": [stop._asdict() for stop in self.stops],
                 "contacts": f"not checked: {self.unchecked}" if self.unchecked else "checked",
+                "search": self.unlooked or "complete",
             },
         )
         if path is not None:
@@ -352,6 +355,7 @@ class Plan:
 
     def __str__(self) -> str:
         unchecked = f", contacts not checked: {self.unchecked}" if self.unchecked else ""
+        unchecked += f", {self.unlooked}" if self.unlooked else ""
         if not self.found:
             return f"no plan for {self.solver.name} along {len(self.poses)} waypoints{unchecked}\n{self.explain()}"
         changes = f", {len(self.changes)} reconfigurations" if self.changes else ""

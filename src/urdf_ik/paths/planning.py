@@ -13,13 +13,14 @@ from urdf_ik.paths import checked_settings as settings_of
 from urdf_ik.paths import waypoints
 from urdf_ik.paths.followed_names import followed
 from urdf_ik.paths.path_settings import PathSettings
-from urdf_ik.paths.planned_motion import Stop
+from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
-from urdf_ik.paths.planner.assembly import cut_coarse, made, not_found, priced
+from urdf_ik.paths.planner.assembly import cut_coarse, made, not_found, offer, priced
 from urdf_ik.paths.planner.obstacles import Obstacles
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.stops import stops_of
+from urdf_ik.paths.watch import TimeIsUp
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 
@@ -77,12 +78,29 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     bodies, unchecked = cell.to_check(given.collisions, given.world)
     obstacles = None if bodies is None else Obstacles(bodies, margin)
     checked = settings_of.checked(solver, path, given, obstacles)
-    plan = _within_limits(checked, _plan(checked, path))
-    if not plan.found and checked.looser and any(stop.cause == "jump" for stop in plan.stops):
-        # If there is no plan either, report its stops: the tolerance was not the cause.
-        looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
-        plan = _within_limits(looser, _plan(looser, path))
+    try:
+        plan = _within_limits(checked, _plan(checked, path))
+        if not plan.found and checked.looser and any(stop.cause == "jump" for stop in plan.stops):
+            # If there is no plan either, report its stops: the tolerance was not the cause.
+            checked.watch.begin(f"looking for a plan within {settings_of.LOOSER:g} times the tolerance")
+            looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
+            plan = _within_limits(looser, _plan(looser, path))
+    except TimeIsUp:
+        plan = _so_far(checked, path)
+    finally:
+        checked.watch.close()
     return followed(replace(plan, unchecked=unchecked))
+
+
+def _so_far(settings: CheckedSettings, path: Array) -> Plan:
+    """The best plan at the end of the time limit; without one, a plan that says so."""
+    watch = settings.watch
+    unlooked = f"ended by the time limit of {watch.limit:g} s while {watch.doing}: what comes after was not looked at"
+    if watch.best is None:
+        plan = not_found(settings, path, [Stop(EVERY_BRANCH, 0, "time", f"the search was {unlooked}")])
+    else:
+        plan = _within_limits(settings, watch.best.with_others(lambda: ()))
+    return replace(plan, unlooked=unlooked)
 
 
 def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:
@@ -131,10 +149,13 @@ def _plan(settings: CheckedSettings, path: Array) -> Plan:
     if settings.solver.parameter is not None:
         return redundant.plan(settings, path)
     solver, joints = settings.solver, settings.joints
+    settings.watch.begin("solving every waypoint and looking for the cheapest way")
     refined = cut_coarse(settings, path)
     nodes = node_sets.with_representatives(solver, joints, refined.T, _nodes(settings, refined.T))
     graph = priced(settings, refined, nodes.layers(refined.T))
-    search = Search(solver, graph, settings.tolerance, settings.obstacles, reconfigure=settings.reconfigure)
+    search = Search(
+        solver, graph, settings.tolerance, settings.obstacles, settings.watch, reconfigure=settings.reconfigure
+    )
     way = search.best()
     if way is not None:
         return made(settings, path, refined, search, way)
@@ -145,6 +166,7 @@ def _plan(settings: CheckedSettings, path: Array) -> Plan:
 def _with_free_axis(settings: CheckedSettings, path: Array) -> Plan:
     """The cheapest of plans that turn about the free axis and of the one that does not: it never costs more."""
     held = _held(settings, path)
+    offer(settings, held)
     turning = redundant.plan(settings, path)
     plans = [turning] if held is None else [turning, held, redundant.beside(settings, path, held)]
     found = [plan for plan in plans if plan is not None and plan.found]

@@ -18,13 +18,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
+from browser import CHROMIUM, INSTALL, PATIENCE, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik.model import catalogue
 
-playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+pytest.importorskip("playwright.sync_api", reason=INSTALL)
 pytest.importorskip("viser", reason=INSTALL)
 
 from PIL import Image  # noqa: E402  it comes with viser
@@ -113,13 +113,11 @@ def changed(first: NDArray[np.int_], second: NDArray[np.int_]) -> int:
 @pytest.fixture(scope="module")
 def opened() -> Iterator[Seen]:
     """One browser and one viewer for all tests."""
-    with Viewer(urdf_ik.load(ARM), port=0) as viewer, playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
+    with Viewer(urdf_ik.load(ARM), port=0) as viewer, chromium() as browser:
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
         seen = Seen(viewer, page)
         seen.enter()
         yield seen
-        browser.close()
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
+from browser import CHROMIUM, INSTALL, PATIENCE, chromium
 
 import urdf_ik
 from urdf_ik.model import catalogue
 
-playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+pytest.importorskip("playwright.sync_api", reason=INSTALL)
 pytest.importorskip("viser", reason=INSTALL)
 
 from urdf_ik.show.viewer import Viewer  # noqa: E402
@@ -26,8 +26,7 @@ def test_a_narrow_window_shows_whole_labels() -> None:
     """On a telephone no label is cut off or reaches beyond the page, and the panel is as wide as the page."""
     text = catalogue.resolve("zyyzyz_6r").path.read_text()
     bare = re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL)  # lines and frames are quickly drawn
-    with Viewer(urdf_ik.load(bare), port=0) as viewer, playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
+    with Viewer(urdf_ik.load(bare), port=0) as viewer, chromium() as browser:
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
         page.goto(viewer.url)
         page.get_by_role("button", name="Save the scene as HTML").wait_for(timeout=1000 * PATIENCE)
@@ -37,4 +36,3 @@ def test_a_narrow_window_shows_whole_labels() -> None:
             assert beyond <= 1 and below <= 1 and right <= WIDTH, label
         panel = page.get_by_text("Joints").first.evaluate("e => e.closest('.mantine-ScrollArea-root').offsetWidth")
         assert panel == WIDTH
-        browser.close()

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from urdf_ik.cli.console import Angles
     from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 
-_LOCAL = (
-    "a solution's name is the sign of the Jacobian's determinant, which changes only across a singularity, and a "
-    "number, which orders the solutions of one pose and says nothing about another one"
-)
+_NUMBER = "a number, which orders the solutions of one pose and says nothing about another one"
+_SIGN = "the sign of the Jacobian's determinant, which changes only across a singularity"
+_NUMBERED = f"where geometry gives no name: {_NUMBER}"
+_SIGNED = f"where geometry gives no name: {_SIGN}, and {_NUMBER}"
 _UNSOLVED = "none: no solver takes this structure"
 
 
@@ -171,7 +171,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
         if local_names.local(structure.branches):
-            solver.append(("names", _LOCAL))
+            solver.append(("names", _NUMBERED if local_names.square(arm.solver) is None else _SIGNED))
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
     if allowed := len(arm.cell.disabled):

@@ -118,6 +118,8 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
     lines: list[Table | str] = [head]
     if found.world is not None:
         lines.append(f"world: {', '.join(found.world.names)}")
+    if plan.unlooked:
+        lines.append(plan.unlooked)
     if plan.unchecked:
         lines.append(f"contacts not checked: {plan.unchecked}")
     took = f"in {found.seconds:.2f} s"
@@ -239,6 +241,7 @@ def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
         "seconds": found.seconds,
         "found": plan.found,
         "contacts": f"not checked: {plan.unchecked}" if plan.unchecked else "checked",
+        "search": plan.unlooked or "complete",
         "stops": [stop._asdict() for stop in plan.stops],
     }
     if plan.found:

@@ -171,11 +171,12 @@ def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles
     values = np.array([console.numbers(text, option, ORIENTATIONS[option]) for text in _typed_as(typed, option)])
     if len(values) not in (1, count):
         raise console.usage(f"{len(values)} orientations for {count} positions; give one for all, or one each", option)
-    if angles.degrees and not option.startswith("--quat"):
+    in_degrees = angles.degrees and not option.startswith("--quat")
+    if in_degrees:
         values = np.deg2rad(values)
     values = np.broadcast_to(values, (count, values.shape[1]))
     poses = pose(positions, **{option.removeprefix("--").replace("-", "_"): values})
-    return Target(poses, "target: as typed", source="--xyz")
+    return Target(poses, f"target: as typed{f', {option} in degrees' if in_degrees else ''}", source="--xyz")
 
 
 def _of_less(arm: Arm) -> str:

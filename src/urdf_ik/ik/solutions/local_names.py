@@ -54,6 +54,20 @@ def signed(names: NDArray[np.object_], q: Array, singular: NDArray[np.uint8], so
     return out
 
 
+def square(solver: Solver) -> list[int] | None:
+    """The joints that move, where the task has as many numbers: only there is a determinant. None elsewhere.
+
+    Example:
+        >>> import urdf_ik
+        >>> square(urdf_ik.load("srs_7r").with_redundancy("joint_1").solver), square(urdf_ik.load("planar_2r").solver)
+        ([1, 2, 3, 4, 5, 6], None)
+    """
+    held = {each.joint for each in solver.parameters if each.kind == LOCKED_JOINT}
+    moving = [k for k, name in enumerate(solver.joint_names) if name not in held]
+    others = len(solver.parameters) > len(held)
+    return None if others or len(moving) != _ROWS.get(solver.task) else moving
+
+
 def determinant_signs(solver: Solver, q: Array) -> NDArray[np.int8] | None:
     """(...) 1 or -1, the sign of the Jacobian's determinant at joint vectors (..., n); 0 for rows of NaN.
 
@@ -65,14 +79,10 @@ def determinant_signs(solver: Solver, q: Array) -> NDArray[np.int8] | None:
         >>> determinant_signs(urdf_ik.load("puma_560").solver, np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
         array(1, dtype=int8)
     """
-    held = {each.joint for each in solver.parameters if each.kind == LOCKED_JOINT}
-    moving = [k for k, name in enumerate(solver.joint_names) if name not in held]
-    others = len(solver.parameters) > len(held)
-    rows = _ROWS.get(solver.task)
-    if len(moving) != rows or others:
+    if (moving := square(solver)) is None:
         return None
     whole, gone = filled(q)
-    J = np.array(solver.chain.jacobian(whole))[..., :rows, moving]
+    J = np.array(solver.chain.jacobian(whole))[..., : len(moving), moving]
     J[..., :3, :] /= solver.chain.size
     signs = np.where(gone, 0, np.sign(np.linalg.det(J)))
     return np.asarray(signs, dtype=np.int8)

@@ -80,6 +80,17 @@ def made(
     )  # fmt: skip
 
 
+def offer(settings: CheckedSettings, plan: Plan | None) -> None:
+    """Keep a plan of the whole search for the case that the time limit passes before a better one is found."""
+    if plan is None or not plan.found or settings.solver is not settings.whole[0]:
+        return
+    if settings.obstacles is not settings.whole[1]:
+        return
+    best = settings.watch.best
+    if best is None or (len(plan.changes), plan.cost) < (len(best.changes), best.cost):
+        settings.watch.best = plan
+
+
 def _kept(settings: CheckedSettings) -> tuple[float, float]:
     return settings.tolerance.position, settings.tolerance.rotation
 

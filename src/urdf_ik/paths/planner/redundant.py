@@ -10,7 +10,7 @@ import numpy as np
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
-from urdf_ik.paths.planner.assembly import Refined, add_margins, cut_coarse, made, not_found, priced
+from urdf_ik.paths.planner.assembly import Refined, add_margins, cut_coarse, made, not_found, offer, priced
 from urdf_ik.paths.planner.closed_waypoints import FINEST, closed_waypoint, grid_values, is_closed
 from urdf_ik.paths.planner.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing
 from urdf_ik.paths.planner.limit_windows import narrow
@@ -100,12 +100,14 @@ def plan(settings: CheckedSettings, path: Array) -> Plan:
     """
     obstacles = settings.obstacles
     if obstacles is not None and not settings.reconfigure:
+        settings.watch.begin("looking for the best way without obstacles")
         alone = _searched(replace(settings, obstacles=None), path)
         q = alone.motion
         if alone.found and obstacles.free(q).all() and obstacles.motions_free(q[:-1], q[1:]).all():
             return replace(alone, obstacles=obstacles, others=lambda: _searched(settings, path).alternatives)
         if alone.found and (stop := closed_waypoint(settings, path, alone.q)) is not None:
             return not_found(settings, path, [stop])
+        settings.watch.begin("looking for a way around the obstacles")
     return _searched(settings, path)
 
 
@@ -119,6 +121,7 @@ def _searched(settings: CheckedSettings, path: Array) -> Plan:
         if found is not None:
             return found
     for count in GRIDS:
+        settings.watch.begin(f"solving {count} values of the {_label(settings)} at every waypoint")
         nodes, step = _nodes(settings, whole, count, closely=count > GRIDS[0])
         if count < GRIDS[-1] and len(np.unique(nodes.at)) < len(whole.T):
             continue  # a waypoint that has no value on this grid may have one on a finer one
@@ -229,7 +232,9 @@ def _search(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Search
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
     graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE, settings.solver.free_axis)
     add_margins(settings, graph)
-    return Search(settings.solver, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
+    return Search(
+        settings.solver, graph, None, settings.obstacles, settings.watch, reconfigure=settings.reconfigure
+    )
 
 
 def _ends(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Nodes:
@@ -274,16 +279,22 @@ def _plan(
         return tuple(sorted((each for each in found if each is not None), key=lambda each: each.cost))
 
     best: Plan | None = None
-    for guide in close:
+    for k, guide in enumerate(close):
         # What a way costs at some waypoints is hardly more than what it costs at all of them.
         if best is not None and (len(best.changes), best.cost) <= _order(guide):
             break
+        settings.watch.begin(f"following way {k + 1} of {len(guides)} from the first waypoint")
         plan = finished(guide)
+        offer(settings, plan)
         if plan is not None and (best is None or (len(plan.changes), plan.cost) < (len(best.changes), best.cost)):
             best = plan
     for guide in rest:
         best = finished(_improved(settings, refined, guide, step)) if best is None else best
     return None if best is None else best.with_others(others)
+
+
+def _label(settings: CheckedSettings) -> str:
+    return "" if settings.solver.parameter is None else settings.solver.parameter.label
 
 
 def _order(guide: Guide) -> tuple[int, float]:
@@ -388,5 +399,6 @@ def _around(settings: CheckedSettings, refined: Refined, guide: Guide, step: flo
         graph,
         settings.tolerance if last else None,
         settings.obstacles,
+        settings.watch,
         reconfigure=settings.reconfigure,
     )

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from urdf_ik.paths.planner.graph import Graph, Way
     from urdf_ik.paths.planner.obstacles import Obstacles
     from urdf_ik.paths.planner.straightness import Tolerance
+    from urdf_ik.paths.watch import Watch
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
@@ -42,6 +43,7 @@ class Search:
         graph: Graph,
         tolerance: Tolerance | None,
         obstacles: Obstacles | None,
+        watch: Watch,
         *,
         reconfigure: bool = False,
     ) -> None:
@@ -53,10 +55,12 @@ class Search:
             tolerance: that motions must keep to; None: they are neither proven nor asked about contacts, only joint
                 vectors are.
             obstacles: what to stay clear of.
+            watch: the time limit of the search.
             reconfigure: whether the branch may be changed, as rarely as possible.
         """
         self.solver, self.graph = solver, graph
         self.tolerance, self.obstacles, self.reconfigure = tolerance, obstacles, reconfigure
+        self._watch = watch
         self.hits = np.zeros(len(graph.layers.q), dtype=np.bool_)
         self.swept = np.zeros(len(graph.end), dtype=np.bool_)
         self._clear = self.hits.copy()
@@ -65,8 +69,13 @@ class Search:
         self._stale = True
 
     def best(self, nodes: Mask | None = None) -> Way | None:
-        """The cheapest way that passes; of those that begin at the first waypoint's nodes where ``nodes`` holds."""
+        """The cheapest way that passes; of those that begin at the first waypoint's nodes where ``nodes`` holds.
+
+        Raises:
+            TimeIsUp: the time limit has passed.
+        """
         while True:
+            self._watch.check()
             if self._stale:
                 self.graph.solve(self.reconfigure)
                 self._stale = False

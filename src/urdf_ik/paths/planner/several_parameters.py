@@ -23,7 +23,7 @@ from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
-from urdf_ik.paths.planner.assembly import Refined, cut_coarse, made, priced
+from urdf_ik.paths.planner.assembly import Refined, cut_coarse, made, offer, priced
 from urdf_ik.paths.planner.graph import COSTS
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.nodes import Nodes
@@ -112,6 +112,7 @@ def plan(settings: CheckedSettings, path: Array, plan_of_one: Callable[[CheckedS
             found.append(replace(one, solver=settings.solver, poses=path,
                                  q=held.whole(one.q), motion=held.whole(one.motion),
                                  obstacles=settings.obstacles, others=None))  # fmt: skip
+            offer(settings, found[-1])
         elif stopped is None or stopped.stops[0].waypoint < one.stops[0].waypoint:
             stopped = one
     if not found:
@@ -208,7 +209,7 @@ def _improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | Non
         if given is not None:
             nodes.q[at], nodes.counts[at] = given, 1
     search = Search(settings.solver, priced(settings, whole, nodes.layers(whole.T)), settings.tolerance,
-                    settings.obstacles)  # fmt: skip
+                    settings.obstacles, settings.watch)  # fmt: skip
     way = search.best()
     if way is None or way.cost >= known.cost:
         return None
