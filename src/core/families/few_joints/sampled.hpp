@@ -83,13 +83,7 @@ struct Sampled {
         }
         sort(columns);
         // A search cannot prove that its result is complete.
-        bool curve = false;
-        for (int b = 0; b < columns.many && !curve; ++b) {
-            double q[6];
-            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-            curve = columns.valid(b) && is_on_curve(arm, goal, q, {40, CONVERGED, LONG_PATIENCE}, CONVERGED);
-        }
-        set_status(columns.flags[0], curve ? Status::continuum : Status::incomplete);
+        set_status(columns.flags[0], keep_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
     }
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
