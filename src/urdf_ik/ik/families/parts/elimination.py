@@ -175,7 +175,8 @@ def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> Var
         return unmoved.at(np.array([0]))
 
     def proven(of: Variants) -> NDArray[np.int64]:
-        return np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
+        out: NDArray[np.int64] = np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
+        return out
 
     # What these would prove, were they as exact as rounding lets them be.
     guessed = proven(replace(unmoved, inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
