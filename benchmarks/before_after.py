@@ -43,13 +43,14 @@ OTHERS: dict[str, tuple[str, str, str]] = {
     "Sawyer": ("rethink_sawyer.urdf", "base", "right_l6"),
 }
 # Arms of robots.py, by the names of its variables.
-MADE = ("UR5E", "IRB2400", "ZYYZYZ", "CALIBRATED_UR10E", "CRX", "KINOVA")
+MADE = ("UR5E", "IRB2400", "ZYYZYZ", "CALIBRATED_UR10E", "CALIBRATED_UR5E", "CRX", "KINOVA")
 SEVEN = ("FR3", "xArm7", "Gen3", "iiwa R820", "Sawyer")
 LABELS = {
-    "UR5E": "UR5e",
     "IRB2400": "IRB 2400",
     "ZYYZYZ": "z y y z y z",
     "CALIBRATED_UR10E": "calibrated UR10e",
+    "CALIBRATED_UR5E": "calibrated UR5e",
+    "UR5E": "UR5e",
     "CRX": "CRX-10iA/L",
     "KINOVA": "Kinova j2n6s300",
 }
@@ -227,8 +228,8 @@ ROWS = (
     *(
         Row(f"{name}, {'round' if is_round else 'random'} poses", poses, (name, count, is_round), "us a pose")
         for name, count in (("CRX", 60), ("Puma 560", 60), ("AIRBOT Play", 60), ("KINOVA", 60),
-                            ("Gen3 lite", 60), ("CALIBRATED_UR10E", 200), ("UR5E", 400), ("IRB2400", 400),
-                            ("ZYYZYZ", 400))
+                            ("Gen3 lite", 60), ("CALIBRATED_UR10E", 200), ("CALIBRATED_UR5E", 200), ("UR5E", 400),
+                            ("IRB2400", 400), ("ZYYZYZ", 400))
         for is_round in (True, False)
     ),
     *(Row(f"intervals, {name}", intervals, (name, 40), "us a pose") for name in SEVEN),

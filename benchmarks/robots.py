@@ -252,28 +252,20 @@ def _sum(values: Sequence[float], deltas: Sequence[float]) -> list[float]:
 
 UR10E = Robot("UR10e", _from_dh("ur10e", _UR10E_A, _UR10E_D, _UR10E_ALPHA, (0.0,) * 6), "three parallel")
 # UR5e, from its published table likewise.
-UR5E = Robot(
-    "UR5e",
-    _from_dh(
-        "ur5e",
-        (0.0, -0.425, -0.3922, 0.0, 0.0, 0.0),
-        (0.1625, 0.0, 0.0, 0.1333, 0.0997, 0.0996),
-        _UR10E_ALPHA,
-        (0.0,) * 6,
-    ),
-    "three parallel",
-)
-CALIBRATED_UR10E = Robot(
-    "calibrated UR10e",
-    _from_dh(
-        "ur10e_calibrated",
-        _sum(_UR10E_A, _DELTA_A),
-        _sum(_UR10E_D, _DELTA_D),
-        _sum(_UR10E_ALPHA, _DELTA_ALPHA),
-        _DELTA_THETA,
-    ),
-    "general",
-)
+_UR5E_A = (0.0, -0.425, -0.3922, 0.0, 0.0, 0.0)
+_UR5E_D = (0.1625, 0.0, 0.0, 0.1333, 0.0997, 0.0996)
+UR5E = Robot("UR5e", _from_dh("ur5e", _UR5E_A, _UR5E_D, _UR10E_ALPHA, (0.0,) * 6), "three parallel")
+
+
+def _calibrated(name: str, a: Sequence[float], d: Sequence[float]) -> Robot:
+    """One of these arms with the deviations."""
+    alpha = _sum(_UR10E_ALPHA, _DELTA_ALPHA)
+    urdf = _from_dh(f"{name.lower()}_calibrated", _sum(a, _DELTA_A), _sum(d, _DELTA_D), alpha, _DELTA_THETA)
+    return Robot(f"calibrated {name}", urdf, "general")
+
+
+CALIBRATED_UR10E = _calibrated("UR10e", _UR10E_A, _UR10E_D)
+CALIBRATED_UR5E = _calibrated("UR5e", _UR5E_A, _UR5E_D)
 
 
 def _random_6r(seed: int) -> str:

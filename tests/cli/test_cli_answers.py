@@ -106,6 +106,13 @@ def test_an_answer_says_that_its_pose_was_typed_in_degrees() -> None:
     assert "Roll, pitch, yaw about fixed x, y, z [rad]." in text and "those of --rpy and --rotvec too." in text
 
 
+def test_degrees_typed_as_radians_are_said() -> None:
+    """Angles of more than a turn are told with their unit and the option that reads degrees; others are not."""
+    pose = ("ik", ARM, "--xyz", "0.4", "0", "0.3", "--rpy")
+    assert "in rad, of which 90 are 14.3 turns" in " ".join(succeed(*pose, "0", "90", "0").split())
+    assert "in rad, of which" not in " ".join(succeed(*pose, "0", "1.57", "0").split())
+
+
 def test_degrees_are_the_same_answers() -> None:
     """--degrees turns every angle, in and out, and changes nothing else."""
     radians = strict_json(succeed("ik", ARM, "--q", TYPED, "-f", "json"))

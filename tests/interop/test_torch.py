@@ -7,9 +7,10 @@ import sys
 
 import numpy as np
 import pytest
+from arms_hollow import hollow
 
 import urdf_ik
-from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.errors import ArgumentError
 
 torch = pytest.importorskip("torch", reason="torch is not installed: pip install 'urdf-ik[torch]'")
 func = pytest.importorskip("torch.func")
@@ -152,19 +153,38 @@ def test_gradcheck_at_a_swivel_angle_twice() -> None:
     assert torch.autograd.gradgradcheck(one, (T, at), eps=1e-7, atol=1e-3, rtol=1e-3)
 
 
-def test_joints_that_mimic_others_have_derivatives() -> None:
-    """Those of dq_dT; by the URDF's numbers they are refused in words, as at a swivel angle."""
+def mimicking() -> urdf_ik.Arm:
+    """Four joints that drive five axes."""
     xml = SIX.model.xml.decode()
-    joint = xml.index('<joint name="joint_5"')
-    end = xml.index("</joint>", joint)
-    arm = urdf_ik.load(xml[:end] + '<mimic joint="joint_3" multiplier="0.5"/>' + xml[end:], locked={"joint_1": 0.0})
+    end = xml.index("</joint>", xml.index('<joint name="joint_5"'))
+    return urdf_ik.load(xml[:end] + '<mimic joint="joint_3" multiplier="0.5"/>' + xml[end:], locked={"joint_1": 0.0})
+
+
+def test_joints_that_mimic_others_have_derivatives() -> None:
+    """Those of dq_dT, and by the URDF's numbers, multipliers' offsets among them, those of dq_dgeometry."""
+    arm = mimicking()
     T = torch.tensor(arm.fk(Q6[[1, 2, 3, 5]]))
     s = arm.ik(T.numpy())
     steady = s.valid & (np.linalg.norm(s.dq_dT(), axis=(-2, -1)) < 50.0)
     assert steady.any()
-    J = torch.autograd.functional.jacobian(lambda T: urdf_ik.torch.ik(arm, T, at_folds="nan").q, T)
-    np.testing.assert_allclose(J.numpy()[steady][..., :3, 3], s.dq_dT()[steady][..., :3], atol=1e-8)
-    swivelling = urdf_ik.load("srs_7r")
-    for each, why in ((arm, "mimic others"), (swivelling, "swivel angle")):
-        with pytest.raises(UnsupportedArm, match=why):
-            urdf_ik.torch.ik(each, torch.eye(4, dtype=torch.float64), geometry=urdf_ik.torch.geometry(each))
+    J = torch.autograd.functional.jacobian(lambda T: urdf_ik.torch.ik(arm, T, at_folds="nan").q[steady], T)
+    np.testing.assert_allclose(J.numpy()[..., :3, 3], s.dq_dT()[steady][..., :3], atol=1e-8)
+    G = torch.autograd.functional.jacobian(
+        lambda g: urdf_ik.torch.ik(arm, T, geometry=g, at_folds="nan").q[steady], urdf_ik.torch.geometry(arm)
+    )
+    np.testing.assert_allclose(G.numpy(), s.dq_dgeometry()[steady], atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["swivel", "hollow wrist"])
+def test_gradcheck_of_the_urdfs_numbers(name: str) -> None:
+    """By torch's own differences, which solve URDFs with other numbers: at a swivel angle axes meet no more."""
+    arm = urdf_ik.load("srs_7r") if name == "swivel" else urdf_ik.load(hollow("mirrored"), "base", "tool")
+    q = Q7 if name == "swivel" else Q6
+    T, at = torch.tensor(arm.fk(q)), arm.redundancy_of(q) if name == "swivel" else None
+
+    def nearest(g: torch.Tensor) -> torch.Tensor:
+        found = urdf_ik.torch.ik(arm, T, geometry=g, redundancy=at, at_folds="nan").q
+        return found[(found.detach() - torch.tensor(q)).abs().amax(-1).nan_to_num(9.0).argmin()]
+
+    g = urdf_ik.torch.geometry(arm).requires_grad_(True)
+    assert torch.autograd.gradcheck(nearest, (g,), eps=1e-6, atol=1e-4, rtol=1e-4)

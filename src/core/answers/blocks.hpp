@@ -236,7 +236,7 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
     if constexpr (branches_have_signs<Family>()) {
         project_rotation(T, proper);
-        set_status(columns.flags[0], status_by_inclusion<Family>(arm, to_frame_1<double>(proper, arm.ideal), columns));
+        set_status(columns.flags[0], status_by_inclusion<Family>(arm, goal_of(proper), columns));
     }
 }
 

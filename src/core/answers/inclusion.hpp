@@ -12,8 +12,8 @@
 //   other   a margin may have either sign: two solutions, one double root or none
 #pragma once
 
-#include "answers/answer.hpp"
 #include "answers/branch.hpp"
+#include "answers/on_curve.hpp"
 #include "arithmetic/ball.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -147,15 +147,13 @@ template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, con
         if (alone & boxes.sure()) alone &= boxes.sure();
         owned |= alone & -alone;
     }
+    // A solution on the curve of a box that leaves a joint free decides the status, whatever is open elsewhere.
+    if (boxes.free & there & ~owned & met) return Status::continuum;
     Status status = owned & ~boxes.sure() ? Status::clustered : Status::complete;
     for (int b = 0; b < 8; ++b) {
         const unsigned bit = 1u << b;
         if (!(there & ~owned & bit)) continue;
-        if (boxes.free & bit) {
-            if (!(met & bit)) return Status::incomplete;
-            status = Status::continuum;
-            continue;
-        }
+        if (boxes.free & bit) return Status::incomplete;
         unsigned tiny = 0, twins = bit;
         for (int j = 0; j < 6; ++j) {
             if (boxes.chord[j][b] > BESIDE) return Status::incomplete;
@@ -166,14 +164,15 @@ template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, con
         }
         for (int c = 0; c < 8; ++c) twins |= unsigned(!(unsigned(b ^ c) & ~tiny)) << c;
         if (!(twins & owned)) return Status::incomplete;
-        if (status == Status::complete) status = Status::clustered;
+        status = Status::clustered;
     }
     return status;
 }
 
-// The status of one pose of an exact arm whose solutions are in the columns; seen: its target, whose rotation is a rotation.
+// The status of one pose of an exact arm whose solutions are in the columns. Its rotation is a rotation.
 template <class Family>
-PART Status status_by_inclusion(const typename Family::Arm& arm, const Seen<double>& seen, const Columns<6>& columns) {
+PART Status status_by_inclusion(const typename Family::Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    const Seen<double> seen = to_frame_1(goal, arm.ideal);
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const auto& [turn, shift, length] = arm.ideal.displacement;
     const double far = arm.ideal.size + sqrt(dot(seen.p, seen.p));
@@ -181,7 +180,8 @@ PART Status status_by_inclusion(const typename Family::Arm& arm, const Seen<doub
     for (int first = 0; first < 8; first += BLOCK) {
         include<Family>(arm, {target.R, target.p}, turn[0] + TARGET_ROUNDING, shift[0] + TARGET_ROUNDING * far, first, boxes);
     }
-    return decided(arm, boxes, columns);
+    const Status status = decided(arm, boxes, columns);
+    return status == Status::incomplete && keep_curve(arm.written, goal, columns) ? Status::continuum : status;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -46,6 +46,9 @@ void read_common(const Values& values, EliminationArm& to) {
 void read(const Values& values, EliminationArm& to) {
     read_common(values, to);
     read_variant(*values.group("variant"), 1, 0, to.variant);
+    read_variant(*values.group("counter"), 1, 0, to.counter);
+    to.counter_apart = to.counter.first != to.variant.first || to.counter.reversed != to.variant.reversed ||
+                       to.counter.inexact[0] != to.variant.inexact[0];
 }
 
 namespace {

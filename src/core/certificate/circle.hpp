@@ -42,7 +42,7 @@ inline constexpr int MOST_ARCS = 160;
 // Arcs start no wider than this [rad], so that powers of 1 + tau do not lose digits, and end at the least width that angles of
 // rounded cosines allow.
 inline constexpr double WIDEST_ARC = 0.6, NARROWEST_ARC = 1e-12;
-// An arc is cut beside its middle, where a zero often is.
+// An arc is cut beside the middle of its widest gap without a known zero: in the middle itself may be another one.
 inline constexpr double CUT = 0.07;
 // Known zeros nearer than this [rad] are looked at together first.
 inline constexpr double TOGETHER = 0.1;
@@ -134,15 +134,26 @@ PART int zeros_on_circle(const OnCircle& p, double* known, int many) {
         }
         const ArcsDecided found = zeros_on(p, centre, half);
         for (int l = 0; l < lanes; ++l) {
+            const double low = now[l].centre - now[l].half, high = now[l].centre + now[l].half;
+            // The widest gap between the ends and the known zeros in between, from where it starts.
+            double last = low, start = low, widest = 0.0;
             int here = 0;
-            for (int i = 0; i < many; ++i) here += abs(wrap(wrap(known[i] - now[l].centre))) < now[l].half;
+            for (int round = 0; round < 2; ++round) {
+                for (int i = 0; i < many; ++i) {
+                    const double at = known[i] + 2.0 * PI * round;
+                    if (!(at > low && at < high)) continue;
+                    if (at - last > widest) widest = at - last, start = last;
+                    last = at, ++here;
+                }
+            }
+            if (high - last > widest) widest = high - last, start = last;
             if (found.one >> l & 1) ++zeros;
             else if ((found.two >> l & 1) && here > 1) zeros += 2;
             else if (!(found.none >> l & 1)) {
                 if (now[l].half < NARROWEST_ARC) return -1;
-                const double low = now[l].half * (0.5 + CUT), high = now[l].half * (0.5 - CUT);
-                arc[waiting++] = {now[l].centre - now[l].half + low, low};
-                arc[waiting++] = {now[l].centre + now[l].half - high, high};
+                const double middle = start + widest * (0.5 + CUT);
+                arc[waiting++] = {0.5 * (low + middle), 0.5 * (middle - low)};
+                arc[waiting++] = {0.5 * (middle + high), 0.5 * (high - middle)};
             }
         }
     }

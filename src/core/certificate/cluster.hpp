@@ -9,13 +9,12 @@
 //   |t| = along:   m along^2 > |g_t| + |A_tt| along + |A_ty| across + |H_t,ty| along across + |H_t,yy| across^2 / 2 + third
 //   third = |T_ttt| along^3 + s across x^2 e^x / 2 + (s_t along)^4 e^x / 24,  x = s_t along + s across >= sum_k |d_k| |zeta_k|,
 //   s^2 = sum_k |zeta_k|^2,  s_t^2 = sum_t (sum_k |V_kt| |zeta_k|)^2,  |zeta_k|^2 = |v_k|^2 + 2 |w_k|^2
-// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2. With one t, the terms in t alone up to the sixth order are
-// computed, and (s_t along)^7 / 7! takes the place of (s_t along)^4 / 4!.
+// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2. With one t, y is counted from the curve y(t) of valley.hpp:
+// the terms in t alone are known up to a higher order, and terms of y(t) join s_t along and |H_yy|.
 // If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
 // right side is convex in |y|: the larger region has no further root.
-// One root, counted in the same way, has the model (A_yy y, A_tt t):
-//   |t| = along:   |A_tt| along > |g_t| + |H_t,tt| along^2 / 2 + the rest as above
-// There is none where |g_t| > |A_tt| along + |H_t,tt| along^2 / 2 + the rest.
+// With one t there may be fewer: one root where the term of first order exceeds the others, f's value among them, and none where
+// the value does.
 // T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials.
 // m is the smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted
 // by the root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each
@@ -24,7 +23,7 @@
 #pragma once
 
 #include "certificate/account.hpp"
-#include "certificate/series.hpp"
+#include "certificate/valley.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -107,81 +106,100 @@ PART double least_of_quadrics(const Local& at, int lost) {
 
 // A ball without roots, or with two that are not real, is left open where a joint vector in it may keep the pose to this.
 inline constexpr double NEARLY_KEPT = 1e-10;
-// What a ball is proven to hold: 2^lost roots, or, with lost = 1, one or none.
-enum class Holds { all, one, none };
-// The smallest ball that is proven to hold these; along is 0 if none is. largest: the largest one.
+// The smallest ball that is proven to hold so many roots; along is 0 if none is. largest: the largest one.
 struct Region {
     double across, along, largest_across, largest_along, m;
-    double rest;   // what g_t may differ from g_t(0) + A_tt t + H_t,tt t^2 / 2 by in the smallest ball
+    double radius;  // of a ball about the centre that holds the smallest one
+    double rest;  // what g_t may differ from its terms up to the second order in t by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
 };
-PART Region ball_of(const Local& at, int lost, Holds what = Holds::all) {
+// Bounds on what a ball's first and second derivatives have outside of the model: |A_yy y| is at least `least` |y|.
+struct Norms {
+    double least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t;
+};
+PART Norms norms_of(const Local& at, int lost) {
     const int n = 6 - lost;
-    const double m = what == Holds::all   ? least_of_quadrics(at, lost)
-                     : what == Holds::one ? sqrt(square(at.A[5][5])) - ROUNDING_OF_FORMS * at.spread
-                                          : sqrt(square(at.g[5])) - at.rounding;
-    Region out = {0.0, 0.0, 0.0, 0.0, m, 0.0, false};
-    if (!at.near || !(out.m > 0.0)) return out;
-    double f_y = 0.0, f_t = 0.0;
-    for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
-    const double size = sqrt(f_y + f_t);
-    f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
-    const double least = at.J.s[n - 1] - norm_of(at, 0, n, 0, n, true);
-    const double A_yt = norm_of(at, n, 6, 0, n), A_ty = norm_of(at, 0, n, n, 6), A_tt = norm_of(at, n, 6, n, 6);
-    const double y_tt = norm_of(at, 0, n, n, 6, n, 6), y_ty = norm_of(at, 0, n, 0, n, n, 6), y_yy = norm_of(at, 0, n, 0, n, 0, n);
-    const double t_ty = norm_of(at, n, 6, 0, n, n, 6), t_yy = norm_of(at, n, 6, 0, n, 0, n);
-    const double t_tt = what == Holds::all ? 0.0 : norm_of(at, n, 6, n, 6, n, 6);
-    AlongLine T = {};
-    if (lost == 1) {
-        T = along_line(at);
-    } else {
-        const ThirdOrder third = third_order(at, lost);
-        T.y[3] = third.y, T.t[3] = third.t;
-    }
-    const auto in_t_alone = [](const double (&of)[HIGHEST + 1], double R) {
-        double sum = 0.0;
-        for (int n = HIGHEST; n > 2; --n) sum = (sum + of[n]) * R;
-        return sum * R * R;
-    };
-    const double s = at.spread;
-    double s_t = 0.0, R = LARGEST_CLUSTER;
+    double sum_t = 0.0;
     for (int v = n; v < 6; ++v) {
         double sum = 0.0;
         for (int k = 0; k < 6; ++k) sum += at.length[k] * sqrt(square(at.J.right[v][k]));
-        s_t += sum * sum;
+        sum_t += sum * sum;
     }
-    s_t = min(SLACK_OF_SUMS * sqrt(s_t), s);
-    // Terms from the third order on that are not in t alone, and those in t of higher order than is known.
-    const auto higher = [&](double R, double rho) {
-        const double a = s_t * R, b = s * rho, x = a + b, aa = a * a;
-        return 0.5 * GROWTH * b * x * x + GROWTH * (lost == 1 ? aa * aa * aa * a / 5040.0 : aa * aa / 24.0);
+    return {at.J.s[n - 1] - norm_of(at, 0, n, 0, n, true),
+            norm_of(at, 0, n, n, 6),
+            norm_of(at, 0, n, 0, n, n, 6),
+            norm_of(at, 0, n, 0, n, 0, n),
+            norm_of(at, n, 6, 0, n, n, 6),
+            norm_of(at, n, 6, 0, n, 0, n),
+            min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
+}
+// valley: with one rank lost; many is then 0, 1 or 2, else 2^lost.
+PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
+    const int n = 6 - lost, order = lost == 1 ? many : 2;
+    double f_y = 0.0, f_t = 0.0;
+    for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
+    const double size = sqrt(f_y + f_t);
+    const double m = lost > 1 ? least_of_quadrics(at, lost) : order ? valley->least[order] : sqrt(f_t) - at.rounding;
+    Region out = {0.0, 0.0, 0.0, 0.0, m, 0.0, 0.0, false};
+    if (!at.near || !(out.m > 0.0)) return out;
+    f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
+    const auto& [least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t] = norms;
+    // Terms in t alone, by order.
+    double y[HIGHEST + 1] = {}, t[HIGHEST + 1] = {};
+    if (valley) {
+        for (int k = 1; k <= HIGHEST; ++k) y[k] = valley->y[k], t[k] = valley->t[k];
+    } else {
+        const ThirdOrder third = third_order(at, lost);
+        y[1] = norm_of(at, n, 6, 0, n), y[2] = 0.5 * norm_of(at, 0, n, n, 6, n, 6), y[3] = third.y;
+        t[1] = norm_of(at, n, 6, n, 6), t[3] = third.t;
+    }
+    const auto in_t_alone = [](const double (&of)[HIGHEST + 1], double R, int from) {
+        double sum = 0.0, power = 1.0;
+        for (int k = 1; k <= HIGHEST; ++k) power *= R, sum += k < from ? 0.0 : of[k] * power;
+        return sum;
     };
+    double others[HIGHEST + 1];
+    for (int k = 0; k <= HIGHEST; ++k) others[k] = k == order ? 0.0 : t[k];
+    const double s = at.spread;
+    double R = LARGEST_CLUSTER, beyond = __builtin_inf();
     for (int k = 0; k < RADII; ++k, R *= QUARTER_DECADE) {
-        const double base = f_y + A_yt * R + 0.5 * y_tt * R * R + in_t_alone(T.y, R), slope = least - y_ty * R;
+        // The curve's height, and the norm of its joint values; terms in t alone of higher order than is known.
+        const double height = valley ? valley->height(R) : 0.0, a = s_t * R + s * height;
+        if (!(a < LARGEST_BALL)) continue;
+        if (valley) {
+            double shrunk = beyond;  // each of these terms is of higher order than HIGHEST
+            for (int i = 0; i <= HIGHEST; ++i) shrunk *= QUARTER_DECADE;
+            beyond = min(valley->beyond(R), shrunk);
+        } else {
+            beyond = GROWTH * a * a * a * a / 24.0;
+        }
+        const double base = f_y + in_t_alone(y, R, 1) + beyond, slope = least - y_ty * R - y_yy * height;
         if (!(slope > 0.0)) continue;
+        // Terms from the third order on that are not in t alone.
+        const auto higher = [&](double rho) { return 0.5 * GROWTH * s * rho * square(a + s * rho); };
         // Any value may be tried: twice what the terms in t alone ask for.
-        const double rho = 2.0 * (base + 1.2 * higher(R, 0.0)) / slope;
+        const double rho = 2.0 * base / slope;
         const auto outside = [&](double rho) {
-            return s_t * R + s * rho < LARGEST_BALL &&
-                   slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(R, rho));
+            return a + s * rho < LARGEST_BALL && slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(rho));
         };
         if (!outside(rho)) continue;
-        const double model = out.m * (what == Holds::all ? R * R : what == Holds::one ? R : 1.0);
-        const double in_t = 0.5 * t_tt * R * R + (what == Holds::one ? 0.0 : A_tt * R) + (what == Holds::none ? NEARLY_KEPT : f_t);
-        const double left = A_ty * rho + t_ty * R * rho + 0.5 * t_yy * rho * rho + in_t_alone(T.t, R) + higher(R, rho);
+        const double model = out.m * (order == 0 ? 1.0 : order == 1 ? R : R * R);
+        const double left = (A_ty + t_ty * R + t_yy * height) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond;
+        const double in_t = in_t_alone(others, R, 1) + (order ? f_t : NEARLY_KEPT);
         if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
         if (out.along == 0.0) {
             out.largest_across = rho, out.largest_along = R;
-            for (double wide = LARGEST_CLUSTER; wide > rho; wide *= QUARTER_DECADE) {
-                if (!outside(wide)) continue;
-                out.largest_across = wide;
-                break;
+            // By halving: any larger one that holds may be taken.
+            double wide = LARGEST_CLUSTER;
+            for (int halving = 0; halving < 6; ++halving) {
+                const double between = sqrt(out.largest_across * wide);
+                (outside(between) ? out.largest_across : wide) = between;
             }
         }
-        out.across = rho, out.along = R,
-        out.rest = SLACK_OF_SUMS * (left + at.rounding + ROUNDING_OF_FORMS * at.spread * R * (1.0 + at.spread * R));
+        out.across = rho, out.along = R, out.radius = sqrt(square(rho + height) + R * R);
+        out.rest = SLACK_OF_SUMS * (left + in_t_alone(t, R, 3) + at.rounding + ROUNDING_OF_FORMS * s * R * (1.0 + s * R));
     }
-    out.blurred = size <= BLURRED * at.rounding && A_tt * out.along <= BLURRED * at.rounding;
+    out.blurred = size <= BLURRED * at.rounding && t[1] * out.along <= BLURRED * at.rounding;
     return out;
 }
 
@@ -209,12 +227,6 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
     for (const Number& each : d) size = max(size, sqrt(square(each)));
     for (int j = 0; j < 6; ++j) q[j] = q[j] + min(1.0, LONGEST_MOVE / (size + TINY)) * d[j];
     return size;
-}
-
-STEP bool is_real(const Number (&q)[6]) {
-    double off = 0.0;
-    for (const Number& each : q) off += abs(each.im);
-    return off == 0.0;
 }
 
 // A cluster of 2^lost roots near the candidate q. Returns whether one is proven.
@@ -247,7 +259,11 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
         localise(loop, loop_here, q, at);
         const double size = lost == 1 ? recentred<1>(at, next) : lost == 2 ? recentred<2>(at, next) : recentred<3>(at, next);
         ball = {};
-        if (size < LARGEST_CLUSTER) ball = ball_of(at, lost);
+        if (size < LARGEST_CLUSTER) {
+            Valley line;
+            if (lost == 1) follow_valley(at, false, line);
+            ball = ball_of(at, lost, norms_of(at, lost), lost == 1 ? &line : nullptr, 1 << lost);
+        }
         if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;
         // Rounding leaves no better centre.
         if (size > last && size < LARGEST_CLUSTER) break;

@@ -17,6 +17,7 @@ struct Local {
     Number H[6][6][6];          // second derivatives: output, input, input
     Six<Number> twist[6];
     double rounding, spread;    // of f; s of the third derivatives
+    double blur;                // rounding of a twist, relative to its norm
     double length[6];           // of the twists: sqrt(|v|^2 + 2 |w|^2)
     bool near;                  // whether X's trace is near 3
 };
@@ -49,6 +50,58 @@ PART void decompose(const LoopAt<Number>& at, Svd<6, 6>& out) {
     }
 }
 
+// Real or complex numbers.
+template <class V> STEP V part(const Number& a) {
+    if constexpr (std::is_same_v<V, double>) return a.re;
+    else return a;
+}
+STEP bool is_real(const Number (&q)[6]) {
+    double off = 0.0;
+    for (const Number& each : q) off += abs(each.im);
+    return off == 0.0;
+}
+
+// g, A and H in the directions of the singular values.
+template <class V> PART void transform(const LoopAt<Number>& at, Local& out) {
+    V twist[6][6], left[6][6], right[6][6], raw[6][6][6];  // left: conjugate
+    for (int k = 0; k < 6; ++k) {
+        for (int i = 0; i < 6; ++i) {
+            twist[k][i] = part<V>(at.twist[k][i]);
+            left[k][i] = conj(part<V>(out.J.left[k][i])), right[k][i] = part<V>(out.J.right[k][i]);
+        }
+    }
+    for (int j = 0; j < 6; ++j) {
+        const Vec<V> w = {twist[j][3], twist[j][4], twist[j][5]};
+        for (int k = j; k < 6; ++k) {
+            const Vec<V> a = cross(w, Vec<V>{twist[k][0], twist[k][1], twist[k][2]});
+            const Vec<V> b = cross(w, Vec<V>{twist[k][3], twist[k][4], twist[k][5]});
+            const V each[6] = {a.x, a.y, a.z, 0.5 * b.x, 0.5 * b.y, 0.5 * b.z};
+            for (int i = 0; i < 6; ++i) raw[j][k][i] = raw[k][j][i] = each[i];
+        }
+    }
+    const auto dot6 = [](const V(&a)[6], const V(&b)[6]) {
+        V sum = a[0] * b[0];
+        for (int i = 1; i < 6; ++i) sum += a[i] * b[i];
+        return sum;
+    };
+    for (int o = 0; o < 6; ++o) {
+        V g = 0.0, first[6][6], half[6][6], row[6];
+        for (int i = 0; i < 6; ++i) g = g - left[o][i] * part<V>(at.error[i]);
+        out.g[o] = g;
+        for (int j = 0; j < 6; ++j) row[j] = dot6(left[o], twist[j]);
+        for (int k = 0; k < 6; ++k) out.A[k][o] = dot6(row, right[k]);
+        for (int j = 0; j < 6; ++j) {
+            for (int k = j; k < 6; ++k) first[j][k] = first[k][j] = dot6(left[o], raw[j][k]);
+        }
+        for (int a = 0; a < 6; ++a) {
+            for (int k = 0; k < 6; ++k) half[a][k] = dot6(right[a], first[k]);
+        }
+        for (int a = 0; a < 6; ++a) {
+            for (int b = a; b < 6; ++b) out.H[o][a][b] = out.H[o][b][a] = dot6(half[a], right[b]);
+        }
+    }
+}
+
 // The rest of the numbers at q; J is there.
 PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)[6], Local& out) {
     double growth = 0.0, side[2] = {0.0, 0.0};
@@ -59,50 +112,17 @@ PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)
     const double M = exponential(growth), m = exponential(max(side[0], side[1])), l = loop.length;
     out.rounding = M * sqrt(ROUNDING_OF_ROTATION * ROUNDING_OF_ROTATION + loop.rounding * loop.rounding);
     const double of_twist = ROUNDING_OF_TWIST * m * m * (2.0 * l + 1.0);
+    out.blur = 2.0 * of_twist;  // a twist's norm is at least sqrt(2)
     out.near = square(at.off) < SAME_BRANCH;
     out.spread = 0.0;
-    Six<Number> raw[6][6];
     for (int j = 0; j < 6; ++j) {
-        const Vec<Number> w = {at.twist[j][3], at.twist[j][4], at.twist[j][5]};
         double each = 0.0;
         for (int i = 0; i < 3; ++i) each += square(at.twist[j][i]) + 2.0 * square(at.twist[j][i + 3]);
         out.spread += each, out.length[j] = sqrt(each) + 2.0 * of_twist;
-        for (int k = j; k < 6; ++k) {
-            const Vec<Number> a = cross(w, Vec<Number>{at.twist[k][0], at.twist[k][1], at.twist[k][2]});
-            const Vec<Number> b = cross(w, Vec<Number>{at.twist[k][3], at.twist[k][4], at.twist[k][5]});
-            raw[j][k] = raw[k][j] = {{a.x, a.y, a.z, 0.5 * b.x, 0.5 * b.y, 0.5 * b.z}};
-        }
     }
     out.spread = sqrt(out.spread) + 4.0 * of_twist;
-    for (int o = 0; o < 6; ++o) {
-        out.g[o] = 0.0;
-        for (int i = 0; i < 6; ++i) out.g[o] = out.g[o] - conj(out.J.left[o][i]) * at.error[i];
-        for (int k = 0; k < 6; ++k) {
-            out.A[k][o] = 0.0;
-            for (int j = 0; j < 6; ++j) {
-                for (int i = 0; i < 6; ++i) out.A[k][o] += conj(out.J.left[o][i]) * at.twist[j][i] * out.J.right[k][j];
-            }
-        }
-        Number first[6][6], half[6][6];
-        for (int j = 0; j < 6; ++j) {
-            for (int k = 0; k < 6; ++k) {
-                first[j][k] = 0.0;
-                for (int i = 0; i < 6; ++i) first[j][k] += conj(out.J.left[o][i]) * raw[j][k][i];
-            }
-        }
-        for (int a = 0; a < 6; ++a) {
-            for (int k = 0; k < 6; ++k) {
-                half[a][k] = 0.0;
-                for (int j = 0; j < 6; ++j) half[a][k] += out.J.right[a][j] * first[j][k];
-            }
-        }
-        for (int a = 0; a < 6; ++a) {
-            for (int b = 0; b < 6; ++b) {
-                out.H[o][a][b] = 0.0;
-                for (int k = 0; k < 6; ++k) out.H[o][a][b] += half[a][k] * out.J.right[b][k];
-            }
-        }
-    }
+    if (is_real(q)) transform<double>(at, out);
+    else transform<Number>(at, out);
 }
 
 // The Frobenius norm of a part of H: outputs from..to, inputs in two ranges.

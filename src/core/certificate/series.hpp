@@ -7,34 +7,46 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // A product of matrices of twists, without its last row, which is zero.
-struct TwistProduct {
-    Number R[3][3], p[3];
+template <class V> struct TwistProduct {
+    V R[3][3], p[3];
 };
-STEP TwistProduct matrix_of(const Six<Number>& zeta) {
-    const Number &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
+template <class V> STEP TwistProduct<V> matrix_of(const Six<V>& zeta) {
+    const V &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
     return {{{none, -z, y}, {z, none, -x}, {-y, x, none}}, {zeta[0], zeta[1], zeta[2]}};
 }
-STEP TwistProduct times(const TwistProduct& a, const TwistProduct& b, double f) {
-    TwistProduct out;
+template <class V> STEP TwistProduct<V> times(const TwistProduct<V>& a, const TwistProduct<V>& b, double f) {
+    TwistProduct<V> out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out.R[i][j] = f * (a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j]);
         out.p[i] = f * (a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2]);
     }
     return out;
 }
-STEP void add_scaled(TwistProduct& to, const Number& f, const TwistProduct& a) {
+template <class V> STEP void add_scaled(TwistProduct<V>& to, const V& f, const TwistProduct<V>& a) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) to.R[i][j] += f * a.R[i][j];
         to.p[i] += f * a.p[i];
     }
 }
 
+// to += a b.
+template <class V> STEP void add_product(TwistProduct<V>& to, const TwistProduct<V>& a, const TwistProduct<V>& b) {
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) to.R[i][j] += a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j];
+        to.p[i] += a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2];
+    }
+}
+
 // V of a product: position, and vector of the skew part.
-struct SixNumbers {
-    Number of[6];
-};
-STEP SixNumbers vector_of_product(const TwistProduct& c) {
+template <class V> STEP Six<V> vector_of_product(const TwistProduct<V>& c) {
     return {{c.p[0], c.p[1], c.p[2], 0.5 * (c.R[2][1] - c.R[1][2]), 0.5 * (c.R[0][2] - c.R[2][0]), 0.5 * (c.R[1][0] - c.R[0][1])}};
+}
+
+// a* b.
+template <class V> STEP V along(const V (&a)[6], const Six<V>& b) {
+    V sum = 0.0;
+    for (int i = 0; i < 6; ++i) sum += conj(a[i]) * b[i];
+    return sum;
 }
 
 // Monomials of degree d in r variables have places 0 to COUNT[r - 1][d] - 1, by their exponents a of the first and b of the second.
@@ -47,10 +59,10 @@ struct ThirdOrder {
     double y, t;
 };
 PART ThirdOrder third_order(const Local& at, int r) {
-    TwistProduct P[4][10] = {};  // of the product so far: degree, monomial
+    TwistProduct<Number> P[4][10] = {};  // of the product so far: degree, monomial
     const int n = 6 - r;
     for (int k = 0; k < 6; ++k) {
-        const TwistProduct one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
+        const TwistProduct<Number> one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
         // The powers of the linear form, by its coefficients.
         Number L[4][10] = {};
         L[0][0] = 1.0;
@@ -72,7 +84,7 @@ PART ThirdOrder third_order(const Local& at, int r) {
         by_form(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
         for (int i = 0; i < COUNT[r - 1][1]; ++i) {
             // P_1's monomial i times L^2.
-            const TwistProduct each = times(P[1][i], two, 1.0);
+            const TwistProduct<Number> each = times(P[1][i], two, 1.0);
             for (int a = 0; a <= 2; ++a) {
                 for (int b = 0; b <= (r == 1 ? 0 : 2 - a); ++b) {
                     if ((r == 1 && a != 2) || (r == 2 && a + b != 2)) continue;
@@ -91,46 +103,13 @@ PART ThirdOrder third_order(const Local& at, int r) {
             if ((r == 1 && a != 3) || (r == 2 && a + b != 3)) continue;
             constexpr double factorial[4] = {1.0, 1.0, 2.0, 6.0};
             const double many = 6.0 / (factorial[a] * factorial[b] * factorial[3 - a - b]);
-            const TwistProduct& c = P[3][place_of(r, 3, a, b)];
-            const SixNumbers V = vector_of_product(c);
-            for (int o = 0; o < 6; ++o) sum[o >= n] += square(inner_product(at.J.left[o], V.of)) / many;
+            const TwistProduct<Number>& c = P[3][place_of(r, 3, a, b)];
+            const Six<Number> V = vector_of_product(c);
+            for (int o = 0; o < 6; ++o) sum[o >= n] += square(along(at.J.left[o], V)) / many;
         }
     }
     const double off = ROUNDING_OF_FORMS * at.spread * at.spread * at.spread;
     return {sqrt(sum[0]) + off, sqrt(sum[1]) + off};
-}
-
-// Bounds on the terms of third to HIGHEST order in a single t, of the first five outputs and of the last one, by order: the
-// coefficients of the product of exponentials along a line.
-inline constexpr int HIGHEST = 6;
-struct AlongLine {
-    double y[HIGHEST + 1], t[HIGHEST + 1];
-};
-PART AlongLine along_line(const Local& at) {
-    TwistProduct P[HIGHEST + 1] = {};  // by order; without the unit matrix of order 0
-    for (int k = 0; k < 6; ++k) {
-        const TwistProduct one = matrix_of(at.twist[k]);
-        TwistProduct E[HIGHEST + 1] = {};
-        add_scaled(E[1], at.J.right[5][k], one);
-        for (int n = 2; n <= HIGHEST; ++n) E[n] = times(E[n - 1], E[1], 1.0 / n);
-        for (int n = HIGHEST; n > 0; --n) {
-            for (int m = 1; m < n; ++m) add_scaled(P[n], 1.0, times(P[n - m], E[m], 1.0));
-            add_scaled(P[n], 1.0, E[n]);
-        }
-    }
-    AlongLine out = {};
-    double off = ROUNDING_OF_FORMS * at.spread * at.spread;
-    for (int n = 3; n <= HIGHEST; ++n) {
-        off *= at.spread;
-        double sum = 0.0;
-        for (int o = 0; o < 6; ++o) {
-            const double each = square(inner_product(at.J.left[o], vector_of_product(P[n]).of));
-            if (o < 5) sum += each;
-            else out.t[n] = sqrt(each) + off;
-        }
-        out.y[n] = sqrt(sum) + off;
-    }
-    return out;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -9,7 +9,6 @@
 // motion that they give to the link after them.
 #pragma once
 
-#include "chain_arm.hpp"
 #include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

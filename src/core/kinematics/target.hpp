@@ -2,6 +2,7 @@
 #pragma once
 
 #include "arithmetic/vectors.hpp"
+#include "kinematics/arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,7 +1,7 @@
 // The graph of a path; see path_graph.hpp. A shortest path through layers, by dynamic programming (Bellman 1957).
 #include "motion/path_graph.hpp"
 
-#include "arithmetic/level.hpp"
+#include "arithmetic/trig.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -53,64 +53,53 @@ STEP double turns_between(const GraphJoints& arm, int k, double a, double b) {
     return arm.turn[k] == 0.0 ? 0.0 : __builtin_rint((a - b) / arm.turn[k]);
 }
 
-// Squared lengths of J dq minus the twist: linear and angular part.
-struct Mismatch {
-    double position, rotation;
+// Steps from one joint vector to a block of others: what they cost, and those that are inside the window and match the twist.
+struct Steps {
+    Block cost;
+    unsigned good;  // one bit per lane
 };
-
-STEP Mismatch mismatch_of(const GraphJoints& arm, const double* jacobian, const double* twist, const double* a, const double* b) {
-    double off[6];
+// columns: the other joint vectors, joint by joint, `apart` numbers from joint to joint.
+STEP Steps steps_from(const GraphJoints& arm, const GraphMotions& motions, const double* jacobian, const double* twist,
+                      const double* from, const double* columns, long apart) {
+    Block off[6], cost = 0.0;
     for (int r = 0; r < 6; ++r) off[r] = -twist[r];
+    auto good = cost <= 0.0;
     for (int k = 0; k < arm.joints; ++k) {
-        const double step = b[k] - a[k] + turns_between(arm, k, a[k], b[k]) * arm.turn[k];
+        const double turn = arm.turn[k], inverse = turn == 0.0 ? 0.0 : 1.0 / turn;
+        const Block gap = load<Block>(columns + apart * k) - from[k];
+        const Block step = gap - ((gap * inverse + ROUNDS) - ROUNDS) * turn, length = abs(step);
+        good = good & (length <= motions.window[k]);
+        const Block each = motions.weights[k] * (motions.cost == PathCost::squares ? step * step : length);
+        cost = motions.cost == PathCost::largest ? max(each, cost) : cost + each;
         for (int r = 0; r < 6; ++r) off[r] += jacobian[arm.joints * r + k] * step;
     }
-    return {off[0] * off[0] + off[1] * off[1] + off[2] * off[2], off[3] * off[3] + off[4] * off[4] + off[5] * off[5]};
-}
-
-// The costs of the steps from joint vector a to `many` others, stored joint by joint in `columns`. outside: the number of joints
-// whose step exceeds the window.
-STEP void costs_from(const GraphJoints& arm, const GraphMotions& motions, const double* a, const double* columns, long many,
-                     double* cost, double* outside) {
-    for (long b = 0; b < many; ++b) cost[b] = outside[b] = 0.0;
-    for (int k = 0; k < arm.joints; ++k) {
-        const double from = a[k], turn = arm.turn[k], inverse = turn == 0.0 ? 0.0 : 1.0 / turn;
-        const double window = motions.window[k], weight = motions.weights[k];
-        const double* column = columns + many * k;
-        const PathCost kind = motions.cost;
-        for (long b = 0; b < many; ++b) {
-            const double apart = column[b] - from;
-            const double step = __builtin_fabs(apart - __builtin_rint(apart * inverse) * turn);
-            const double each = weight * (kind == PathCost::squares ? step * step : step);
-            outside[b] += step > window ? 1.0 : 0.0;
-            cost[b] = kind == PathCost::largest ? (each > cost[b] ? each : cost[b]) : cost[b] + each;
-        }
-    }
+    const Block position = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
+    const Block rotation = off[3] * off[3] + off[4] * off[4] + off[5] * off[5];
+    good = good & (position <= motions.position * motions.position) & (rotation <= motions.rotation * motions.rotation);
+    return {cost, bits(good)};
 }
 
 static long connect(const GraphJoints& arm, const GraphLayers& layers, const GraphMotions& motions, const GraphEdges& edges,
                     double* scratch, const Stop& stop) {
     const int n = arm.joints;
-    const double position = motions.position * motions.position, rotation = motions.rotation * motions.rotation;
     long count = 0;
     for (long i = 0; i + 1 < layers.waypoints && !stop.asked(); ++i) {
         const std::int64_t next = layers.first[i + 1];
-        const long many = long(layers.first[i + 2] - next);
-        double *cost = scratch + n * many, *outside = cost + many;
-        for (long b = 0; b < many; ++b) {
-            for (int k = 0; k < n; ++k) scratch[many * k + b] = layers.q[n * (next + b) + k];
+        const long many = long(layers.first[i + 2] - next), padded = (many + BLOCK - 1) / BLOCK * BLOCK;
+        for (long b = 0; b < padded; ++b) {
+            for (int k = 0; k < n; ++k) scratch[padded * k + b] = layers.q[n * (next + (b < many ? b : many - 1)) + k];
         }
         for (std::int64_t a = layers.first[i]; a < next; ++a) {
             edges.first[a] = count;
-            const double* from = layers.q + n * a;
-            costs_from(arm, motions, from, scratch, many, cost, outside);
-            for (long b = 0; b < many; ++b) {
-                if (outside[b] != 0.0) continue;
-                const Mismatch off =
-                    mismatch_of(arm, motions.jacobians + 6 * n * a, motions.twists + 6 * i, from, layers.q + n * (next + b));
-                if (!(off.position <= position) || !(off.rotation <= rotation)) continue;
-                if (count == edges.room) return -1;
-                edges.end[count] = std::int32_t(next + b), edges.cost[count++] = cost[b] * motions.scale[i];
+            for (long b = 0; b < many; b += BLOCK) {
+                const Steps steps = steps_from(arm, motions, motions.jacobians + 6 * n * a, motions.twists + 6 * i,
+                                               layers.q + n * a, scratch + b, padded);
+                for (unsigned left = steps.good; left; left &= left - 1) {
+                    const int lane = __builtin_ctz(left);
+                    if (b + lane >= many) break;
+                    if (count == edges.room) return -1;
+                    edges.end[count] = std::int32_t(next + b + lane), edges.cost[count++] = steps.cost[lane] * motions.scale[i];
+                }
             }
         }
     }

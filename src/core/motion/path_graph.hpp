@@ -77,7 +77,7 @@ struct GraphFunctions {
     // images. Returns how many are kept.
     long (*choose)(const GraphJoints&, const GraphChoice&, long m, std::int64_t* kept, double* lowest, std::uint8_t* counts);
     // Write the edges whose steps are inside the window and match the twist. Returns their number, or -1 if there is too little
-    // room. Scratch: (joints + 2) times the nodes of the largest layer.
+    // room. Scratch: joints times the nodes of the largest layer and seven more.
     long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch, const Stop&);
     // The cheapest way from every state to the last waypoint, computed from the last waypoint to the first.
     void (*cheapest)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,

@@ -41,7 +41,7 @@ _MODULE = {
     "World": "world",
 }
 
-_MODULES = ("reference", "shapes", "swept_motions", "tool", "world")
+_MODULES = ("pinocchio_reference", "shapes", "swept_motions", "tool", "world")
 
 
 def __getattr__(name: str) -> Any:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.cell.bodies import Placed
-    from urdf_ik.cell.obstacles.index import ObstacleIndex
+    from urdf_ik.cell.obstacles.index import ObstacleIndex, Standing
     from urdf_ik.kinematics.chain import Chain
 
     Array = NDArray[np.float64]
@@ -81,10 +81,36 @@ class ArmShapes:
 
 
 class Placing(NamedTuple):
-    """Pinocchio's geometry data with the placed shapes of the arm, and the base link's pose as ``pinocchio.SE3``."""
+    """Where everything is.
+
+    Attributes:
+        shapes: Pinocchio's geometry data with the placed shapes of the arm.
+        base: the base link's pose, a ``pinocchio.SE3``.
+        links: coal's poses of the arm's shapes by their numbers, made when they are first needed.
+        obstacles: the same of obstacles by their serial numbers.
+    """
 
     shapes: Any
     base: Any
+    links: dict[int, Any]
+    obstacles: dict[int, Any]
+
+    def link(self, shape: int) -> Any:
+        """Coal's pose of a shape of the arm."""
+        if shape not in self.links:
+            self.links[shape] = transform(self.shapes.oMg[shape])
+        return self.links[shape]
+
+    def obstacle(self, standing: Standing) -> Any:
+        """Coal's pose of an obstacle."""
+        if standing.serial not in self.obstacles:
+            self.obstacles[standing.serial] = transform(self.base * pin.SE3(standing.pose))
+        return self.obstacles[standing.serial]
+
+
+def transform(pose: Any) -> Any:
+    """A ``pinocchio.SE3`` as coal has it."""
+    return coal.Transform3s(pose.rotation, pose.translation)
 
 
 class _Work(threading.local):
@@ -142,7 +168,7 @@ class LinkCheck:
         work, reference = self._work, self.arm.reference
         configuration = reference.configuration(q)
         pin.updateGeometryPlacements(reference.pin_model, work.data, self._model, work.geometry, configuration)
-        return Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement)
+        return Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement, {}, {})
 
     def place_at(self, link_poses: Mapping[str, Array]) -> Placing:
         """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
@@ -152,7 +178,7 @@ class LinkCheck:
             shapes.oMg[i] = se3[link] * offset
         for i, hull in self._hull_of:
             shapes.oMg[hull] = shapes.oMg[i]
-        return Placing(shapes, se3.get(self.arm.reference.base))
+        return Placing(shapes, se3.get(self.arm.reference.base), {}, {})
 
     @property
     def request(self) -> Any:
@@ -375,8 +401,7 @@ class CoalCheck:
         shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
         one, other = self.links.arm.solids[shape], self.index.solid(slot)
         obstacle = self.index.standing(slot)
-        place, at = placing.shapes.oMg[shape], placing.base * pin.SE3(obstacle.pose)
-        transforms = coal.Transform3s(place.rotation, place.translation), coal.Transform3s(at.rotation, at.translation)
+        transforms = placing.link(shape), placing.obstacle(obstacle)
         grown = obstacle.shape.inflation
         if one.hull is not None or other.hull is not None:
             hulls = one.exact if one.hull is None else one.hull, other.exact if other.hull is None else other.hull

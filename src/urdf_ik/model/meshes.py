@@ -37,8 +37,8 @@ _GLB, _JSON = b"glTF", 0x4E4F534A
 _PART = 64
 """Size counted for each part of a mesh besides its own data [bytes]."""
 _HINT = (
-    "add the folder that holds it, or its package, to mesh_roots, or name the package's folder in AMENT_PREFIX_PATH or "
-    "ROS_PACKAGE_PATH"
+    "add the folder that holds it, or its package, to mesh_roots (--mesh-root), or name the package's folder in "
+    "AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
 )
 
 

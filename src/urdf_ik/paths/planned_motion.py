@@ -216,7 +216,7 @@ class Plan:
 
         Raises:
             ArgumentError: there is no plan, or an argument does not fit.
-            UnsupportedArm: the arm is solved at a swivel angle.
+            UnsupportedArm: the arm is solved for the task 'position and axis'.
 
         Example:
             >>> import urdf_ik

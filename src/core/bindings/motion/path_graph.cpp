@@ -85,7 +85,7 @@ long connect(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In
     require(edge_first.size() == q.shape(0) + 1 && end.size() == costs.size() && cost >= 0 && cost <= 2);
     long widest = 0;
     for (long i = 0; i < layers.waypoints; ++i) widest = std::max(widest, long(layers.first[i + 1] - layers.first[i]));
-    std::vector<double> scratch((self.joints() + 2) * widest);
+    std::vector<double> scratch(self.joints() * (widest + 7));
     const GraphMotions motions = {jacobians.data(), twists.data(),  mismatch.first, mismatch.second,
                                   window.data(),    PathCost(cost), weights.data(), scale.data()};
     const GraphEdges edges = {edge_first.data(), end.data(), costs.data(), long(end.size())};

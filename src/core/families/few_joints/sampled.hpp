@@ -6,6 +6,7 @@
 #pragma once
 
 #include "answers/blocks.hpp"
+#include "answers/on_curve.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -82,7 +83,7 @@ struct Sampled {
         }
         sort(columns);
         // A search cannot prove that its result is complete.
-        set_status(columns.flags[0], Status::incomplete);
+        set_status(columns.flags[0], keep_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
     }
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {

@@ -313,19 +313,14 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
 
 // Whether a solution lies on a curve of solutions, or what was left where it is almost real.
 PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
-    const Course course = {40, CONVERGED, LONG_PATIENCE};
+    if (keep_curve(arm.written, goal, search.columns)) return true;
     double q[6];
-    for (int b = 0; b < search.columns.many; ++b) {
-        if (!search.columns.valid(b) || !(search.columns.flags[b] & SINGULAR)) continue;
-        for (int j = 0; j < 6; ++j) q[j] = search.columns.row(b)[j];
-        if (is_on_curve(arm.written, goal, q, course, CONVERGED)) return true;
-    }
     for (int i = 0; i < search.lefts; ++i) {
         double off = 0.0;
         for (int j = 0; j < 6; ++j) q[j] = wrap(search.left[i][j].re), off = max(off, abs(search.left[i][j].im));
         if (off > ALMOST_REAL) continue;
         if (polish_one<true>(arm.written, goal, q, {40, CONVERGED, LONG_PATIENCE}).error > CONVERGED) continue;
-        if (is_on_curve(arm.written, goal, q, course, CONVERGED)) return true;
+        if (is_on_curve(arm.written, goal, q)) return true;
     }
     return false;
 }

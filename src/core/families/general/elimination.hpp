@@ -26,6 +26,8 @@ inline constexpr double NEAR_CIRCLE = 0.1;
 inline constexpr double FARTHEST = -0.995;
 // A determinant with noisier harmonics than this never makes the result certain. If all_known(), it is not used at all.
 inline constexpr double LARGEST_NOISE = 1e-7;
+// The zeros of a determinant are counted if what separates its matrices from those of the arm as written is at most this.
+inline constexpr double LARGEST_INEXACT = 1e-6;
 // A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster about
 // equally, so if this holds, no root of the cluster is as far off the circle as NEAR_CIRCLE.
 inline constexpr double OWN_ROOT = 1e-3;
@@ -95,6 +97,24 @@ PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Sea
     if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
 }
 
+// The equations of a pose, and their determinant: 24 times its Fourier coefficients, a bound on the error of each, and the noise.
+struct Eliminant {
+    Frame<double> G;
+    Equations A;
+    Complex coefficients[2 * DEGREE + 1];
+    double error, noise;
+};
+PART void eliminate(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Eliminant& out) {
+    double D[SAMPLES];
+    const double reach = length_of_motion(arm, goal);
+    out.G = loop_motion(arm, goal, variant.reversed);
+    equations(variant, out.G, out.A);
+    determinants(out.A, D, variant.inexact[0] + reach * (variant.inexact[1] + reach * variant.inexact[2]), out.error);
+    out.noise = harmonics(D, out.coefficients);
+    // Sums of 24 products.
+    for (const double each : D) out.error += 32.0 * UNIT * abs(each);
+}
+
 // Accounts for the determinant's roots off the unit circle, one of each pair.
 PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Equations& A,
                        const Frame<double>& G, const Complex (&z)[2 * DEGREE], SearchState& search) {
@@ -117,39 +137,36 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
 // Bounds the number of real solutions by that of the zeros that the determinant of the arm as written has on the circle. A zero is
 // at least as multiple as its matrix loses ranks. One null vector leads to one solution at most; a plane of them to two at most,
 // since the products of (1, cos, sin) and the halves are a surface that is cut out by quadrics and contains no line.
-PART void count_zeros(const EliminationArm& arm, const EliminationVariant& variant, SearchState& search,
-                      const Complex (&coefficients)[2 * DEGREE + 1], double error) {
-    if (!search.certifies || !(error < __builtin_inf())) return;
+// Returns whether that many real roots are certified.
+PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const Eliminant& of, SearchState& search) {
+    if (search.counted() || !search.certifies || !(of.error < __builtin_inf())) return search.counted();
     OnCircle p;
-    for (int k = 0; k <= DEGREE; ++k) p.re[k] = coefficients[DEGREE + k].re, p.im[k] = coefficients[DEGREE + k].im;
-    p.error = error;
+    for (int k = 0; k <= DEGREE; ++k) p.re[k] = of.coefficients[DEGREE + k].re, p.im[k] = of.coefficients[DEGREE + k].im;
+    p.error = of.error;
+    // Higher harmonics are zero, so what rounding leaves of them is within the bound.
+    double largest = 0.0;
+    for (int k = 0; k <= DEGREE; ++k) largest = max(largest, sqrt(p.re[k] * p.re[k] + p.im[k] * p.im[k]));
+    if (!(of.noise * largest <= of.error)) return false;
     double known[Account::most];
     for (int i = 0; i < search.account.reals; ++i) {
         const Turn<double> t = hidden_at(arm, variant, search.account.real[i].q);
         known[i] = atan2(t.s, t.c);
     }
-    search.zeros = zeros_on_circle(p, known, search.account.reals);
+    const int bound = zeros_on_circle(p, known, search.account.reals);
+    if (bound >= 0 && (search.zeros < 0 || bound < search.zeros)) search.zeros = bound;
+    return search.counted();
 }
+
+// Whether a variant's determinant is known well enough to be worth counting its zeros.
+STEP bool counts(const EliminationVariant& variant) { return variant.inexact[0] < LARGEST_INEXACT; }
 
 // Adds the solutions that one variant finds. Returns whether they are certain to be all. Of an arm whose roots are counted: they
 // are proven to be. Else: each root that may be real led to a different solution, and no other solution is known; at least one
 // solution has to confirm the determinant.
-PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, SearchState& search) {
-    Equations A;
-    double D[SAMPLES];
-    Complex coefficients[2 * DEGREE + 1];
-    const Frame<double> G = loop_motion(arm, goal, variant.reversed);
-    equations(variant, G, A);
-    const double reach = length_of_motion(arm, goal);
-    double error;
-    determinants(A, D, variant.inexact[0] + reach * (variant.inexact[1] + reach * variant.inexact[2]), error);
-    const bool noisy = !(harmonics(D, coefficients) < LARGEST_NOISE);
-    // Sums of 24 products.
-    for (const double each : D) error += 32.0 * UNIT * abs(each);
-    if (search.account.reals) {
-        count_zeros(arm, variant, search, coefficients, error);
-        if (search.counted()) return true;
-    }
+PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Eliminant& of,
+                 SearchState& search) {
+    const auto& [G, A, coefficients, error, noise] = of;
+    const bool noisy = !(noise < LARGEST_NOISE);
     if (noisy && all_known(arm)) return false;
     Complex z[2 * DEGREE];
     self_inversive_roots<2 * DEGREE>(coefficients, z);
@@ -185,11 +202,8 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     }
     if (search.provable) {
         gather_pairs(arm, variant, goal, A, G, z, search);
-        if (search.account.all()) return true;
+        return search.account.all();
     }
-    count_zeros(arm, variant, search, coefficients, error);
-    if (search.counted()) return true;
-    if (search.provable) return false;
     return !noisy && settled > 0 && settled == roots.many && settled == search.columns.count();
 }
 
@@ -307,20 +321,36 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 // Elimination, then continuation, then starts all over the joint space if doubts remain. Returns whether it is certain that no
 // solution is missing.
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
+    Eliminant own, other;
+    const bool alike = !arm.counter_apart, counting = counts(arm.counter);
+    const auto count = [&] {
+        return (counting && count_zeros(arm, arm.counter, alike ? own : other, search)) ||
+               (counts(arm.variant) && !alike && count_zeros(arm, arm.variant, own, search));
+    };
+    if (counting && search.account.reals) {
+        eliminate(arm, arm.counter, goal, alike ? own : other);
+        if (count_zeros(arm, arm.counter, alike ? own : other, search)) return true;
+    }
+    const bool there = counting && search.account.reals;
+    if (!(there && alike)) eliminate(arm, arm.variant, goal, own);
     // An arm without known poses is singular everywhere, and its determinant means nothing.
-    if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;
+    const bool certain = gather(arm, arm.variant, goal, own, search);
+    if (certain && search.provable) return true;
+    if (counting && !there && !alike) eliminate(arm, arm.counter, goal, other);
+    if (count()) return true;
+    if (certain && arm.paths.poses > 0) return true;
     if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
-        if (search.counted()) return true;
+        if (count()) return true;
         // A result with singular ends needs a second attempt that agrees.
         if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
         if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
         settled |= all == Arrived::settled;
     }
     search_all_over(arm, goal, search);
-    return search.counted();
+    return count();
 }
 
 // Certifies the solutions that are there.
@@ -380,7 +410,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
-    if (search.provable && holds_curve(arm, goal, search)) return Status::continuum;
+    if (search.certifies && holds_curve(arm, goal, search)) return Status::continuum;
     return Status::incomplete;
 }
 
@@ -427,7 +457,11 @@ PART void try_variants(const EliminationArm& arm, const EliminationVariant* vari
             const Columns<6> columns = {q, flags, 16};
             columns.clear();
             SearchState search = search_state(arm, goal, columns, CONVERGED);
-            out.certain[m * v + i] = gather(arm, variants[v], goal, search);
+            Eliminant of;
+            eliminate(arm, variants[v], goal, of);
+            const bool certain = gather(arm, variants[v], goal, of, search);
+            out.certain[m * v + i] =
+                std::uint8_t(certain | (counts(variants[v]) && count_zeros(arm, variants[v], of, search)) << 1);
             out.counts[m * v + i] = std::uint8_t(columns.count());
         }
     }

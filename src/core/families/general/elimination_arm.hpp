@@ -32,12 +32,13 @@ struct EliminationArm {
     Motion home_inverse;      // of the tip at zero, then moved to the midst of the axes
     double centre[3], scale;  // of the axes [m], and one over their mean distance from it
     bool any_slide;
-    EliminationVariant variant;
+    EliminationVariant variant, counter;  // which proposes solutions; whose determinant's zeros are counted
+    bool counter_apart;                   // whether they differ
     Continuation paths;
 };
 
-// The number of solutions that each variant alone finds of each pose, and whether it is certain of them: (variants,
-// poses).
+// The number of solutions that each variant alone finds of each pose, and whether it is certain of them (1) and they are proven to
+// be all by the zeros of its determinant (2): (variants, poses).
 struct EliminationTrial {
     std::uint8_t *counts, *certain;
 };

@@ -143,43 +143,60 @@ template <int K, class V, int I = 0> STEP void make_triangular(V (&M)[K][SIZE][S
 
 // ---- samples -------------------------------------------------------------------------------------------------------
 
-// Cosine of k turns over SAMPLES.
+// Cosine of k half turns over SAMPLES.
 constexpr double sample_cosine(int k) {
-    constexpr double quarter[7] = {1.0, 0.9659258262890683, 0.8660254037844387, 0.7071067811865476, 0.5, 0.25881904510252074, 0.0};
-    k = (k % SAMPLES + SAMPLES) % SAMPLES;
-    k = k > SAMPLES / 2 ? SAMPLES - k : k;
-    return k > SAMPLES / 4 ? -quarter[SAMPLES / 2 - k] : quarter[k];
+    constexpr double quarter[SAMPLES / 2 + 1] = {1.0,
+                                                 0.9914448613738104,
+                                                 0.9659258262890683,
+                                                 0.9238795325112867,
+                                                 0.8660254037844387,
+                                                 0.7933533402912352,
+                                                 0.7071067811865476,
+                                                 0.6087614290087207,
+                                                 0.5,
+                                                 0.38268343236508984,
+                                                 0.25881904510252074,
+                                                 0.1305261922200517,
+                                                 0.0};
+    k = (k % (2 * SAMPLES) + 2 * SAMPLES) % (2 * SAMPLES);
+    k = k > SAMPLES ? 2 * SAMPLES - k : k;
+    return k > SAMPLES / 2 ? -quarter[SAMPLES - k] : quarter[k];
 }
-constexpr double sample_sine(int k) { return sample_cosine(k - SAMPLES / 4); }
+constexpr double sample_sine(int k) { return sample_cosine(k - SAMPLES / 2); }
 
-// Cosines and sines of (sample times harmonic), harmonics side by side.
+// Cosines and sines of (sample times harmonic), harmonics side by side. Samples stand half way between the multiples of 15 degrees,
+// where solutions of poses with round numbers are.
 inline constexpr int HARMONICS = 16;
 struct Waves {
     double c[SAMPLES][HARMONICS], s[SAMPLES][HARMONICS];
     constexpr Waves() : c(), s() {
         for (int k = 0; k < SAMPLES; ++k) {
-            for (int h = 0; h < HARMONICS; ++h) c[k][h] = sample_cosine(k * h), s[k][h] = sample_sine(k * h);
+            for (int h = 0; h < HARMONICS; ++h) c[k][h] = sample_cosine((2 * k + 1) * h), s[k][h] = sample_sine((2 * k + 1) * h);
         }
     }
 };
 inline constexpr Waves WAVES;
 
-// Rounding of a triangular factor, as a share of the matrix's Frobenius norm: eleven reflections of at most 86 u each (|v|^2 = 2,
-// and v is off by 17 u |v|: 68 u; a product in two sums of six terms 14 u, its subtraction 4 u), and the matrix itself from its
-// coefficients, 10 u.
-inline constexpr double ROUNDING_OF_FACTOR = 960.0 * 1.1102230246251565e-16;
+// Rounding of a matrix from its coefficients, and of a reflection, as shares of the Frobenius norm of what is reflected: |v|^2 = 2,
+// and v is off by 17 u |v|, 68 u; a product in two sums of six terms 14 u, its subtraction 4 u.
+inline constexpr double ROUNDING_OF_MATRIX = 10.0 * 1.1102230246251565e-16, ROUNDING_OF_REFLECTION = 86.0 * 1.1102230246251565e-16;
 
 // A bound on what changing each matrix by at most `inexact` and rounding may do to its determinant D, R being the triangular
 // factors: det(M + E) = D det(1 + M^-1 E), and |det(1 + X) - 1| <= e^x - 1 with the sum x of the singular values of X, which is at
 // most |M^-1| |E| in Frobenius norms. Infinite where x exceeds a half.
 STEP Block determinant_error(const Block (&R)[SIZE][SIZE], const Block& D, double inexact) {
-    Block inverse = 0.0, size = 0.0, over[SIZE];
-    for (int i = 0; i < SIZE; ++i) over[i] = 1.0 / R[i][i];
+    Block inverse = 0.0, over[SIZE], below = 0.0, rounding = 0.0;
+    for (int i = SIZE - 1; i >= 0; --i) {
+        over[i] = 1.0 / R[i][i];
+        for (int j = i; j < SIZE; ++j) below += R[j][i] * R[j][i];
+        // Rows i to 11 have the norm of what reflection i turns.
+        if (i < SIZE - 1) rounding += ROUNDING_OF_REFLECTION * sqrt(below);
+    }
+    rounding += ROUNDING_OF_MATRIX * sqrt(below);
 #pragma GCC unroll 1
     for (int k = 0; k < SIZE; ++k) {
         Block x[SIZE];
         x[k] = over[k], inverse += x[k] * x[k];
-        for (int i = 0; i <= k; ++i) size += R[k][i] * R[k][i];
 #pragma GCC unroll 1
         for (int i = k - 1; i >= 0; --i) {
             Block sum = 0.0;
@@ -187,7 +204,7 @@ STEP Block determinant_error(const Block (&R)[SIZE][SIZE], const Block& D, doubl
             x[i] = over[i] * sum, inverse += x[i] * x[i];
         }
     }
-    const Block x = sqrt(inverse) * (inexact + ROUNDING_OF_FACTOR * sqrt(size));
+    const Block x = sqrt(inverse) * (inexact + rounding);
     return select(x < Block(0.5), abs(D) * (1.3 * x), Block(__builtin_inf()));
 }
 

@@ -7,16 +7,20 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Boxes that are looked at before a pose is left open, and boxes that may wait: where more wait, they hardly shrink. None of the
 // numbers here decides what is proven.
-inline constexpr int MOST_BOXES = 2400, WAITING = 64;
+inline constexpr int MOST_BOXES = 6000, WAITING = 256;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
-// Half the width [rad] of a box below which a region about a singular root is looked for, and how many times.
-inline constexpr double NEAR_A_ROOT = 0.06;
-inline constexpr int REGIONS = 256, LOOKS = 256;
+// Half the width [rad] of a box below which a region about a singular root is looked for, how many are kept, and how often none may
+// be found.
+inline constexpr double NEAR_A_ROOT = 0.03;
+inline constexpr int REGIONS = 256, LOOKS_IN_VAIN = 200;
 // It is looked for again in boxes narrower by this factor, and a pose is left open where a box of half this width [rad] is.
 inline constexpr double NARROWER = 0.4, NARROWEST = 1e-10;
+inline constexpr int ROUNDS_TO_VALLEY = 10;
 // A leading joint is halved first where it is at least this share of the widest.
-inline constexpr double LEADS = 0.3;
+inline constexpr double LEADS = 0.02;
+// A root this near to an end of a region [rad] may lie on either side of it.
+inline constexpr double AT_AN_END = 1e-5;
 // Rounding of an arc's ends [rad].
 inline constexpr double ROUNDED_ARC = 4e-15;
 
@@ -27,22 +31,41 @@ struct Box {
     int branch;
 };
 
-// A region that holds the roots that were found in it, and no others: |across| and |along| from its centre.
+// A region that holds the roots that were found in it, and no others: within `across` of a piece of a valley, |t| <= along.
 struct Surroundings {
     double q[6], direction[6][6], across, along;
+    double farthest;  // of each joint from q
+    Curve valley;
 };
 
-// Whether a box of joint values lies in the region.
-STEP bool holds(const Surroundings& region, const double (&q)[6], const double (&half)[6]) {
-    double d[6], across = 0.0, along = 0.0;
-    for (int j = 0; j < 6; ++j) d[j] = wrap(wrap(q[j] - region.q[j]));
-    for (int k = 0; k < 6; ++k) {
-        double middle = 0.0, wide = 1e-14;
-        for (int j = 0; j < 6; ++j) middle += region.direction[k][j] * d[j], wide += abs(region.direction[k][j]) * half[j];
-        if (k == 5) along = abs(middle) + wide;
-        else across += square(abs(middle) + wide);
+// How a box of joint values lies to the region.
+struct Placed {
+    double across, along;  // the farthest point's distances from the valley and from its middle
+    bool inside;
+};
+STEP Placed placed(const Surroundings& region, const double (&q)[6], const double (&half)[6]) {
+    double d[6], y[5], wide[6], t = 0.0, sum = 0.0;
+    for (int j = 0; j < 6; ++j) {
+        d[j] = wrap(wrap(q[j] - region.q[j]));
+        if (abs(d[j]) > region.farthest) return {__builtin_inf(), __builtin_inf(), false};
     }
-    return along <= region.along && across <= region.across * region.across;
+    for (int k = 5; k >= 0; --k) {
+        double middle = 0.0;
+        wide[k] = 1e-14;
+        for (int j = 0; j < 6; ++j) middle += region.direction[k][j] * d[j], wide[k] += abs(region.direction[k][j]) * half[j];
+        if (k < 5) {
+            sum += square(abs(middle - y[k]) + wide[k]);
+            continue;
+        }
+        t = middle;
+        if (abs(t) + wide[5] > region.along + AT_AN_END) return {__builtin_inf(), abs(t) + wide[5], false};
+        region.valley.at(t, y);
+    }
+    const double far = abs(t) + wide[5], across = sqrt(sum) + wide[5] * region.valley.steepness(far);
+    return {across, far, far <= region.along && across <= region.across};
+}
+STEP bool holds(const Surroundings& region, const double (&q)[6], const double (&half)[6]) {
+    return placed(region, q, half).inside;
 }
 
 struct Divider {
@@ -50,8 +73,8 @@ struct Divider {
     Certified& out;
     Box box[WAITING + BLOCK];
     int waiting = 0;
-    Surroundings region[REGIONS];
-    int regions = 0, tried = 0;
+    Surroundings region[REGIONS];  // the last ones, in a ring
+    int regions = 0, in_vain = 0;
     bool blurred = false;
 
     Divider(const Division& all, Certified& to) : of(all), out(to) {}
@@ -68,144 +91,198 @@ struct Divider {
             for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(q[j] - out.root[i].q[j]))) + each.half[j]);
             if (most < out.root[i].radius) return true;
         }
-        for (int i = 0; i < regions; ++i) {
-            if (holds(region[i], q, each.half)) return true;
-        }
-        return false;
+        return is_in_region(q, each.half);
     }
 
-    void keep_region(const double (&q)[6], const Number (&direction)[6][6], double across, double along) {
-        Surroundings& to = region[regions++];
+    Surroundings& keep_region(const Number (&q)[6], const Number (&direction)[6][6], double across, double along,
+                              const Curve& valley) {
+        Surroundings& to = region[regions++ % REGIONS];
         for (int k = 0; k < 6; ++k) {
-            to.q[k] = q[k];
+            to.q[k] = wrap(wrap(q[k].re));
             for (int j = 0; j < 6; ++j) to.direction[k][j] = direction[k][j].re;
         }
-        to.across = across, to.along = along;
+        to.across = across, to.along = along, to.valley = valley;
+        to.farthest = INFLATED * (along + across + valley.height(along)) + AT_AN_END;
+        return to;
     }
-    // Whether q lies in a region; its roots are known.
-    bool is_in_region(const double (&q)[6]) const {
-        const double point[6] = {};
-        for (int i = 0; i < regions; ++i) {
-            if (holds(region[i], q, point)) return true;
+    // Whether joint vectors lie in a region; its roots are known.
+    bool is_in_region(const double (&q)[6], const double (&half)[6]) const {
+        for (int i = min(regions, REGIONS) - 1; i >= 0; --i) {
+            if (holds(region[i], q, half)) return true;
         }
         return false;
     }
 
-    // A region with one root near q, which keeps the pose. Returns whether there is one, and how far it reaches.
-    bool one_root(const double (&q)[6], Region& found, Local& at) const {
+    // The numbers at a real joint vector, and the valley through it.
+    void look_at(const double (&q)[6], Local& at, Valley& valley) const {
         Number from[6];
         for (int k = 0; k < 6; ++k) from[k] = q[k];
         const LoopAt<Number> here = loop_at(of.loop, from);
         decompose(here, at.J);
         localise(of.loop, here, from, at);
-        found = ball_of(at, 1, Holds::one);
+        follow_valley(at, true, valley);
+    }
+    // A region with one root near q, which keeps the pose. Returns whether there is one.
+    bool one_root(const double (&q)[6], Region& found, Local& at, Valley& valley) const {
+        look_at(q, at, valley);
+        found = ball_of(at, 1, norms_of(at, 1), &valley, 1);
         return found.along > 0.0;
     }
 
-    // Whether a region without roots holds the box: about the point of its curve of least error that is next to its middle.
-    bool no_root(const Box& each, const double (&start)[6]) {
-        Number q[6];
-        for (int k = 0; k < 6; ++k) q[k] = start[k];
-        Local at;
-        for (int round = 0;; ++round) {
-            const LoopAt<Number> here = loop_at(of.loop, q);
-            decompose(here, at.J);
-            if (!(at.J.s[5] < WEAK * at.J.s[0])) return false;
-            Number next[6];
-            for (int k = 0; k < 6; ++k) next[k] = q[k];
-            const double step = step_across(here, at.J, 1, next);
+    // The point of the valley that is next to q, by the derivative there. Returns whether there is one.
+    bool step_to_valley(double (&q)[6]) const {
+        Number at[6];
+        for (int k = 0; k < 6; ++k) at[k] = q[k];
+        Svd<6, 6> J;
+        for (int round = 0; round < ROUNDS_TO_VALLEY; ++round) {
+            const LoopAt<Number> here = loop_at(of.loop, at);
+            if (round == 0) decompose(here, J);
+            if (!(J.s[5] < WEAK * J.s[0])) return false;
+            const double step = step_across(here, J, 1, at);
             if (!(step < FARTHEST_CENTRE)) return false;
-            if (step <= ACROSS) {
-                localise(of.loop, here, q, at);
-                break;
-            }
-            if (round == 6) return false;
-            for (int k = 0; k < 6; ++k) q[k] = next[k];
+            for (int k = 0; k < 6; ++k) q[k] = wrap(wrap(at[k].re));
+            if (step <= ACROSS) return true;
         }
-        const Region found = ball_of(at, 1, Holds::none);
-        if (!(found.along > 0.0)) return false;
-        double centre[6];
-        for (int k = 0; k < 6; ++k) centre[k] = q[k].re;
-        keep_region(centre, at.J.right, found.largest_across, found.largest_along);
-        if (holds(region[regions - 1], start, each.half)) return true;
-        --regions;
         return false;
+    }
+
+    // Whether a region about the valley next to the box's middle holds the box, and its roots are known: none, one, or two. A
+    // region that does not hold the box stays for parts of it.
+    bool on_valley(const Box& each, const double (&start)[6]) {
+        double q[6];
+        for (int j = 0; j < 6; ++j) q[j] = start[j];
+        if (!step_to_valley(q)) return false;
+        Local at;
+        Valley valley;
+        look_at(q, at, valley);
+        const Norms norms = norms_of(at, 1);
+        for (int many = 0; many <= 2; ++many) {
+            const Region found = ball_of(at, 1, norms, &valley, many);
+            if (!(found.along > 0.0)) continue;
+            const Surroundings& all = keep_region(at.q, at.J.right, found.largest_across, found.largest_along, valley);
+            if (!has_roots(all, valley, many, each.branch)) --regions;
+            else if (holds(all, start, each.half)) return true;
+        }
+        return false;
+    }
+
+    // Finds the roots in a region that holds so many. Returns false where they are not found, or where one that is known lies too
+    // near to the region's ends to tell whether it is one of them.
+    bool has_roots(const Surroundings& all, const Valley& valley, int many, int branch) {
+        const double point[6] = {};
+        int inside = 0;
+        for (int i = 0; i < out.many; ++i) {
+            const Placed at = placed(all, out.root[i].q, point);
+            if (at.across <= all.across && abs(at.along - all.along) < AT_AN_END) return false;
+            inside += at.inside;
+        }
+        if (inside >= many) return inside == many;
+        double q[2][6], slope;
+        Region found[2];
+        Local at;
+        Valley other;
+        for (int i = 0; i < many; ++i) {
+            // From the roots of the terms up to the second order.
+            const double a = valley.value[2], b = 0.5 * valley.value[1], c = valley.value[0], square_root = b * b - a * c;
+            double t = many == 1 ? -c / valley.value[1] : ((i ? -1.0 : 1.0) * sqrt(max(square_root, 0.0)) - b) / a;
+            for (int round = 0; round < 8; ++round) {
+                const double value = valley.output(t, slope);
+                t = max(min(t - value / slope, all.along), -all.along);
+            }
+            double y[5];
+            valley.at(t, y);
+            for (int j = 0; j < 6; ++j) {
+                double sum = all.q[j] + t * all.direction[5][j];
+                for (int k = 0; k < 5; ++k) sum += y[k] * all.direction[k][j];
+                q[i][j] = wrap(wrap(sum));
+            }
+            const Course course = {12, FINISHED, 12};
+            if (!(polish_one<false>(of.written, of.goal, q[i], course).error <= CONVERGED)) return false;
+            const Placed where = placed(all, q[i], point);
+            if (!where.inside || abs(where.along - all.along) < AT_AN_END) return false;
+            if (many == 2 && !one_root(q[i], found[i], at, other)) return false;
+        }
+        if (many == 2 && !are_apart(q, found)) return false;
+        forget_in(all);
+        for (int i = 0; i < many; ++i) out.add(q[i], 0.0, branch, true);
+        return true;
+    }
+    // Whether two roots, each alone in a region about it, are two.
+    static bool are_apart(const double (&q)[2][6], const Region (&found)[2]) {
+        double between = 0.0;
+        for (int j = 0; j < 6; ++j) between += square(wrap(wrap(q[0][j] - q[1][j])));
+        return sqrt(between) > found[0].radius + found[1].radius + 1e-14;
+    }
+    void forget_in(const Surroundings& all) {
+        const double point[6] = {};
+        int kept = 0;
+        for (int i = 0; i < out.many; ++i) {
+            if (!holds(all, out.root[i].q, point)) out.root[kept++] = out.root[i];
+        }
+        out.many = kept;
     }
 
     // Looks for a region about a singular root, or a pair of them, near the box.
     void look_near(const Box& each) {
-        if (tried >= LOOKS || regions == REGIONS) return;
-        ++tried;
         double q[6], start[6];
         values_of(each, start);
-        if (no_root(each, start)) return;
+        if (on_valley(each, start)) return;
         for (int j = 0; j < 6; ++j) q[j] = start[j];
         const double error = polish_one<true>(of.written, of.goal, q, {40, FINISHED, LONG_PATIENCE}).error;
         double far = 0.0;
         for (int j = 0; j < 6; ++j) far = max(far, abs(wrap(wrap(q[j] - start[j]))));
         if (far > 0.2) return;
-        if (is_in_region(q)) return;
+        const double point[6] = {};
+        if (is_in_region(q, point)) return;
         Number from[6];
         for (int k = 0; k < 6; ++k) from[k] = q[k];
         Cluster pair;
         if (cluster_near(of.loop, from, 1, pair) && add_pair_of_roots(pair, each.branch)) return;
         Region found;
         Local at;
-        if (error <= CONVERGED && one_root(q, found, at)) {
-            // A root that was certified before may be this one.
-            const double half[6] = {};
-            keep_region(q, at.J.right, found.largest_across, found.largest_along);
-            for (int i = 0; i < out.many; ++i) {
-                if (holds(region[regions - 1], out.root[i].q, half)) return;
-            }
-            out.add(q, 0.0, each.branch, true);
+        Valley valley;
+        if (error <= CONVERGED && one_root(q, found, at, valley)) {
+            const Surroundings& all = keep_region(at.q, at.J.right, found.largest_across, found.largest_along, valley);
+            if (!has_roots(all, valley, 1, each.branch)) --regions;
         }
     }
 
     // Two roots: both are found, or none is real, or they stand as one. Returns false where none of this is certain.
     bool add_pair_of_roots(const Cluster& pair, int branch) {
-        double centre[6];
-        for (int k = 0; k < 6; ++k) centre[k] = wrap(wrap(pair.q[k].re));
-        Surroundings all = {};
-        for (int k = 0; k < 6; ++k) {
-            all.q[k] = centre[k];
-            for (int j = 0; j < 6; ++j) all.direction[k][j] = pair.direction[k][j].re;
-        }
-        all.across = pair.larger_across, all.along = pair.larger_along;
+        const Surroundings& all = keep_region(pair.q, pair.direction, pair.larger_across, pair.larger_along, {});
+        if (has_pair(pair, all, branch)) return true;
+        --regions;
+        return false;
+    }
+    bool has_pair(const Cluster& pair, const Surroundings& all, int branch) {
         const double point[6] = {};
         double q[2][6];
         int good = 0;
         Region found[2];
         Local at;
+        Valley valley;
         for (int i = 0; i < pair.starts; ++i) {
             for (int j = 0; j < 6; ++j) q[good][j] = pair.start[i][j];
             const Course course = {12, FINISHED, 12};
             if (polish_one<false>(of.written, of.goal, q[good], course).error > CONVERGED) continue;
-            if (!holds(all, q[good], point) || !one_root(q[good], found[good], at)) continue;
+            if (!holds(all, q[good], point) || !one_root(q[good], found[good], at, valley)) continue;
             ++good;
         }
-        double between = 0.0;
-        for (int j = 0; j < 6 && good == 2; ++j) between += square(wrap(wrap(q[0][j] - q[1][j])));
-        const auto radius = [](const Region& r) { return sqrt(r.across * r.across + r.along * r.along); };
-        const bool both = good == 2 && sqrt(between) > radius(found[0]) + radius(found[1]) + 1e-14;
+        const bool both = good == 2 && are_apart(q, found);
         if (!both && !pair.blurred && !pair.apart) return false;
-        int kept = 0;
-        for (int i = 0; i < out.many; ++i) {
-            if (!holds(all, out.root[i].q, point)) out.root[kept++] = out.root[i];
-        }
-        out.many = kept;
-        region[regions++] = all;
+        forget_in(all);
         if (both) {
             for (int i = 0; i < 2; ++i) out.add(q[i], 0.0, branch, true);
             return true;
         }
         if (pair.apart) return true;
         const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
+        double centre[6];
+        for (int k = 0; k < 6; ++k) centre[k] = all.q[k];
         if (polish_one<true>(of.written, of.goal, centre, held).error <= of.written.tolerances.reach) {
             out.add(centre, 0.0, branch, true), blurred = true;
             return true;
         }
-        --regions;
         return false;
     }
 
@@ -290,7 +367,8 @@ struct Divider {
                 const int l = __builtin_ctz(rest);
                 double at[6];
                 for (int j = 0; j < 6; ++j) at[j] = root.q[j][l];
-                if (!is_in_region(at)) out.add(at, root.radius[l], now[l].branch, false);
+                const double point[6] = {};
+                if (!is_in_region(at, point)) out.add(at, root.radius[l], now[l].branch, false);
             }
         }
         for (unsigned rest = left; rest; rest &= rest - 1) {
@@ -301,7 +379,9 @@ struct Divider {
             }
             if (is_decided(now[l])) continue;
             if (widest[l] < now[l].look) {
-                look_near(now[l]);
+                const int before_look = regions;
+                if (in_vain < LOOKS_IN_VAIN) look_near(now[l]);
+                in_vain += regions == before_look;
                 if (is_decided(now[l])) continue;
                 now[l].look = NARROWER * widest[l];
             }

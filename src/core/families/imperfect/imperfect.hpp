@@ -102,7 +102,7 @@ template <class Family> struct Imperfect {
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
             if (!open && columns.count() % 2 == 0) {
-                set_status(columns.flags[0], close ? Status::incomplete : complete(arm.elimination, goal, columns));
+                set_status(columns.flags[0], complete(arm.elimination, goal, columns));
                 return;
             }
         }
@@ -112,21 +112,9 @@ template <class Family> struct Imperfect {
         if (status == Status::incomplete) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
-            if (keeps_curve(arm, goal, columns)) status = Status::continuum;
+            if (keep_curve(arm.family.written, goal, columns)) status = Status::continuum;
         }
         set_status(columns.flags[0], status);
-    }
-
-    // Whether a curve of joint vectors through a singular solution keeps the pose to the tolerance of solutions.
-    static PART bool keeps_curve(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
-        for (int b = 0; b < columns.many; ++b) {
-            if (!columns.valid(b)) continue;
-            double q[6];
-            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-            if (is_on_curve(arm.family.written, goal, q, held, arm.family.written.tolerances.reach)) return true;
-        }
-        return false;
     }
 
     // Collects candidates until a block is full; Newton's method then runs on all of them side by side.

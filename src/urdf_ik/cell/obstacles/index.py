@@ -98,6 +98,7 @@ class ObstacleIndex:
         self.count = len(fixed.holds) + len(loose.holds)
         self._low = np.ascontiguousarray(loose.holds["box_low"].T)
         self._high = np.ascontiguousarray(loose.holds["box_high"].T)
+        self._solids: dict[int, Solid] = {}  # of the slots that were asked for
 
     @property
     def has_tree(self) -> bool:
@@ -153,10 +154,13 @@ class ObstacleIndex:
 
     def solid(self, slot: int) -> Solid:
         """Coal's geometry of the piece in a slot."""
-        from urdf_ik.cell.coal_shapes import pieces_of
+        found = self._solids.get(slot)
+        if found is None:
+            from urdf_ik.cell.coal_shapes import pieces_of
 
-        part, at = self._at(slot)
-        return pieces_of(self.standing(slot).shape).solid(int(part.holds["piece"][at]))
+            part, at = self._at(slot)
+            found = self._solids[slot] = pieces_of(self.standing(slot).shape).solid(int(part.holds["piece"][at]))
+        return found
 
     def slots_of(self, name: str) -> range:
         """The slots of an obstacle's pieces, empty where there is no such obstacle."""

@@ -176,7 +176,17 @@ def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles
         values = np.deg2rad(values)
     values = np.broadcast_to(values, (count, values.shape[1]))
     poses = pose(positions, **{option.removeprefix("--").replace("-", "_"): values})
-    return Target(poses, f"target: as typed{f', {option} in degrees' if in_degrees else ''}", source="--xyz")
+    return Target(poses, f"target: as typed{_unit(option, values, in_degrees)}", source="--xyz")
+
+
+def _unit(option: str, values: NDArray[np.float64], in_degrees: bool) -> str:
+    """The unit of typed angles, where it is not what is expected: rad, and rarely more than a turn of them."""
+    if in_degrees:
+        return f", {option} in degrees"
+    most = float(np.abs(values).max())
+    if option.startswith("--quat") or most <= 2.0 * np.pi:
+        return ""
+    return f", {option} in rad, of which {most:g} are {most / (2.0 * np.pi):.1f} turns; --degrees reads degrees"
 
 
 def _of_less(arm: Arm) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
-from urdf_ik.kinematics.derivatives import curvature, written
+from urdf_ik.kinematics.derivatives import Points, curvature, rates_by_geometry, second_rate, written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 
@@ -63,32 +63,35 @@ def by_redundancy(solutions: KeptSolutions) -> Array:
 
 def by_geometry(solutions: KeptSolutions, parameters: Sequence[Any] | None = None) -> Array:
     """See :meth:`urdf_ik.IKSolutions.dq_dgeometry`."""
-    solver = solutions.solver
-    if any(each.kind == SWIVEL for each in solver.parameters):
-        raise UnsupportedArm(
-            f"{solver.name}: its swivel angle is measured in a frame that moves with the URDF's numbers, so that no "
-            "derivative by them holds it; hold a joint instead: arm.with_locked({name: value})"
-        )
-    twists = written(solver.chain).twists(_finite(solutions), parameters=parameters)
-    return -(inverse(solutions)[..., :6] @ twists)
+    solver, q = solutions.solver, _finite(solutions)
+    X, rates = inverse(solutions), written(solver.chain).twists(q, parameters=parameters)
+    if (points := swivel_points(solver)) is None:
+        return -(X[..., :6] @ rates)
+    turned = rates_by_geometry(solver.chain, points, q, parameters)
+    return np.asarray(-(X @ np.concatenate([rates, turned[..., None, :]], axis=-2)))
 
 
 def second_by_pose(solutions: KeptSolutions, V: ArrayLike, W: ArrayLike | None = None) -> Array:
     """See :meth:`urdf_ik.IKSolutions.d2q_dT2`."""
     solver = solutions.solver
-    if any(each.kind == SWIVEL for each in solver.parameters) or solver.task == "position and axis":
-        what = "a swivel angle" if solver.parameters else "the task 'position and axis'"
-        raise UnsupportedArm(f"{solver.name}: second derivatives with {what} are not computed; first ones are, dq_dT()")
+    if solver.task == "position and axis":
+        raise UnsupportedArm(
+            f"{solver.name}: second derivatives with the task 'position and axis' are not computed; first ones are: "
+            "dq_dT()"
+        )
     along = _twists(V, "V", solutions.shape)
     moving = along if W is None else _twists(W, "W", solutions.shape)
     first = by_pose(solutions)
     q_along, q_moving = ((first @ each[..., None, :, None])[..., 0] for each in (along, moving))
     still = np.isnan(q_along)
-    bent = -curvature(solver.chain, _finite(solutions), np.where(still, 0.0, q_along), np.where(still, 0.0, q_moving))
+    q, q_along, q_moving = _finite(solutions), np.where(still, 0.0, q_along), np.where(still, 0.0, q_moving)
+    bent = -curvature(solver.chain, q, q_along, q_moving)
     if solver.free_axis is not None and solver.parameters:
         arm = _reached(solutions)[..., :3, 3] - _target(solutions)[..., :3, 3]
         bent[..., :3] += np.cross(along[..., None, 3:], np.cross(moving[..., None, 3:], arm))
-    return np.asarray((inverse(solutions)[..., :6] @ bent[..., None])[..., 0])
+    if (points := swivel_points(solver)) is not None:
+        bent = np.concatenate([bent, -second_rate(solver.chain, points, q, q_along, q_moving)[..., None]], axis=-1)
+    return np.asarray((inverse(solutions)[..., : bent.shape[-1]] @ bent[..., None])[..., 0])
 
 
 def error_by_pose(solutions: KeptSolutions) -> Array:
@@ -148,17 +151,15 @@ def inverse(solutions: KeptSolutions) -> Array:
     held = [each for each in solver.parameters if each.kind != FREE_AXIS]
     weights = _controlled(solutions)
     if weights is None and chain.axes is chain and 0 < chain.n <= 7 and len(held) == int(chain.n == 7):
-        q, swivel = np.ascontiguousarray(solutions.q), None
-        if held and held[0].kind == SWIVEL:
-            swivel = solver.redundant_member.swivel
+        q, points = np.ascontiguousarray(solutions.q), swivel_points(solver)
         if not held:
             X = chain.motion.inverse(q, chain.size, DEFAULT.singular, solver.mirrors)
-        elif swivel is None:
+        elif points is None:
             joint = chain.joint_names.index(held[0].joint)
             mirrors = [(first, parallel) for first, parallel in solver.mirrors if not first <= joint < first + 3]
             X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular, mirrors)
         else:
-            ends = (swivel.tool_point.tolist(), swivel.base_origin.tolist(), swivel.base_rotation[2].tolist())
+            ends = (each.tolist() for each in points)
             X = chain.motion.inverse_holding_swivel(q, *ends, chain.size, DEFAULT.singular, solver.mirrors)
     else:
         X = _inverse_of_any(solutions, held, weights)
@@ -166,6 +167,19 @@ def inverse(solutions: KeptSolutions) -> Array:
     if singular.any():
         X[singular != 0] = np.nan
     return np.asarray(X)
+
+
+def swivel_points(solver: Solver) -> Points | None:
+    """What the swivel angle is measured from, where that is the redundancy parameter.
+
+    Example:
+        >>> import urdf_ik
+        >>> swivel_points(urdf_ik.load("srs_7r").solver).shoulder.round(6).tolist()
+        [0.0, 0.0, 0.36]
+    """
+    swivelling = any(each.kind == SWIVEL for each in solver.parameters)
+    ends = solver.redundant_member.swivel if swivelling else None
+    return None if ends is None else Points(ends.tool_point, ends.base_origin, ends.base_rotation[2])
 
 
 def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | None) -> Array:

@@ -81,6 +81,9 @@ class DifferentiableSolutions(KeptSolutions):
     def dq_dgeometry(self, parameters: Any = None) -> Array:
         """The derivative of every solution by the numbers of the URDF, the pose and the redundancy parameters held.
 
+        A swivel angle is held as the changed arm measures it: shoulder and wrist are the points nearest to their three
+        axes where all joints are zero, which follow the numbers also where the axes meet no more.
+
         Args:
             parameters: tuples (joint, field, part), where the field is 'xyz', 'rpy' or 'axis' as written, or 'offset'
                 (part 0), what is added to a joint's value; default: all those of the chain's joints, in the order of
@@ -91,7 +94,7 @@ class DifferentiableSolutions(KeptSolutions):
 
         Raises:
             ArgumentError: there is no such parameter.
-            UnsupportedArm: the arm is solved at a swivel angle.
+            UnsupportedArm: a swivel angle beside other redundancy parameters.
 
         Example:
             >>> import urdf_ik
@@ -114,7 +117,8 @@ class DifferentiableSolutions(KeptSolutions):
 
         Raises:
             ArgumentError: a twist does not fit.
-            UnsupportedArm: the arm is solved at a swivel angle, or for the task 'position and axis'.
+            UnsupportedArm: the arm is solved for the task 'position and axis', or a swivel angle stands beside other
+                redundancy parameters.
 
         Example:
             >>> import urdf_ik

@@ -56,8 +56,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         MissingPackage: jax is not installed.
         ArgumentError: jax computes with 32 bits, a solution is singular, or an argument does not fit.
         PoseError: a pose is none. Under ``jit`` jax raises an error of its own that holds the message.
-        UnsupportedArm: the arm, or the arm with these numbers, has no such branches; ``geometry`` is given at a swivel
-            angle, or with joints that mimic others.
+        UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
 
     Example:
         >>> import jax  # doctest: +SKIP
@@ -71,7 +70,6 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     T = jnp.asarray(T, dtype=jnp.float64)
     at = () if redundancy is None else (jnp.asarray(redundancy, dtype=jnp.float64),)
     function = _differentiable(arm, at_folds)
-    function.refuse_geometry(geometry is not None)
     numbers = jnp.asarray(function.geometry.values) if geometry is None else jnp.asarray(geometry, dtype=jnp.float64)
     return Branches(*_compiled(arm, at_folds)(T, numbers, *at))
 

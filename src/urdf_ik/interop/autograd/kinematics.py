@@ -9,41 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.kinematics.derivatives.swivel import ELBOW, SHOULDER, WRIST, Points
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.families.parts.ideal import Ends
     from urdf_ik.kinematics.derivatives import WrittenChain
 
-    Array = NDArray[np.float64]
+    Lines = dict[int, tuple[Any, Any]]
 
 _UNITS = np.eye(3)
-_FOURTH = 3  # index of the joint whose axis a swivel angle is measured to
 
 
-def swivel_row(geometry: WrittenChain, ends: Ends, q: Array) -> Array:
-    """(..., 7) the derivative of an arm's swivel angle by the joints, by complex steps.
-
-    Source: Squire and Trapp, "Using complex variables to estimate derivatives of real functions", SIAM Review 40(1),
-    1998: no difference is taken, so that a step of 1e-30 loses nothing.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.kinematics.derivatives import written
-        >>> arm = urdf_ik.load("srs_7r")
-        >>> ends = arm.solver.redundant_member.swivel
-        >>> row = swivel_row(written(arm.chain), ends, np.array([[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]]))
-        >>> row.shape, bool((abs(row[0, 4:]) < 1e-12).all())
-        ((1, 7), True)
-    """
-    moved = q[..., None, :] + 1e-30j * np.eye(7)
-    c, s = swivel(np, np.asarray, ends, *fk(np, np.asarray, geometry, moved, geometry.values))
-    return np.asarray((s.imag * c.real - c.imag * s.real) / 1e-30)
-
-
-def residual(xp: Any, tip: tuple[Any, Any, Any], target: tuple[Any, Any]) -> Any:
+def residual(xp: Any, tip: tuple[Any, Any, Lines], target: tuple[Any, Any]) -> Any:
     """How far tips are from targets (...): (..., B, 6), zero at a solution.
 
     The rotation counts by the skew part of R R_T^T. It is zero at the rotation nearest to R_T, so that entries of a
@@ -69,24 +47,49 @@ def residual(xp: Any, tip: tuple[Any, Any, Any], target: tuple[Any, Any]) -> Any
     return xp.stack([off[..., 0], off[..., 1], off[..., 2], *turn], -1)
 
 
-def swivel(xp: Any, constant: Callable[[Any], Any], ends: Ends, R: Any, p: Any, axis: Any) -> tuple[Any, Any]:
+def swivel(xp: Any, points: Points, R: Any, p: Any, axes: Lines) -> tuple[Any, Any]:
     """Cosine and sine (..., B) of the swivel angle, as the core measures it (swivel.hpp), of tips and axes 4.
 
     Example:
         >>> import urdf_ik
         >>> from urdf_ik.kinematics.derivatives import written
         >>> arm, q = urdf_ik.load("srs_7r"), np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
-        >>> geometry, ends = written(arm.chain), arm.solver.redundant_member.swivel
-        >>> c, s = swivel(np, np.asarray, ends, *fk(np, np.asarray, geometry, q, geometry.values))
+        >>> geometry = written(arm.chain)
+        >>> points = swivel_points(np, np.asarray, geometry, geometry.values)
+        >>> c, s = swivel(np, points, *fk(np, np.asarray, geometry, q, geometry.values, (ELBOW,)))
         >>> bool(abs(np.arctan2(s, c) - arm.redundancy_of(q)) < 1e-12)
         True
     """
-    W = p + (R @ constant(ends.tool_point)[:, None])[..., 0] - constant(ends.base_origin)
-    normal = _cross(xp, constant(ends.base_rotation[2]), W)
+    W = p + (R @ points.wrist[:, None])[..., 0] - points.shoulder
+    axis = axes[ELBOW][1]
+    normal = _cross(xp, points.up, W)
     across = _cross(xp, W / xp.sqrt((W * W).sum(-1))[..., None], normal)
     c, s = (axis * normal).sum(-1), (axis * across).sum(-1)
     length = xp.sqrt(c * c + s * s)
     return c / length, s / length
+
+
+def swivel_points(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, values: Any) -> Points:
+    """What a swivel angle is measured from, by numbers (p,) of a URDF, in the library's arrays.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik.kinematics.derivatives import written
+        >>> geometry = written(urdf_ik.load("srs_7r").chain)
+        >>> swivel_points(np, np.asarray, geometry, geometry.values).shoulder.round(6).tolist()
+        [0.0, 0.0, 0.36]
+    """
+    columns = range(geometry.dof)
+    R, p, axes = fk(xp, constant, geometry, constant(np.zeros(geometry.dof)), values, tuple(columns))
+    shoulder, wrist = (_meeting(xp, constant, [axes[k] for k in columns[part]]) for part in (SHOULDER, WRIST))
+    return Points((R.swapaxes(-1, -2) @ (wrist - p)[:, None])[..., 0], shoulder, axes[0][1])
+
+
+def _meeting(xp: Any, constant: Callable[[Any], Any], lines: list[tuple[Any, Any]]) -> Any:
+    """The point (3,) with the least sum of squared distances from lines."""
+    across = [constant(_UNITS) - h[:, None] * h[None, :] for _, h in lines]
+    total = across[0] + across[1] + across[2]
+    return xp.linalg.solve(total, sum((P @ p[:, None])[..., 0] for P, (p, _) in zip(across, lines, strict=True)))
 
 
 def _cross(xp: Any, a: Any, b: Any) -> Any:
@@ -94,11 +97,21 @@ def _cross(xp: Any, a: Any, b: Any) -> Any:
     return xp.stack([a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in pairs], -1)
 
 
-def fk(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, values: Any) -> tuple[Any, Any, Any]:
+def fk(
+    xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, values: Any, lines: tuple[int, ...] = ()
+) -> tuple[Any, Any, Lines]:
     """Rotations (..., 3, 3) and positions (..., 3) of the tip at joint vectors (..., n), by numbers (p,) of a URDF.
 
+    Args:
+        xp: the library.
+        constant: makes one of its arrays of numbers.
+        geometry: the chain.
+        q: joint vectors.
+        values: the numbers.
+        lines: columns of turning joints whose axes are asked for.
+
     Returns:
-        The rotations, the positions, and the direction (..., 3) of joint 4's axis; zeros where there is none.
+        The rotations, the positions, and for each of these joints a point (..., 3) on its axis and its direction.
 
     Example:
         >>> import urdf_ik
@@ -109,7 +122,8 @@ def fk(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, 
     """
     one, zero = constant(1.0), constant(0.0)
     eye, cross = constant(_UNITS), constant(np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1))
-    R, p, fourth = eye, constant(np.zeros(3)), constant(np.zeros(3))
+    R, p = eye, constant(np.zeros(3))
+    axes: Lines = {}
     for joint, up, start in zip(geometry.joints, geometry.upwards, geometry.starts, strict=True):
         own = [values[start + k] for k in range(10 if joint.driver else 6)]
         turn = _about(xp, own[5], 2, one, zero) @ _about(xp, own[4], 1, one, zero) @ _about(xp, own[3], 0, one, zero)
@@ -124,16 +138,17 @@ def fk(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, 
                 s, c = xp.sin(value)[..., None, None], xp.cos(value)[..., None, None]
                 along = axis[:, None] * axis[None, :]
                 turn = turn @ (c * eye + (1.0 - c) * along - s * (cross @ axis))
-        before = R
+        before, point = R, p
         if up:
             R = before = R @ turn.swapaxes(-1, -2)
             p = p - (R @ shift[..., None])[..., 0]
         else:
-            p = p + (R @ shift[..., None])[..., 0]
+            p = point = p + (R @ shift[..., None])[..., 0]
             R = R @ turn
-        if joint.column == _FOURTH:
-            fourth = (-joint.multiplier if up else joint.multiplier) * (before @ (origin @ axis)[..., None])[..., 0]
-    return R, p, fourth
+        if joint.column in lines:
+            sign = -np.sign(joint.multiplier) if up else np.sign(joint.multiplier)
+            axes[joint.column] = point, float(sign) * (before @ (origin @ axis)[..., None])[..., 0]
+    return R, p, axes
 
 
 def _about(xp: Any, angle: Any, axis: int, one: Any, zero: Any) -> Any:

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.interop.autograd.kinematics import fk, residual, swivel
+from urdf_ik.interop.autograd.kinematics import fk, residual, swivel, swivel_points
 from urdf_ik.interop.autograd.solving import Answers, Differentiable
 from urdf_ik.kinematics.chain.free_axis import turning
+from urdf_ik.kinematics.derivatives.swivel import ELBOW
 
 
 class Given(NamedTuple):
@@ -60,17 +61,20 @@ def step(xp: Any, constant: Callable[[Any], Any], of: Differentiable, at: Answer
         turn = fixed + xp.cos(v) * cosine + xp.sin(v) * sine
         target = T @ turn[..., :3], (T @ turn[..., 3:])[..., 0] + p
     own = given.values[..., given.values.shape[-1] - of.rows :]
-    q, start = at.q, None
-    if of.swivel is not None:
-        start = swivel(xp, constant, of.swivel, *fk(xp, constant, of.geometry, q, given.numbers))
+    q, lines = at.q, (ELBOW,) if of.swivelling else ()
+    if of.swivelling:
+        points = swivel_points(xp, constant, of.geometry, given.numbers)
+        start = [
+            given.still(each) for each in swivel(xp, points, *fk(xp, constant, of.geometry, q, given.numbers, lines))
+        ]
     for _ in range(2):
-        tip = fk(xp, constant, of.geometry, q, given.numbers)
+        tip = fk(xp, constant, of.geometry, q, given.numbers, lines)
         parts = [residual(xp, tip, target)]
         if of.held:
             moved = xp.stack([q[..., k] - at.q[..., k] for k in of.held], -1)
             parts.append(moved - (own - given.still(own))[..., None, :])
-        elif start is not None and of.swivel is not None:
-            (c, s), (c_start, s_start) = swivel(xp, constant, of.swivel, *tip), (given.still(each) for each in start)
+        elif of.swivelling:
+            (c, s), (c_start, s_start) = swivel(xp, points, *tip), start
             change = (own - given.still(own))[..., 0, None]
             parts.append((s * c_start - c * s_start - change)[..., None])
         off = xp.concatenate([xp.broadcast_to(each, (*q.shape[:-1], each.shape[-1])) for each in parts], -1)

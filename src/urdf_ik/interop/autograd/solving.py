@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.solutions.derivatives import inverse
-from urdf_ik.interop.autograd.kinematics import swivel_row
+from urdf_ik.ik.solutions.derivatives import inverse, swivel_points
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
-from urdf_ik.kinematics.derivatives import WrittenChain, written
+from urdf_ik.kinematics.derivatives import WrittenChain, slopes, written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.ik.families.parts.ideal import Ends
     from urdf_ik.ik.solutions import IKSolutions
     from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
@@ -72,7 +69,7 @@ class Differentiable:
         geometry: the chain by the numbers of its URDF.
         free_axis: the line about which the target may turn, where its angle is the first redundancy parameter.
         held: indices of the joints that are redundancy parameters.
-        swivel: what a swivel angle is measured from, where that is one.
+        swivelling: whether a swivel angle is one.
         count: number of redundancy parameters.
         rows: number of those that are functions of the joints.
         defaults: (count,) their values where none are given.
@@ -105,7 +102,7 @@ class Differentiable:
         self.geometry: WrittenChain = written(arm.chain)
         self.free_axis: FreeAxis | None = arm.solver.free_axis if len(others) < len(parameters) else None
         self.held = [arm.joint_names.index(each.joint) for each in others if each.kind == LOCKED_JOINT]
-        self.swivel: Ends | None = arm.solver.redundant_member.swivel if others and not self.held else None
+        self.swivelling = bool(others) and not self.held
         self.count, self.rows = len(parameters), len(others)
         self.defaults: Array = arm.solver.redundant_member.defaults if parameters else np.zeros(0)
         self.branches = len(self._solver.branches)
@@ -141,23 +138,6 @@ class Differentiable:
         valid = np.take(found.valid, columns, axis=-1)
         return Answers(np.where(valid[..., None], q, 0.0), np.where(valid[..., None, None], X, 0.0), valid)
 
-    def refuse_geometry(self, given: bool) -> None:
-        """Say in words why this arm takes no numbers of a URDF, where some are ``given``.
-
-        Raises:
-            UnsupportedArm: joints mimic others, or the parameter is a swivel angle.
-
-        Example:
-            >>> import urdf_ik
-            >>> Differentiable(urdf_ik.load("zyyzyz_6r"), "raise").refuse_geometry(True)
-        """
-        chain = self._solver.chain
-        if given and (self.swivel is not None or chain.axes is not chain):
-            why = "joints that mimic others"
-            if self.swivel is not None:
-                why = "a swivel angle, which is measured between points that exist only while its axes meet"
-            raise UnsupportedArm(f"{self._solver.name}: the URDF's numbers are no input of an arm with {why}")
-
     def _at_fold(self, found: IKSolutions, X: Array, folded: NDArray[np.bool_]) -> Array:
         """The inverses with those at singular solutions as asked."""
         if self._at_folds == "nan":
@@ -174,8 +154,8 @@ class Differentiable:
         own = np.where(chain.prismatic, chain.size, 1.0)
         A = chain.jacobian(found.q[folded]) * share[:, None]
         rows = np.broadcast_to(np.eye(chain.n)[self.held], (len(A), len(self.held), chain.n))
-        if self.swivel is not None:
-            rows = swivel_row(self.geometry, self.swivel, found.q[folded])[:, None]
+        if (points := swivel_points(found.solver)) is not None:
+            rows = slopes(chain, points, found.q[folded])[:, None]
         U, s, Vt = np.linalg.svd(np.concatenate([A, rows], axis=1) * own, full_matrices=False)
         damped = np.swapaxes(Vt, 1, 2) @ ((s / (s**2 + DEFAULT.damped**2))[..., None] * np.swapaxes(U, 1, 2))
         damped = damped * own[:, None]
@@ -192,9 +172,7 @@ class Differentiable:
             )
         if np.array_equal(values, self.geometry.values):
             return self._solver
-        chain = self._solver.chain
-        H, P, R_tip = self.geometry.screws(values)
-        return self._solver.again(chain=replace(chain, H=H, P=P, R_tip=R_tip))
+        return self._solver.again(chain=self._solver.chain.with_screws(*self.geometry.screws(values)))
 
     def _columns(self, solver: Solver) -> list[int]:
         """The columns of the arm's own branches in the answers of a changed one."""

@@ -53,8 +53,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         MissingPackage: torch is not installed.
         PoseError: a pose is none.
         ArgumentError: a solution is singular, or an argument does not fit.
-        UnsupportedArm: the arm, or the arm with these numbers, has no such branches; ``geometry`` is given at a swivel
-            angle, or with joints that mimic others.
+        UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
 
     Example:
         >>> import torch  # doctest: +SKIP
@@ -65,7 +64,6 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     """
     torch = _torch()
     function = Differentiable(arm, at_folds)
-    function.refuse_geometry(geometry is not None)
     numbers = torch.as_tensor(function.geometry.values.copy()) if geometry is None else geometry
     at = None if redundancy is None else torch.as_tensor(redundancy, dtype=torch.float64)
     still = [None if each is None else each.detach() for each in (T, geometry, at)]

@@ -110,6 +110,11 @@ class CoupledChain(Chain):
         """Geometric Jacobian (..., 6, n): a joint's column is the sum of those of the axes that it drives."""
         return np.asarray(self.axes.jacobian(self.spread(self.check(q, padded=True))) @ self.gain)
 
+    def with_screws(self, H: Array, P: Array, R_tip: Array) -> Chain:
+        """The same joints with other axes: see :meth:`Chain.with_screws`."""
+        alone = replace(self.axes_alone, H=H, P=P, R_tip=R_tip)
+        return replace(self, H=H.copy(), P=P.copy(), R_tip=R_tip.copy(), axes_alone=alone)
+
     def reversed(self) -> Chain:
         """The same joints from tip to base: see :meth:`Chain.reversed`."""
         back = self.axes.reversed()

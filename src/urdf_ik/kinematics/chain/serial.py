@@ -204,6 +204,18 @@ class Chain(Frozen):
             return between
         return base + slides or 1.0
 
+    def with_screws(self, H: NDArray[np.float64], P: NDArray[np.float64], R_tip: NDArray[np.float64]) -> Chain:
+        """The same joints with other axes, as of a URDF with other numbers.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("planar_2r").chain
+            >>> longer = chain.with_screws(chain.H, 2.0 * chain.P, chain.R_tip)
+            >>> bool(longer.size == 2.0 * chain.size)
+            True
+        """
+        return replace(self, H=H, P=P, R_tip=R_tip)
+
     def reversed(self) -> Chain:
         """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards.
 

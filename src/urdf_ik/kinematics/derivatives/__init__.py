@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from urdf_ik.kinematics.derivatives.second_order import curvature
+from urdf_ik.kinematics.derivatives.swivel import Points, rates_by_geometry, second_rate, slopes
 from urdf_ik.kinematics.derivatives.written import Parameter, WrittenChain, written
 
-__all__ = ["Parameter", "WrittenChain", "curvature", "written"]
+__all__ = ["Parameter", "Points", "WrittenChain", "curvature", "rates_by_geometry", "second_rate", "slopes", "written"]

@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain.free_axis import turning
+from urdf_ik.kinematics.chain.mimic import follows
 from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
@@ -57,6 +58,28 @@ class _Moved(NamedTuple):
     sign: float
 
 
+class _Motions:
+    """Motions of what follows a joint, by the number of the URDF that causes them."""
+
+    def __init__(self, batch: tuple[int, ...]) -> None:
+        self._still = np.zeros((*batch, 3))
+        self._of: dict[int, tuple[Array, Array, Array]] = {}  # a point, its velocity, the angular velocity
+
+    def add(self, number: int, moved: _Moved, linear: Array | None, angular: Array | None) -> None:
+        v, w = (self._still if each is None else moved.sign * each for each in (linear, angular))
+        self._of[number] = (moved.before[..., :3, 3], v, w)
+
+    def twists(self, numbers: Sequence[int], point: Array) -> Array:
+        """(..., 6, k) velocities at a point (..., 3), zero for numbers of joints that have not been added."""
+        out = np.zeros((*self._still.shape[:-1], 6, len(numbers)))
+        for place, number in enumerate(numbers):
+            if number in self._of:
+                start, v, w = self._of[number]
+                out[..., :3, place] = v + np.cross(w, point - start)
+                out[..., 3:, place] = w
+        return out
+
+
 @dataclass(frozen=True, eq=False)
 class WrittenChain(Frozen):
     """The joints from base to tip with their origins and axes as the URDF has them; :func:`written` makes it.
@@ -66,6 +89,7 @@ class WrittenChain(Frozen):
         upwards: which of them lead from child to parent, since the base need not be the root.
         dof: length n of the joint vector.
         values: (p,) the numbers of the URDF, in the order of ``parameters``.
+        coupled: whether some joints mimic others.
 
     Example:
         >>> import urdf_ik
@@ -78,6 +102,7 @@ class WrittenChain(Frozen):
     upwards: tuple[bool, ...]
     dof: int
     values: Array
+    coupled: bool = False
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -137,9 +162,9 @@ class WrittenChain(Frozen):
         return np.array(tip)
 
     def screws(self, values: ArrayLike) -> tuple[Array, Array, Array]:
-        """Directions H (n, 3), steps P (n + 1, 3) and rotation R_tip (3, 3) of the chain with other numbers.
+        """Directions H (m, 3), steps P (m + 1, 3) and rotation R_tip (3, 3) of the chain's m axes with other numbers.
 
-        They are what :class:`urdf_ik.Chain` holds, for a chain whose joints each drive one axis.
+        They are what :class:`urdf_ik.Chain` holds; where joints mimic others, it has more axes than joints.
 
         Example:
             >>> import urdf_ik
@@ -149,17 +174,15 @@ class WrittenChain(Frozen):
             True
         """
         _, numbers = self._checked(np.zeros(self.dof), values)
-        H, points, tip = np.zeros((self.dof, 3)), np.zeros((self.dof + 1, 3)), np.eye(4)
+        axes, points, tip = [], [], np.eye(4)
         for moved in self._walk(np.zeros(self.dof), numbers):
-            joint, start = self.joints[moved.joint], self.starts[moved.joint]
-            if joint.column is not None:
-                u = numbers[start + 6 : start + 9]
-                direction = moved.sign * joint.multiplier * (moved.before[:3, :3] @ u)
-                H[joint.column] = direction / np.linalg.norm(direction)
-                points[joint.column] = moved.before[:3, 3]
+            joint = self.joints[moved.joint]
+            if joint.column is not None and follows(joint.multiplier):
+                axes.append(self._direction(moved, numbers))
+                points.append(moved.before[:3, 3])
             tip = moved.at if moved.sign > 0.0 else moved.parent
-        points[-1] = tip[:3, 3]
-        return H, np.diff(points, axis=0, prepend=np.zeros((1, 3))), np.ascontiguousarray(tip[:3, :3])
+        steps = np.diff(np.array([np.zeros(3), *points, tip[:3, 3]]), axis=0)
+        return np.array(axes), steps, np.ascontiguousarray(tip[:3, :3])
 
     def twists(self, q: ArrayLike, values: ArrayLike | None = None, parameters: Sequence[Any] | None = None) -> Array:
         """The tip's twist for each of the URDF's numbers, the joints held still.
@@ -183,28 +206,79 @@ class WrittenChain(Frozen):
             [0.0, 0.13, 0.0, 0.0, 0.0, 1.0]
         """
         Q, numbers = self._checked(q, values)
-        batch = Q.shape[:-1]
-        asked = list(range(len(self.parameters))) if parameters is None else self.columns(parameters)
-        wanted = set(asked)
-        columns: dict[int, tuple[Array, Array, Array]] = {}  # point, velocity of the point, angular velocity
-        still, tip = np.zeros((*batch, 3)), np.broadcast_to(np.eye(4), (*batch, 4, 4))
+        asked, motions = self._asked(parameters), _Motions(Q.shape[:-1])
+        tip = np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))
         for moved in self._walk(Q, numbers):
             tip = moved.at if moved.sign > 0.0 else moved.parent
-            start = self.starts[moved.joint]
-            for k in range(start, start + (10 if self.joints[moved.joint].driver else 6)):
-                if k in wanted:
-                    linear, angular = self._motion(moved, k - start, numbers[start:])
-                    columns[k] = (
-                        moved.before[..., :3, 3],
-                        still if linear is None else moved.sign * linear,
-                        still if angular is None else moved.sign * angular,
-                    )
-        out = np.zeros((*batch, 6, len(asked)))
-        for place, k in enumerate(asked):
-            point, linear, angular = columns[k]
-            out[..., :3, place] = linear + np.cross(angular, tip[..., :3, 3] - point)
-            out[..., 3:, place] = angular
-        return out
+            self._collect(moved, numbers, asked, motions)
+        return motions.twists(asked, tip[..., :3, 3])
+
+    def axis(self, column: int, q: ArrayLike, parameters: Sequence[Any] | None = None) -> tuple[Array, Array, Array]:
+        """The line of a joint's axis, and how it moves with each of the URDF's numbers, the joints held still.
+
+        Args:
+            column: index of the joint, which mimics no other.
+            q: (..., n) rad or m.
+            parameters: those that are asked for; default: all.
+
+        Returns:
+            A point on the axis (..., 3) m and its unit direction (..., 3), in base axes; and their rates (..., 6, k),
+            the point's above the direction's.
+
+        Example:
+            >>> import urdf_ik
+            >>> geometry = written(urdf_ik.load("planar_2r").chain)
+            >>> point, direction, rates = geometry.axis(1, [0.0, 0.0], [("joint_2", "xyz", 0), ("joint_2", "axis", 0)])
+            >>> (rates.round(6) + 0.0).T.tolist()
+            [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]]
+        """
+        Q, numbers = self._checked(q, None)
+        asked, motions = self._asked(parameters), _Motions(Q.shape[:-1])
+        for moved in self._walk(Q, numbers):
+            joint, start = self.joints[moved.joint], self.starts[moved.joint]
+            own = joint.column == column
+            # The axis is fixed to the parent, which stands on the base's side, or behind the joint.
+            if not own or moved.sign > 0.0:
+                self._collect(moved, numbers, [k for k in asked if not own or k < start + 6], motions)
+            if not own:
+                continue
+            point, direction = moved.before[..., :3, 3], self._direction(moved, numbers)
+            rates = motions.twists(asked, point)
+            rates[..., 3:, :] = np.cross(rates[..., 3:, :], direction[..., None], axis=-2)
+            R = moved.before if moved.sign > 0.0 else moved.at
+            for place, k in enumerate(asked):
+                if start + 6 <= k < start + 9:
+                    du = self._turned_axis(k - start - 6, numbers[start + 6 : start + 9])
+                    rates[..., 3:, place] = moved.sign * np.sign(joint.multiplier) * (R[..., :3, :3] @ du)
+            return point, direction, rates
+        raise ArgumentError(f"column {column} given; there are {self.dof} joints")
+
+    def _asked(self, parameters: Sequence[Any] | None) -> list[int]:
+        return list(range(len(self.parameters))) if parameters is None else self.columns(parameters)
+
+    def _direction(self, moved: _Moved, numbers: Array) -> Array:
+        """The unit direction (..., 3) of a joint's axis in the base, as the chain counts its joint's value."""
+        joint, start = self.joints[moved.joint], self.starts[moved.joint]
+        u = numbers[start + 6 : start + 9]
+        # The value of a joint that mimics another is counted along its own axis.
+        turn = moved.sign * (1.0 if self.coupled else np.sign(joint.multiplier))
+        direction: Array = turn * (moved.before[..., :3, :3] @ (u / np.linalg.norm(u)))
+        return direction
+
+    def _collect(self, moved: _Moved, numbers: Array, asked: Sequence[int], motions: _Motions) -> None:
+        """Add the motions that a joint's numbers give to all that follows it."""
+        start = self.starts[moved.joint]
+        for k in asked:
+            if start <= k < start + (10 if self.joints[moved.joint].driver else 6):
+                motions.add(k, moved, *self._motion(moved, k - start, numbers[start:]))
+
+    @staticmethod
+    def _turned_axis(k: int, axis: Array) -> Array:
+        """How the unit direction changes with number ``k`` of an axis as written."""
+        length = float(np.linalg.norm(axis))
+        u = axis / length
+        du: Array = (np.eye(3)[k] - u[k] * u) / length
+        return du
 
     def _motion(self, moved: _Moved, k: int, numbers: Array) -> tuple[Array | None, Array | None]:
         """What number ``k`` of a joint does: the velocity of the joint's frame, and the angular one, in base axes."""
@@ -214,12 +288,12 @@ class WrittenChain(Frozen):
             # R = Rz(yaw) Ry(pitch) Rx(roll): an angle turns about its axis as the angles to its left have turned it.
             first = np.where(np.arange(3) > k - 3, numbers[3:6], 0.0)
             return None, moved.parent[..., :3, :3] @ pose(np.zeros(3), rpy=first)[:3, k - 3]
-        R, length = moved.before[..., :3, :3], float(np.linalg.norm(numbers[6:9]))
-        u, slides = numbers[6:9] / length, self.joints[moved.joint].prismatic
+        R, u = moved.before[..., :3, :3], numbers[6:9] / np.linalg.norm(numbers[6:9])
+        slides = self.joints[moved.joint].prismatic
         if k == 9:
             axis = R @ u
             return (axis, None) if slides else (None, axis)
-        du = (np.eye(3)[k - 6] - u[k - 6] * u) / length
+        du = self._turned_axis(k - 6, numbers[6:9])
         value = moved.value[..., None]
         if slides:
             return value * (R @ du), None
@@ -290,4 +364,4 @@ def written(chain: Chain) -> WrittenChain:
             values += [*(joint.axis_length * joint.axis).tolist(), joint.offset]
     numbers = np.array(values, dtype=np.float64)
     numbers.setflags(write=False)
-    return WrittenChain(tuple(joints), tuple(upwards), chain.n, numbers)
+    return WrittenChain(tuple(joints), tuple(upwards), chain.n, numbers, chain.axes is not chain)

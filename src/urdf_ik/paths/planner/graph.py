@@ -149,7 +149,7 @@ class Graph:
             jacobians = np.ascontiguousarray(free.reduced(joints.chain.fk(layers.q)[:, :3, :3], jacobians))
             twist = np.ascontiguousarray(free.reduced(R[:-1], twist[..., None])[..., 0])
         scale = np.where(pricing.kind == COSTS.index("l2"), pricing.pieces, 1.0)
-        room = 1024 + 16 * nodes
+        room = 1024 + 64 * nodes
         while True:
             first = np.empty(nodes + 1, np.int64)
             end, cost = np.empty(room, np.int32), np.empty(room)

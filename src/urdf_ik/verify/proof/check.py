@@ -36,8 +36,8 @@ _ROUNDS = 20  # of the search for complex roots
 _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
 _BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
 _TOGETHER = 1e-5  # rad; the roots of a cluster as narrow as that may stand as one solution
-_LOOSE = "keeps the pose, and is near no real root"
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
+_SHARP = 1e-9  # rad; a box as narrow as that is as good as its root
 
 
 @dataclass(frozen=True)
@@ -199,22 +199,27 @@ def examine(
         rng: source of the starts of the search for complex roots.
         clustered: whether the answer leaves some of its solutions to the rounding of the pose.
     """
-    verdict, reason = _examined(loop, solutions, proof, rng)
-    if verdict is None and reason.endswith(_LOOSE) and not clustered:
-        return False, reason
-    return verdict, reason
-
-
-def _examined(
-    loop: Loop, solutions: Array, proof: Proof | None, rng: np.random.Generator
-) -> tuple[bool | None, str]:
+    answer = _Answer(solutions, clustered)
     if proof is not None and proof.counted == proof.expected == SIXTEEN:
-        return _by_account(loop, solutions, proof, rng)
-    return _by_search(loop, solutions, rng)
+        return _by_account(loop, answer, proof, rng)
+    return _by_search(loop, answer, rng)
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """What is examined.
+
+    Attributes:
+        solutions: (k, 6) rad.
+        clustered: whether some of them are left to the rounding of the pose.
+    """
+
+    solutions: Array
+    clustered: bool
 
 
 def _by_account(
-    loop: Loop, solutions: Array, proof: Proof, rng: np.random.Generator
+    loop: Loop, answer: _Answer, proof: Proof, rng: np.random.Generator
 ) -> tuple[bool | None, str]:
     singles: list[Enclosure] = []
     for k, (root, inner, real) in enumerate(zip(proof.roots, proof.inner, proof.real, strict=True)):
@@ -233,7 +238,7 @@ def _by_account(
             clusters.append(counted)
         elif len(members := _members(loop, each)) < each.count:
             # The solver's bounds are finer: that these fail disproves nothing.
-            return _by_search(loop, solutions, rng, f"cluster {k}: {counted}")
+            return _by_search(loop, answer, rng, f"cluster {k}: {counted}")
         elif each.along < _TOGETHER:
             # The members are that close to the centre in every joint; the radius is in the 2-norm.
             radius = arb(6).sqrt() * arb(each.along + each.across)
@@ -245,7 +250,7 @@ def _by_account(
     total = len(singles) + sum(each.count for each in clusters)
     if total != SIXTEEN:
         return False, f"{total} roots are accounted for, and six turning joints have up to {SIXTEEN}"
-    return _answered(loop, solutions, singles, clusters)
+    return _answered(loop, answer, singles, clusters)
 
 
 def _members(loop: Loop, claimed: Cluster) -> list[Enclosure]:
@@ -266,53 +271,62 @@ def _members(loop: Loop, claimed: Cluster) -> list[Enclosure]:
 
 
 def _by_search(
-    loop: Loop, solutions: Array, rng: np.random.Generator, otherwise: str = ""
+    loop: Loop, answer: _Answer, rng: np.random.Generator, otherwise: str = ""
 ) -> tuple[bool | None, str]:
     """All complex roots, found here: of the arm as written, or of the nearest ideal arm; or why they are not."""
     if loop.out_of_reach:
-        return _answered(loop, solutions, [], [])
+        return _answered(loop, answer, [], [])
     near = ideal(loop)
     if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
-        return _by_family(loop, near[0], solutions, rng)
-    singles, clusters = search(loop, solutions, SIXTEEN, rng, _ROUNDS)
+        return _by_family(loop, near[0], answer, rng)
+    singles, clusters = search(loop, answer.solutions, SIXTEEN, rng, _ROUNDS)
     count = len(singles) + sum(group.count for group in clusters)
     if count == SIXTEEN:
-        return _answered(loop, solutions, singles, clusters)
+        return _answered(loop, answer, singles, clusters)
     if near is None:
         return None, otherwise or f"{count} of {SIXTEEN} roots are enclosed"
-    return _by_family(loop, near[0], solutions, rng)
+    return _by_family(loop, near[0], answer, rng)
 
 
-def _by_family(loop: Loop, near: Loop, solutions: Array, rng: np.random.Generator) -> tuple[bool | None, str]:
-    boxes, _ = search(near, solutions, EIGHT, rng, _ROUNDS)
+def _by_family(loop: Loop, near: Loop, answer: _Answer, rng: np.random.Generator) -> tuple[bool | None, str]:
+    boxes, _ = search(near, answer.solutions, EIGHT, rng, _ROUNDS)
     if len(boxes) != EIGHT:
         return None, f"{len(boxes)} of the {EIGHT} roots of the nearest ideal arm are enclosed"
     singles: list[Enclosure] = []
+    wide: list[Enclosure] = []
     for each in boxes:
         if not each.may_be_real:
             singles.append(each)  # no solution, but one near it may stand for such a pair
+            wide.append(each)
             continue
         # A box around real numbers that holds this one, and exactly one root of the arm as written, which is real.
         found = enclosed(loop, [acb(value.real) for value in each.centre], 2 * each.radius)
         if isinstance(found, str):
             return None, f"beside a real root of the ideal arm, of the arm as written: {found}"
-        if not all(found.apart(other) for other in singles):
+        if not all(found.apart(other) for other in wide):
             return None, "real roots of the ideal arm are too close to each other"
+        # The box is as wide as the arms differ; a narrow one in it holds its root.
+        wide.append(found)
+        if not found.radius < _SHARP:
+            root = single_root(loop, found.centre)
+            if isinstance(root, str) or not root.distance(found.centre) + root.radius < found.radius:
+                return None, "beside a real root of the ideal arm, that of the arm as written is not enclosed"
+            found = root
         singles.append(found)
-    return _answered(loop, solutions, singles, [])
+    return _answered(loop, answer, singles, [])
 
 
 def _answered(
-    loop: Loop, solutions: Array, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
+    loop: Loop, answer: _Answer, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
 ) -> tuple[bool | None, str]:
     """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one.
 
-    A solution that keeps the pose, but is near no real root, leaves the answer open: another rounding of the pose may
-    have it.
+    A solution that keeps the pose, but is near no real root, leaves a clustered answer open: another rounding of the
+    pose may have it. Of any other answer it is refused.
     """
     near: list[list[int]] = [[] for _ in singles]
     undecided = ""
-    for n, q in enumerate(solutions):
+    for n, q in enumerate(answer.solutions):
         here = exact(q)
         to_single = [root.distance(here) for root in singles]
         best = min(range(len(singles)), key=lambda k: float(to_single[k]), default=None)
@@ -323,9 +337,9 @@ def _answered(
             else:
                 near[best].append(n)
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
-            if not largest(loop.residual(loop.values(here))) < _SAME_POSE:
+            if not answer.clustered or not largest(loop.residual(loop.values(here))) < _SAME_POSE:
                 return False, f"solution {n} is near no real root"
-            undecided = f"solution {n} {_LOOSE}"
+            undecided = f"solution {n} keeps the pose, and is near no real root"
     answered = [root for root, answers in zip(singles, near, strict=True) if answers]
     for root, answers in zip(singles, near, strict=True):
         if len(answers) > 1:

@@ -109,7 +109,8 @@ def command(
     else:
         target = targets.target(arm, typed, None, seed, angles)
         if len(target.poses) > 1:
-            raise console.usage(f"{picture.value} shows one pose, and {len(target.poses)} are given", "--poses")
+            given = f"{len(target.poses)} are given; 'plot {{ROBOT}} path' draws a way through them"
+            raise console.usage(f"{picture.value} shows one pose, and {given}", "--poses")
         vector = _vector(arm, typed, angles)
         if picture is Picture.SLIDERS:
             # The object that the sliders belong to must live as long as the window.

@@ -117,11 +117,13 @@ class EliminationArm(EliminationSetup):
     """An arm of six joints for the elimination and the continuation behind it.
 
     Attributes:
-        variant: the one that is used.
+        variant: the one that proposes solutions.
+        counter: the one whose determinant's zeros are counted.
     """
 
     kind: ClassVar = "elimination"
     variant: Variants
+    counter: Variants
 
 
 def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
@@ -153,7 +155,7 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
     every = _all_variants(H, points, chain.prismatic, rng)
     best = _best(setup, _best(setup, every, targets[:_FIRST], _FEW), targets, 1)
     common = {each.name: getattr(setup, each.name) for each in fields(setup)}
-    return EliminationArm(**common, variant=_with_bounds(best, setup))
+    return EliminationArm(**common, variant=_with_bounds(best, setup), counter=_counter(setup, every, targets))
 
 
 def _with_bounds(variant: Variants, setup: EliminationSetup) -> Variants:
@@ -166,9 +168,26 @@ def _with_bounds(variant: Variants, setup: EliminationSetup) -> Variants:
     return replace(variant, inexact=inexact(setup.written.steps, setup.centre, setup.scale, cut, *factors)[None])
 
 
+def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> Variants:
+    """The variant of the axes as they are whose determinant's zeros prove most of the poses (m, 4, 4) complete."""
+    unmoved = variants.at(np.arange(len(variants.first) // len(_SHIFTS)))
+    if unmoved.slides.any():
+        return unmoved.at(np.array([0]))
+
+    def proven(of: Variants) -> NDArray[np.int64]:
+        out: NDArray[np.int64] = np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
+        return out
+
+    # What these would prove, were they as exact as rounding lets them be.
+    guessed = proven(replace(unmoved, inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
+    few = [_with_bounds(unmoved.at(np.array([k])), setup) for k in np.argsort(guessed, kind="stable")[-2:]]
+    return max(few, key=lambda each: int(proven(each)[0]))
+
+
 def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: int) -> Variants:
     """The ``count`` variants that are rightly certain of most of the poses (m, 4, 4); the best one last."""
-    counts, certain = _tried(setup, variants, targets)
+    counts, found = _tried(setup, variants, targets)
+    certain = found & 1
     # A variant that is certain of fewer solutions than another one finds: its determinant lacks some of them as roots.
     wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
     order = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))
@@ -179,7 +198,8 @@ def _tried(setup: EliminationSetup, variants: Variants, targets: Array) -> tuple
     """Try each variant alone on the poses (m, 4, 4).
 
     Returns:
-        (v, m): how many solutions it finds, and whether it is certain that they are all.
+        (v, m): how many solutions it finds, and bits: whether it is certain that they are all (1), whether it is
+            proven (2).
     """
     counts = np.empty((len(variants.first), len(targets)), np.uint8)
     certain = np.empty_like(counts)

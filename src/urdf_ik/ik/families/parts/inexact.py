@@ -28,9 +28,9 @@ def inexact(steps: Array, centre: Array, scale: float, cut: tuple[int, bool], le
 
     The equations are set up anew from the arm's steps, to 160 binary digits, with those null vectors of the left side L
     (15 x 9) that are nearest to the ones that were used: N - N L L^+. What separates both factors from the ones that
-    were used is measured. The loop's motion and both products with it are rounded when a pose is solved, by 16 u each.
-    Six equations enter the matrix twice, with factors up to one, and each of their coefficients with the hidden joint's
-    (1, cos, sin): the matrix errs by at most twice as much as they do.
+    were used is measured. The loop's motion, both products with it and the matrix's sums are rounded when a pose is
+    solved, by 16 u each. Six equations enter the matrix twice, with factors up to one, and each of their coefficients
+    with the hidden joint's (1, cos, sin): the matrix errs by at most twice as much as they do.
 
     Args:
         steps: (7, 3, 4) the arm's motions from joint to joint [m].
@@ -70,7 +70,7 @@ def inexact(steps: Array, centre: Array, scale: float, cut: tuple[int, bool], le
         moved = G @ rear_size
         moved_off = G @ rear_off + 2.0 * _PRODUCT * moved
         out[power] = np.linalg.norm(
-            front_off @ (moved + moved_off) + front_size @ moved_off + _PRODUCT * (front_size @ moved)
+            front_off @ (moved + moved_off) + front_size @ moved_off + 2.0 * _PRODUCT * (front_size @ moved)
         )
     return 2.0 * out
 
