@@ -103,9 +103,11 @@ def test_each_family_gives_the_same_answers(compile_with: str, name: str, arm: u
     header, program = tmp_path / "arm.hpp", tmp_path / "program"
     header.write_text(export.cpp(arm, "arm"))
     source, macro = str(PROGRAMS / "one_file.cpp"), f'-DARM_FILE="{header}"'
-    level = FLAGS if compile_with == compiler("CXX") else ("-O1", *FLAGS[1:])
-    command = (compile_with, "-std=c++20", *level, *LEVEL, *WARNINGS, *FREESTANDING, macro, source)
-    native_arms.run(*command, "-o", str(program))
+    command = (compile_with, "-std=c++20", *LEVEL, *WARNINGS, macro, source)
+    native_arms.run(*command, *FREESTANDING, "-fsyntax-only")
+    # Without exceptions GCC fuses other operations, so that the last digits differ at v3 and v4.
+    level = FLAGS if compile_with == compiler("CXX") else (*FREESTANDING[1:], "-O1", *FLAGS[1:])
+    native_arms.run(*command, *level, "-o", str(program))
     T, values = targets(arm)
     free_values = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
     expected = arm.ik(T, **free_values)

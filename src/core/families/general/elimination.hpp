@@ -8,11 +8,11 @@
 #pragma once
 
 #include "answers/beside.hpp"
-#include "certificate/circle.hpp"
 #include "families/general/collecting.hpp"
 #include "families/general/complete.hpp"
 #include "families/general/complex_roots.hpp"
 #include "families/general/continuation.hpp"
+#include "families/general/eliminant.hpp"
 #include "families/general/hidden_joint.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -26,8 +26,6 @@ inline constexpr double NEAR_CIRCLE = 0.1;
 inline constexpr double FARTHEST = -0.995;
 // A determinant with noisier harmonics than this never makes the result certain. If all_known(), it is not used at all.
 inline constexpr double LARGEST_NOISE = 1e-7;
-// The zeros of a determinant are counted if what separates its matrices from those of the arm as written is at most this.
-inline constexpr double LARGEST_INEXACT = 1e-6;
 // A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster about
 // equally, so if this holds, no root of the cluster is as far off the circle as NEAR_CIRCLE.
 inline constexpr double OWN_ROOT = 1e-3;
@@ -43,21 +41,6 @@ inline constexpr double AT_SINGULAR = 1e-10;
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
 // ---- one variant of the elimination ------------------------------------------------------------------------------------
-
-// The motion that the six joints must make together, in the scaled frame of the axes.
-STEP Frame<double> loop_motion(const EliminationArm& arm, const Goal<double>& goal, bool reversed) {
-    const Frame<double> to = beyond(goal, arm.home_inverse);
-    const Vec<double> p = arm.scale * (to.p - vec<double>(arm.centre));
-    if (!reversed) return {to.R, p};
-    const Rot<double>& R = to.R;
-    return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}}, {-dot(R.x, p), -dot(R.y, p), -dot(R.z, p)}};
-}
-
-// A bound on the length of this motion, and of those that it is computed from.
-STEP double length_of_motion(const EliminationArm& arm, const Goal<double>& goal) {
-    const auto length = [](const double (&t)[3]) { return sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]); };
-    return arm.scale * (sqrt(dot(goal.p, goal.p)) + length(arm.home_inverse.t) + length(arm.centre));
-}
 
 // The roots that may be real, as (cos, sin).
 struct RealRoots {
@@ -79,14 +62,6 @@ STEP RealRoots real_roots(const Complex (&z)[2 * DEGREE], bool hides_slide) {
     return out;
 }
 
-// The hidden joint of a variant at q, as (cos, sin) of its angle, or of t where it slides by tan(t / 2).
-STEP Turn<double> hidden_at(const EliminationArm& arm, const EliminationVariant& variant, const double (&q)[6]) {
-    const int hidden = (variant.first + 5) % 6, j = variant.reversed ? 5 - hidden : hidden;
-    if (!arm.written.slides[j]) return cos_sin(q[j]);
-    const double d = arm.scale * q[j], w = 1.0 / (1.0 + d * d);
-    return {(1.0 - d * d) * w, 2.0 * d * w};
-}
-
 // Add the solutions that damped steps reach from the starts without a column.
 PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts,
                         const int (&column)[BLOCK]) {
@@ -95,24 +70,6 @@ PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Sea
     }
     int unused[BLOCK];
     if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
-}
-
-// The equations of a pose, and their determinant: 24 times its Fourier coefficients, a bound on the error of each, and the noise.
-struct Eliminant {
-    Frame<double> G;
-    Equations A;
-    Complex coefficients[2 * DEGREE + 1];
-    double error, noise;
-};
-PART void eliminate(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Eliminant& out) {
-    double D[SAMPLES];
-    const double reach = length_of_motion(arm, goal);
-    out.G = loop_motion(arm, goal, variant.reversed);
-    equations(variant, out.G, out.A);
-    determinants(out.A, D, variant.inexact[0] + reach * (variant.inexact[1] + reach * variant.inexact[2]), out.error);
-    out.noise = harmonics(D, out.coefficients);
-    // Sums of 24 products.
-    for (const double each : D) out.error += 32.0 * UNIT * abs(each);
 }
 
 // Accounts for the determinant's roots off the unit circle, one of each pair.
@@ -133,32 +90,6 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
         account_for(arm, goal, search, joints, rest >= BLOCK ? (1u << BLOCK) - 1 : (1u << rest) - 1);
     }
 }
-
-// Bounds the number of real solutions by that of the zeros that the determinant of the arm as written has on the circle. A zero is
-// at least as multiple as its matrix loses ranks. One null vector leads to one solution at most; a plane of them to two at most,
-// since the products of (1, cos, sin) and the halves are a surface that is cut out by quadrics and contains no line.
-// Returns whether that many real roots are certified.
-PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const Eliminant& of, SearchState& search) {
-    if (search.counted() || !search.certifies || !(of.error < __builtin_inf())) return search.counted();
-    OnCircle p;
-    for (int k = 0; k <= DEGREE; ++k) p.re[k] = of.coefficients[DEGREE + k].re, p.im[k] = of.coefficients[DEGREE + k].im;
-    p.error = of.error;
-    // Higher harmonics are zero, so what rounding leaves of them is within the bound.
-    double largest = 0.0;
-    for (int k = 0; k <= DEGREE; ++k) largest = max(largest, sqrt(p.re[k] * p.re[k] + p.im[k] * p.im[k]));
-    if (!(of.noise * largest <= of.error)) return false;
-    double known[Account::most];
-    for (int i = 0; i < search.account.reals; ++i) {
-        const Turn<double> t = hidden_at(arm, variant, search.account.real[i].q);
-        known[i] = atan2(t.s, t.c);
-    }
-    const int bound = zeros_on_circle(p, known, search.account.reals);
-    if (bound >= 0 && (search.zeros < 0 || bound < search.zeros)) search.zeros = bound;
-    return search.counted();
-}
-
-// Whether a variant's determinant is known well enough to be worth counting its zeros.
-STEP bool counts(const EliminationVariant& variant) { return variant.inexact[0] < LARGEST_INEXACT; }
 
 // Adds the solutions that one variant finds. Returns whether they are certain to be all. Of an arm whose roots are counted: they
 // are proven to be. Else: each root that may be real led to a different solution, and no other solution is known; at least one
