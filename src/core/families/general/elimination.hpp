@@ -350,6 +350,18 @@ Status complete(const EliminationArm& arm, const Goal<double>& goal, const Colum
     return complete(arm, goal, columns, account);
 }
 
+bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    if (!counts(arm.counter)) return false;
+    SearchState search = search_state(arm, goal, columns, CONVERGED);
+    certify_columns(search);
+    if (!search.account.reals) return false;
+    Eliminant of;
+    eliminate(arm, arm.counter, goal, of);
+    if (!count_zeros(arm, arm.counter, of, search)) return false;
+    keep_certified(arm, goal, search);
+    return true;
+}
+
 struct General6 {
     using Arm = EliminationArm;
     static constexpr int branches = 16;

@@ -102,7 +102,7 @@ template <class Family> struct Imperfect {
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
             if (!open && columns.count() % 2 == 0) {
-                set_status(columns.flags[0], complete(arm.elimination, goal, columns));
+                if (!are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], Status::incomplete);
                 return;
             }
         }
