@@ -78,7 +78,7 @@ struct Divider {
     int waiting = 0;
     Surroundings region[REGIONS];  // the last ones, in a ring
     int regions = 0, in_vain = 0;
-    bool blurred = false;
+    bool blurred = false, lost = false;  // lost: whether a root found no room, or may be another one
 
     Divider(const Division& all, Certified& to) : of(all), out(to) {}
 
@@ -174,10 +174,13 @@ struct Divider {
     bool has_roots(const Surroundings& all, const Valley& valley, int many, int branch) {
         const double point[6] = {};
         int inside = 0;
+        Surroundings longer = all;
+        longer.along *= 2.0, longer.farthest *= 3.0;
         for (int i = 0; i < out.many; ++i) {
-            const Placed at = placed(all, out.root[i].q, point);
-            if (at.across <= all.across && abs(at.along - all.along) < AT_AN_END) return false;
-            inside += at.inside;
+            const Placed at = placed(longer, out.root[i].q, point);
+            if (!(at.across <= all.across)) continue;
+            if (is_at_an_end(all, valley, at)) return false;
+            inside += at.along < all.along;
         }
         if (inside >= many) return inside == many;
         double q[2][6], slope;
@@ -202,13 +205,21 @@ struct Divider {
             const Course course = {12, FINISHED, 12};
             if (!(polish_one<false>(of.written, of.goal, q[i], course).error <= CONVERGED)) return false;
             const Placed where = placed(all, q[i], point);
-            if (!where.inside || abs(where.along - all.along) < AT_AN_END) return false;
+            if (!where.inside || is_at_an_end(all, valley, where)) return false;
             if (many == 2 && !one_root(q[i], found[i], at, other)) return false;
         }
         if (many == 2 && !are_apart(q, found)) return false;
         forget_in(all);
-        for (int i = 0; i < many; ++i) out.add(q[i], 0.0, branch, true);
+        for (int i = 0; i < many; ++i) keep_root(q[i], branch);
         return true;
+    }
+    // Whether a root may lie on either side of the region's end: its place along the valley is as accurate as its error over the
+    // slope there.
+    static bool is_at_an_end(const Surroundings& all, const Valley& valley, const Placed& root) {
+        double slope, other;
+        valley.output(root.along, slope), valley.output(-root.along, other);
+        return abs(root.along - all.along) * min(abs(slope), abs(other)) < 2.0 * CONVERGED ||
+               abs(root.along - all.along) < AT_AN_END;
     }
     // Whether two roots, each alone in a region about it, are two.
     static bool are_apart(const double (&q)[2][6], const Region (&found)[2]) {
@@ -216,6 +227,7 @@ struct Divider {
         for (int j = 0; j < 6; ++j) between += square(wrap(wrap(q[0][j] - q[1][j])));
         return sqrt(between) > found[0].radius + found[1].radius + 1e-14;
     }
+    void keep_root(const double (&q)[6], int branch) { lost |= !out.add(q, 0.0, branch, true); }
     void forget_in(const Surroundings& all) {
         const double point[6] = {};
         int kept = 0;
@@ -275,7 +287,7 @@ struct Divider {
         if (!both && !pair.blurred && !pair.apart) return false;
         forget_in(all);
         if (both) {
-            for (int i = 0; i < 2; ++i) out.add(q[i], 0.0, branch, true);
+            for (int i = 0; i < 2; ++i) keep_root(q[i], branch);
             return true;
         }
         if (pair.apart) return true;
@@ -283,7 +295,7 @@ struct Divider {
         double centre[6];
         for (int k = 0; k < 6; ++k) centre[k] = all.q[k];
         if (polish_one<true>(of.written, of.goal, centre, held).error <= of.written.tolerances.reach) {
-            out.add(centre, 0.0, branch, true), blurred = true;
+            keep_root(centre, branch), blurred = true;
             return true;
         }
         return false;
@@ -372,6 +384,7 @@ struct Divider {
                 for (int j = 0; j < 6; ++j) at[j] = root.q[j][l];
                 const double point[6] = {};
                 if (!is_in_region(at, point)) out.add(at, root.radius[l], now[l].branch, false);
+                lost |= out.many == Certified::most;
             }
         }
         for (unsigned rest = left; rest; rest &= rest - 1) {
@@ -410,6 +423,7 @@ void divide(const Division& of, const Boxes& boxes, unsigned open, Certified& ou
     const int most = of.ideal.imperfection < COARSE ? MOST_BOXES : MOST_COARSE_BOXES;
     for (int k = 0; k < most; k += BLOCK) {
         if (!divider.waiting) {
+            if (divider.lost) return;
             out.status = divider.blurred ? Status::clustered : Status::complete;
             return;
         }
