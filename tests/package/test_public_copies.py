@@ -21,7 +21,7 @@ import urdf_ik
 from urdf_ik import calibration
 from urdf_ik.calibration import universal_robots
 from urdf_ik.ik.solutions import Cluster
-from urdf_ik.kinematics.derivatives import written
+from urdf_ik.kinematics.derivatives import Points, written
 from urdf_ik.maps import workspaces
 from urdf_ik.show.plot import figures
 from urdf_ik.verify import check_proof, completeness, crosscheck, judging, surveys
@@ -85,7 +85,7 @@ def more_objects(folder: Path) -> Iterator[Any]:
     yield from (proven.proof, check_proof(general, proven))
     yield Cluster(np.zeros(6, dtype=complex), np.eye(6, dtype=complex), 1e-6, 1e-3, 1)
     geometry = written(two.chain)
-    yield from (geometry, *geometry.parameters)
+    yield from (geometry, *geometry.parameters, Points(np.zeros(3), np.zeros(3), np.array([0.0, 0.0, 1.0])))
     vectors = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
     fitted = urdf_ik.calibrate(two, vectors, two.fk(vectors))
     yield from (fitted, calibration.best_poses(fitted, 2))

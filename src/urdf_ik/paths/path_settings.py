@@ -30,9 +30,7 @@ class PathSettings:
         None, "Joint vector at the last waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
     )
     world: World | None = setting(None, "Obstacles.", Form.WORLD)
-    margin: float = setting(
-        0.0, "Distance that bodies must keep from each other and from obstacles.", Form.NUMBER, "m"
-    )
+    margin: float = setting(0.0, "Distance that bodies must keep from each other and from obstacles.", Form.NUMBER, "m")
     collisions: bool | str = setting(
         True,
         "Whether contacts are checked, at the waypoints and all the way between them; by default where the collision "
@@ -48,8 +46,7 @@ class PathSettings:
     weights: Any = setting(None, "Factor on |dq| of each joint, on dq^2 for l2; by default 1.", Form.EACH_JOINT)
     limit_cost: float = setting(
         0.0,
-        "Weight of a cost at each waypoint: the square of the nearness to a limit, 0 in the middle of the range and 1 "
-        "at the limit, of the nearest joint.",
+        "Weight of the squared nearness to the nearest limit, 0 in the middle of the range and 1 at the limit.",
         Form.NUMBER,
     )
     max_step: Any = setting(None, "Largest step of a joint between two waypoints.", Form.EACH_JOINT, "rad or m")
@@ -65,7 +62,7 @@ class PathSettings:
     )
     time_limit: float | None = setting(
         None,
-        "Longest time to search; then the best plan so far is returned, with what was not looked at.",
+        "Longest search; then the best plan so far.",
         Form.NUMBER,
         "s",
     )

@@ -90,8 +90,8 @@ class Redundancy:
             >>> urdf_ik.load("srs_7r").redundancy.check([0, 0.5]).tolist()
             [0.0, 0.5]
         """
-        if type(value) is np.ndarray and value.dtype == np.float64:
-            values = np.ascontiguousarray(value) if value.ndim else value
+        if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
+            values = value
         else:
             values = inputs.real(value, "redundancy", f"a number [{self.unit}], or an array of numbers: {self}")
         if (bad := inputs.first_bad(values)) is not None:
