@@ -135,7 +135,7 @@ def test_an_unknown_instruction_set_is_an_error_in_words(level: str) -> None:
 
 
 def _symbols(file: Path) -> set[str]:
-    """The symbols that an object file defines and that a linker sees, but for pointers to the runtime's own functions."""
+    """The symbols that an object file defines and a linker sees, but for pointers to the runtime's functions."""
     done = subprocess.run(
         ["nm", "--defined-only", "--extern-only", "--format=posix", str(file)],
         capture_output=True, text=True, timeout=60, check=True,
