@@ -10,7 +10,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr int MOST_BOXES = 6000, WAITING = 256;
 // Boxes of arms farther off, which hardly shrink: the elimination decides their poses sooner.
 inline constexpr int MOST_COARSE_BOXES = 64;
-inline constexpr double COARSE = 1e-4;
+inline constexpr double COARSE = 5e-4;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
 // Half the width [rad] of a box below which a region about a singular root is looked for, how many are kept, and how often none may
