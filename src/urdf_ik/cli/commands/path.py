@@ -151,7 +151,8 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     facts.append(("reconfigurations", str(changes)))
     between = len(plan.motion) - len(plan.q)
     if between:
-        facts.append(("waypoints added", f"{between}, so that the tip keeps to the straight segments"))
+        kept = "so that the tip keeps to the straight segments; CSV and JSON hold those given, .npz and --timed all"
+        facts.append(("waypoints added", f"{between}, {kept}"))
     strays = (f"{plan.tolerance[0]:g} m", f"{float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}")
     facts.append(("tolerance", f"{' and '.join(strays)} from the straight segments, proven"))
     step = _largest_step(plan)
