@@ -47,3 +47,13 @@ def test_a_changed_arm_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     succeed("freeze", "my_arm.urdf", "-o", "my_arm.lock.json")
     Path("my_arm.urdf").write_text(text.replace("0.4318", "0.4330"))
     assert call("verify", "my_arm.urdf", "my_arm.lock.json").exit_code == 1
+
+
+@pytest.mark.filterwarnings("default")
+def test_degrees_in_a_file_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without --degrees they are rad, many turns of them, and the command says so; with it, it does not."""
+    monkeypatch.chdir(tmp_path)
+    Path("seam.csv").write_text("x,y,z,roll,pitch,yaw\n0.4,-0.2,0.3,0,90,0\n")
+    told = "90 is 14.3 turns"
+    assert told in call("ik", "puma_560", "--poses", "seam.csv").stderr
+    assert told not in call("ik", "puma_560", "--poses", "seam.csv", "--degrees").stderr

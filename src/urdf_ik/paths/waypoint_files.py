@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import IO, TYPE_CHECKING
 
 import numpy as np
@@ -118,6 +119,10 @@ def _from_rows(rows: number_files.Rows, degrees: bool, bare: bool) -> Array:
     values = rows.numbers((*POSITION, *ORIENTATIONS[kind]), header)
     if degrees and kind != "quat_wxyz":
         values[:, 3:] = np.deg2rad(values[:, 3:])
+    elif kind != "quat_wxyz" and (most := float(np.abs(values[:, 3:]).max())) > 2.0 * np.pi:
+        turns = f"{most:g} is {most / (2.0 * np.pi):.1f} turns"
+        told = f"{rows.name}: angles are read in rad, and {turns}; degrees=True (--degrees) reads degrees"
+        warnings.warn(told, stacklevel=4)
     return _posed(kind, values, lambda k: f"{rows.name}, line {rows.lines[k]}")
 
 
