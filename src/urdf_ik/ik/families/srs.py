@@ -77,6 +77,7 @@ class SrsArm:
         zero_4: rad, the angle between the links at zero.
         clamp: how far below zero a margin may fall before its branch is given up.
         imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
+        apart: m, bound on the distance of its tip from that of the arm as written, for the same joint vector.
         value: rad, the swivel angle where no other is given.
     """
 
@@ -93,6 +94,7 @@ class SrsArm:
     zero_4: float
     clamp: float
     imperfection: float
+    apart: float
     value: float
 
 
@@ -139,6 +141,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMem
         zero_4=math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0]),
         clamp=100.0 * DEFAULT.fold + (0.0 if exact else _CLAMP * error),
         imperfection=0.0 if exact else error,
+        apart=_apart(chain, S, W),
         value=0.0,
     )
     return RedundantMember(
@@ -196,6 +199,16 @@ def _swivels(chain: Chain, ends: Ends, Q: Array) -> Array:
     across = np.cross(along, normal)
     swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
     return swivels
+
+
+def _apart(chain: Chain, S: Array, W: Array) -> float:
+    """Bound on the distance [m] between the tips of the two arms at one joint vector.
+
+    A turn R about an axis that is e off puts what follows (1 - R) e elsewhere, which is at most twice as long.
+    """
+    meeting = np.array([S, S, S, chain.points[3], W, W, W])
+    off = np.cross(chain.H, chain.points[:7] - meeting)
+    return 2.0 * float(np.linalg.norm(off, axis=1).sum())
 
 
 def _error(chain: Chain, S: Array, W: Array) -> float:
