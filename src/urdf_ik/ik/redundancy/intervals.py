@@ -169,11 +169,9 @@ class Intervals:
             raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
-        looked_at = self._looked_at[index]
+        looked_at = np.asarray(self._looked_at[index])
         unlooked = "" if looked_at.all() else self.unlooked
-        return Intervals(
-            self.solver, self._T[index], found, self.within_limits, self._sampled, looked_at, unlooked
-        )
+        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled, looked_at, unlooked)
 
     def samples(self, k: int) -> tuple[Array, Array]:
         """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
