@@ -43,8 +43,8 @@ class DistanceField:
 
     def least(self, points: Array) -> Array:
         """(...) m that the cloud is at least away from points (..., 3) in its frame."""
-        return self._bound[self._cells(points) @ self._stride].astype(np.float64)
+        return np.asarray(self._bound[self._cells(points) @ self._stride], dtype=np.float64)
 
     def _cells(self, points: Array) -> NDArray[np.intp]:
         """(..., 3) the cells of points (..., 3), the nearest one for those outside."""
-        return np.clip((points - self._low) / self._side, 0, self._last).astype(np.intp)
+        return np.asarray(np.clip((points - self._low) / self._side, 0, self._last), dtype=np.intp)
