@@ -164,7 +164,7 @@ def rounded_over_base() -> DescribedArm:
 
 
 def six_of_a_shifted_iiwa() -> DescribedArm:
-    """The first six joints of a KUKA iiwa whose shoulder and elbow are 0.44 mm off, as an LBR iiwa 14's URDF has them."""
+    """The first six joints of a KUKA iiwa 14 whose shoulder and elbow are 0.44 mm off, as a URDF has them."""
     along_y, along_z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     places = [(0, 0, 0), (-0.00043624, 0, 0.36), (0, 0, 0), (0.00043624, 0, 0.42), (0, 0, 0), (0, 0, 0.4)]
     axes = [along_z, along_y, along_z, (0.0, -1.0, 0.0), along_z, along_y]
