@@ -77,7 +77,7 @@ class SrsArm:
         zero_4: rad, the angle between the links at zero.
         clamp: how far below zero a margin may fall before its branch is given up.
         imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
-        apart: m, bound on the distance of its tip from that of the arm as written, for the same joint vector.
+        off: (7, 3) m, from each axis of the arm as written to this arm's, in the joint's frame at zero.
         value: rad, the swivel angle where no other is given.
     """
 
@@ -94,7 +94,7 @@ class SrsArm:
     zero_4: float
     clamp: float
     imperfection: float
-    apart: float
+    off: Array
     value: float
 
 
@@ -141,7 +141,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMem
         zero_4=math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0]),
         clamp=100.0 * DEFAULT.fold + (0.0 if exact else _CLAMP * error),
         imperfection=0.0 if exact else error,
-        apart=_apart(chain, S, W),
+        off=_off(chain, S, W),
         value=0.0,
     )
     return RedundantMember(
@@ -201,14 +201,15 @@ def _swivels(chain: Chain, ends: Ends, Q: Array) -> Array:
     return swivels
 
 
-def _apart(chain: Chain, S: Array, W: Array) -> float:
-    """Bound on the distance [m] between the tips of the two arms at one joint vector.
-
-    A turn R about an axis that is e off puts what follows (1 - R) e elsewhere, which is at most twice as long.
-    """
-    meeting = np.array([S, S, S, chain.points[3], W, W, W])
-    off = np.cross(chain.H, chain.points[:7] - meeting)
-    return 2.0 * float(np.linalg.norm(off, axis=1).sum())
+def _off(chain: Chain, S: Array, W: Array) -> Array:
+    """From each axis to a parallel one through S, S, S, itself, W, W, W (7, 3) m, in the joint's frame at zero."""
+    along = np.array([S, S, S, chain.points[3], W, W, W]) - chain.points[:7]
+    off = along - (along * chain.H).sum(axis=1)[:, None] * chain.H
+    R, out = np.eye(3), np.empty((7, 3))
+    for k, step in enumerate(written(chain).steps[:7]):
+        R = R @ step[:, :3]
+        out[k] = R.T @ off[k]
+    return out
 
 
 def _error(chain: Chain, S: Array, W: Array) -> float:
