@@ -234,7 +234,7 @@ def _show(console: Console, title: str, columns: tuple[str, ...], rows: list[lis
 def main(arguments: list[str] | None = None) -> int:
     """Run the comparison and print it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--md", action="store_true", help="print Markdown")
+    parser.add_argument("--md", action="store_true", help="print Markdown, the tables alone")
     parser.add_argument("--poses", type=int, default=500, help="poses for the completeness columns (default 500)")
     parser.add_argument("--repeats", type=int, default=15, help="alternating repetitions (default 15)")
     parser.add_argument("--seed", type=int, default=2, help="seed of the poses (default 2)")
@@ -249,7 +249,8 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error("nothing to do: name at least one arm and one solver, one pose and one repetition")
     # A pipe has no width of its own, and so many columns want some.
     console = Console(width=None if sys.stdout.isatty() else 150)
-    print(_machine())
+    if not options.md:
+        print(_machine())
     for robot in robots:
         print(f"{robot.name} ...", file=sys.stderr, flush=True)
         base = _base(robot).name
@@ -259,7 +260,8 @@ def main(arguments: list[str] | None = None) -> int:
     if calibrated:
         rows = calibration(options.repeats, options.seed)
         _show(console, CALIBRATION, CALIBRATION_COLUMNS, rows, markdown=options.md)
-    print(FOOTNOTE)
+    if not options.md:
+        print(FOOTNOTE)
     return 0
 
 

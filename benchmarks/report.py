@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """All tables of docs/speed.md in one run, each below the command that printed it: what ``make bench`` runs.
 
-    python benchmarks/report.py [--before PYTHON] [--arms FOLDER] [--quick] [--only WORD ...]
+    python benchmarks/report.py [--before PYTHON] [--arms FOLDER] [--quick] [--only WORD ...] [--page FILE]
 
 ``--before`` and ``--arms`` are those of ``before_after.py``: another version's Python, and a folder of further arms.
 ``--quick`` measures each thing once and leaves out what takes longest: about a minute instead of ten. ``--only`` takes
-the tables whose commands hold one of the words. A table that takes longer than its time is cut off there, and says so.
+the tables whose commands hold one of the words. ``--page docs/speed.md`` puts them into the page, each between the two
+comments with its title. A table that takes longer than its time is cut off there, and says so.
 """
 
 from __future__ import annotations
@@ -42,26 +43,26 @@ class Table:
 
 
 TABLES = (
-    Table("Two versions", "before_after.py --repeats 3 --build", "before_after.py --repeats 1", 600.0),
+    Table("Two versions", "before_after.py --repeats 3 --build", "before_after.py --repeats 1", 900.0),
     Table(
         "Six joints, other solvers",
         "bench.py --md --repeats 3 --poses 60 --robot UR5 'IRB 2400' 'z y y z y z'",
         "bench.py --md --repeats 1 --poses 20 --peer urdf-ik EAIK --robot UR5 'IRB 2400' 'z y y z y z'",
-        180.0,
+        300.0,
     ),
     Table(
         "General arms, other solvers",
         "bench.py --md --repeats 2 --poses 20 --robot 'Kinova j2n6s300' 'FANUC CRX-10iA/L'",
         None,
-        120.0,
+        180.0,
     ),
-    Table("A calibrated arm", "bench.py --md --repeats 7 --robot 'what a calibration costs'", None, 60.0),
-    Table("Seven joints, sixteen values", "seven_joints.py --poses 60 --repeats 3", None, 60.0),
-    Table("Narrow windows", "intervals.py --poses 100", "intervals.py --poses 10", 60.0),
-    Table("Few joints", "few_joints.py --repeats 3", None, 60.0),
-    Table("Paths", "paths.py --waypoints 300 --repeats 3", None, 90.0),
-    Table("Tracker", "tracker.py --repeats 3", None, 60.0),
-    Table("Threads", "threads.py --robot UR5 --batch 1000 10000 100000", None, 60.0),
+    Table("A calibrated arm", "bench.py --md --repeats 7 --robot 'what a calibration costs'", None, 90.0),
+    Table("Seven joints, sixteen values", "seven_joints.py --poses 60 --repeats 3", None, 120.0),
+    Table("Narrow windows", "intervals.py --poses 100", "intervals.py --poses 10", 90.0),
+    Table("Few joints", "few_joints.py --repeats 3", None, 90.0),
+    Table("Paths", "paths.py --waypoints 300 --repeats 3", None, 180.0),
+    Table("Tracker", "tracker.py --repeats 3", None, 90.0),
+    Table("Threads", "threads.py --robot UR5 --batch 1000 10000 100000", None, 90.0),
 )
 
 
@@ -96,6 +97,16 @@ def printed(arguments: list[str], most: float) -> str:
     return out.strip()
 
 
+def put(page: Path, title: str, text: str) -> None:
+    """Put a table into the page, between the comments with its title."""
+    begin, end = f"% table: {title}\n", f"% end: {title}\n"
+    before, found, rest = page.read_text().partition(begin)
+    _, ended, after = rest.partition(end)
+    if not found or not ended:
+        sys.exit(f"{page} has no {begin.strip()!r} with {end.strip()!r} behind it")
+    page.write_text(f"{before}{begin}\n{text}\n\n{end}{after}")
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -103,8 +114,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--arms", help="a folder with URDFs of further arms")
     parser.add_argument("--quick", action="store_true", help="about a minute")
     parser.add_argument("--only", nargs="*", help="only tables whose commands hold one of these words")
+    parser.add_argument("--page", type=Path, help="put the tables into this page, too")
     options = parser.parse_args(arguments)
     print(machine(), flush=True)
+    if options.page:
+        put(options.page, "machine", f"{machine()}.")
     start = time.monotonic()
     for table in TABLES:
         command = table.quick if options.quick else table.command
@@ -118,7 +132,10 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{table.title} ...", file=sys.stderr, flush=True)
         text = printed(given, table.most)
         took = time.monotonic() - began
-        print(f"\n## {table.title}\n\n`python benchmarks/{command}`, {took:.0f} s\n\n{text}", flush=True)
+        whole = f"`python benchmarks/{command}`, {took:.0f} s\n\n{text}"
+        print(f"\n## {table.title}\n\n{whole}", flush=True)
+        if options.page:
+            put(options.page, table.title, whole)
     print(f"\n{time.monotonic() - start:.0f} s in all")
     return 0
 
