@@ -113,7 +113,7 @@ def test_folding_arm_at_its_folded_elbow_is_marked_singular() -> None:
 def test_two_axes_in_line_where_three_ranks_are_lost_are_a_continuum(
     name: str, elbow: float, turn: float, last: float
 ) -> None:
-    """With the arm straight up axes 1 and 4 are one line, and turning both keeps the pose; other directions are weak too."""
+    """With the arm straight up axes 1 and 4 are one line, and turning both keeps the pose. Three ranks are lost."""
     case, q = named(name), np.array([0.0, 0.0, elbow, 0.0, 0.0, last])
     J = case.arm.jacobian(q)
     J[:3] /= case.arm.chain.size
