@@ -79,6 +79,14 @@ template <int N> STEP void collect_real(const Complex (&c)[N + 1], double error,
     }
 }
 
+// Roots of constant + cosine cos t + sine sin t; error: of each coefficient.
+STEP Quartic first_harmonic_roots(double constant, double cosine, double sine, double error) {
+    Quartic out = {};
+    const Complex first = {0.5 * cosine, 0.5 * sine};
+    if (first.re != 0.0 || first.im != 0.0) collect_real<2>({first, {constant, 0.0}, {first.re, -first.im}}, error, out);
+    return out;
+}
+
 // With z = exp(it) the polynomial is a self-inversive quartic, whose roots on the unit circle are the real ones. All four are found
 // together, without case distinctions. A pair just off the circle is returned as two roots; the caller verifies them. error: of
 // each coefficient.
@@ -88,8 +96,8 @@ PART Quartic trigonometric_roots(const TrigonometricPolynomial& p, double error 
     const double largest = max(abs(p.constant), max(max(abs(first.re), abs(first.im)), max(abs(second.re), abs(second.im))));
     if (!(largest > 0.0)) return out;
     if (max(abs(second.re), abs(second.im)) < NO_HARMONIC * largest) {
-        // z divides out once at each end. The discs are those of the quadratic, which is another polynomial.
-        collect_real<2>({{first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}}, error, out);
+        // z divides out once at each end. The discs are those of another polynomial.
+        out = first_harmonic_roots(p.constant, p.cosine, p.sine, error);
         out.whole = false;
     } else {
         collect_real<4>(

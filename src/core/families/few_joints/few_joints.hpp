@@ -31,11 +31,13 @@ STEP Vec<double> place_of(const Goal<double>& goal, const double (&in_tip)[3], d
     return goal.R * vec<double>(in_tip) + (1.0 / size) * goal.p;
 }
 
-// A candidate: the arm's joint vector for values of the step's three joints.
+// A candidate: the arm's joint vector for values of the step's three joints. off: bounds on their errors, replaced by those of q
+// [rad, share of size].
 template <int N>
 STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& seen, const double (&placed)[3],
-                 double (&q)[N]) {
-    double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0};
+                 double (&q)[N], double (&off)[5]) {
+    double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0}, turned = EXACT;
+    for (int k = 0; k < 3; ++k) turned += way.step.slides[k] ? 0.0 : off[k];
     if (way.turns) {
         Rot<double> rest = behind(way.step, placed, from_home(seen.R, way.home));
         for (int k = 0; k < way.turns; ++k) {
@@ -44,7 +46,8 @@ STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal
             const Vec<double> mark = k + 1 < way.turns ? vec<double>(way.axis[k + 1])
                                      : abs(h.z) > 0.8  ? Vec<double>{0.0, h.z, -h.y}
                                                        : Vec<double>{h.y, -h.x, 0.0};
-            turn[3 + k] = turn_about(h, mark, rest * mark).angle;
+            const TurnAbout t = turn_about(h, mark, rest * mark);
+            turn[3 + k] = t.angle, off[3 + k] = turned / max(0.6 * sqrt(t.square), TINY), turned += off[3 + k];
             rest = turned_about(rest, h, cos_sin(-turn[3 + k]));
         }
     }
@@ -53,9 +56,36 @@ STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal
     }
 }
 
-// Candidates of one way. Returns whether a joint was nearly free.
+// The largest error that rounding, and the tolerance to which a solution is verified, leave of a pose.
+inline constexpr double MISSED = 1e-9;
+
+// Whether it is certain what a candidate stands for: for the one solution q, whose Jacobian's smallest singular value is at least
+// sigma, or, where sigma is infinite, for none. off: bounds on the distances of a solution that it stands for, by joint. A joint
+// that moves by x moves the pose by at most `lever` x, so the candidate itself misses the pose by no more than `lever` times the
+// bounds. The second derivative of the pose is at most N (lever + 2) |d|^2, so a second solution is at least 2 sigma / (N (lever +
+// 2)) away (seven_joints/srs_boxes.hpp).
 template <int N>
-PART bool go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& goal, const Reference<N>& reference,
+STEP bool is_certain(const Written<N>& arm, const Goal<double>& goal, const double (&candidate)[N], const double (&off)[N],
+                     const double (&q)[N], double sigma) {
+    double lever = 1.0, square = 0.0, sum = 0.0;
+    bool near = true;
+    for (int j = 0; j < N; ++j) {
+        const double* t = arm.step[j + 1].t;
+        lever += sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]) / arm.size;
+        near = near && abs(gap(arm, j, candidate[j], q[j])) <= off[j] + MISSED;
+        square += off[j] * off[j], sum += off[j];
+    }
+    if (sigma < __builtin_inf()) return near && N * (lever + 2.0) * (sqrt(square) + MISSED) < sigma;
+    return error_at<N, double>(arm, goal, candidate).size > lever * sum + MISSED;
+}
+
+// What is known after a way has been gone: a joint was nearly free; the solutions are all.
+struct Gone {
+    bool doubt, proven;
+};
+// Candidates of one way.
+template <int N>
+PART Gone go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& goal, const Reference<N>& reference,
              const Columns<N>& columns) {
     const Goal<double> seen = way.reversed ? inverse(goal) : goal;
     const double size = arm.written.size;
@@ -63,35 +93,54 @@ PART bool go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
     for (int k = 0; k < 3; ++k) {
         if (way.joint[k] >= 0) ref[k] = way.step.slides[k] ? reference.q[way.joint[k]] / size : reference.q[way.joint[k]];
     }
-    bool doubt = false;
+    Gone out = {false, false};
     PositionSolver solver(way.step, place_of(seen, way.in_tip, size), ref);
     const Places& places = solver.solve();
+    out.proven = places.whole;
     for (int c = 0; c < places.count; ++c) {
         const Placed& place = places.at[c];
-        gather(arm, way, seen, place.q, q);
+        double off[5] = {place.off[0], place.off[1], place.off[2], 0.0, 0.0}, candidate[N];
+        gather(arm, way, seen, place.q, q, off);
+        double bounds[N] = {};
+        for (int j = 0; j < N; ++j) candidate[j] = q[j];
+        for (int k = 0; k < 5; ++k) {
+            if (way.joint[k] >= 0) bounds[way.joint[k]] = off[k];
+        }
         const Origin origin = place.free ? Origin::doubtful : Origin::computed;
         const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
+        out.proven = out.proven && is_certain(arm.written, goal, candidate, bounds, q, sigma);
         if (!place.free || sigma <= arm.written.tolerances.singular) continue;
-        doubt = true;
+        out.doubt = true;
         for (int k = 0; k < 2; ++k) {
             for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {
                 double around[3] = {place.q[0], place.q[1], place.q[2]};
                 around[k] = wrap(PI * a / AROUND);
-                gather(arm, way, seen, around, q);
+                gather(arm, way, seen, around, q, off);
                 polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
             }
         }
     }
-    return doubt;
+    return out;
 }
 
 template <int N, int B> struct FewJoints {
     using Arm = FewJointsArm<N>;
     static constexpr int branches = B;
 
-    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<N>& reference, const Columns<N>& columns) {
-        for (int k = 0; k < arm.ways && go(arm, arm.way[k], goal, reference, columns); ++k) {}
+    // Returns the status, which belongs to the first column.
+    static STEP Status find(const Arm& arm, const Goal<double>& goal, const Reference<N>& reference, const Columns<N>& columns) {
+        bool proven = false;
+        for (int k = 0; k < arm.ways; ++k) {
+            const Gone gone = go(arm, arm.way[k], goal, reference, columns);
+            proven = proven || gone.proven;
+            if (!gone.doubt) break;
+        }
         sort(columns);
+        return proven ? Status::complete : Status::incomplete;
+    }
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<N>& reference, const Columns<N>& columns) {
+        const Status status = find(arm, goal, reference, columns);
+        set_status(columns.flags[0], status);
     }
 };
 

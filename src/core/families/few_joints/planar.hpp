@@ -57,13 +57,14 @@ template <int N, bool of_points = false> struct Planar {
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>&, const Reference<N>& reference,
                              const Columns<N>& columns, unsigned) {
         columns.clear();
-        FewJoints<N, 2>::solve(arm, goal, reference, columns);
+        const Status status = FewJoints<N, 2>::find(arm, goal, reference, columns);
         // Order the columns by the bend of the elbow; a straight arm goes to the first column.
         const auto bend = [&](int b) { return wrap(arm.sign[1] * columns.row(b)[arm.joint[1]] + arm.bend); };
         if (columns.valid(0) && bend(0) > 0.0 && (!columns.valid(1) || bend(1) <= 0.0)) columns.swap(0, 1);
         for (int b = 0; b < 2; ++b) {
             if (columns.flags[b] & OTHER) columns.flags[b] = VALID | ELBOW;
         }
+        set_status(columns.flags[0], status);
     }
 };
 

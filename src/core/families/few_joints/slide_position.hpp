@@ -35,15 +35,24 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
     return {atan2(dot(h, cross(u, v)), dot(u, v)), min(dot(u, u), dot(v, v))};
 }
 
-// A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free.
+// Bounds on errors, lengths as shares of the size: of a point's place, EXACT times 1 + |p|, for the structure of the arm and the
+// rounding of the target; of the equations' coefficients, EQUATION times (1 + |p|^2)^2. The rows are at most 2 long and the links
+// at most 1, so that a coefficient's error is at most 900 such errors of a place for |p| <= 1, and grows with |p|^4.
+inline constexpr double EXACT = 1.1e-13, EQUATION = 1e-10;
+
+// A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free. off: bounds on the distances of the
+// solution from it, if Places::whole.
 struct Placed {
     double q[3];
     unsigned free;
+    double off[3];
 };
-// Four roots twice where a row is weak, and their two signs.
+// Four roots twice where a row is weak, and their two signs. whole: each solution belongs to one of them, within its bounds, and no
+// two to the same.
 struct Places {
     Placed at[24];
     int count = 0;
+    bool whole = true;
 };
 
 // constant + cosine cos q3 + sine sin q3, or of a slide constant + first q3 + second q3^2.
@@ -74,10 +83,12 @@ public:
           p2(vec<double>(step.point[1])),
           third_slides(step.slides[2]) {
         for (int k = 0; k < 3; ++k) this->ref[k] = ref[k];
+        place_error = EXACT * (1.0 + sqrt(dot(p, p)));
+        equation_error = EQUATION * (1.0 + dot(p, p)) * (1.0 + dot(p, p));
     }
 
     PART const Places& solve() {
-        if (step.slides[1]) step.slides[0] ? two_slides() : second_slides();
+        if (step.slides[1]) out.whole = false, step.slides[0] ? two_slides() : second_slides();
         else second_turns();
         return out;
     }
@@ -86,7 +97,7 @@ private:
     const PositionStep& step;
     const Vec<double> p, h1, h2, p1, p2;
     const bool third_slides;
-    double ref[3];
+    double ref[3], place_error, equation_error;
     Places out;
 
     // g3 X - origin as affine function of phi: coefficients of 1 and phi, and the form of its squared length.
@@ -135,22 +146,40 @@ private:
     }
     static STEP Equation alone(const Form& a) { return {{a[0], a[1], a[2], 0.0, 0.0}}; }
 
+    // off: as in Placed.
     struct Roots {
-        double at[4];
+        double at[4], off[4] = {};
         int count = 0;
     };
-    // Real roots q3. If the equation vanishes, to `scale`, every q3 is a root and the reference is returned.
-    PART Roots roots(const Equation& e, double scale) const {
+    // The roots of a square equation in a slide are within these bounds; returns whether that is certain.
+    STEP bool bound_square(const double (&f)[5], Roots& r) const {
+        if (f[2] == 0.0) {
+            for (int i = 0; i < r.count; ++i) r.off[i] = equation_error * (1.0 + abs(r.at[i])) / abs(f[1]);
+            return r.count == 1 && abs(f[1]) > WEAK;
+        }
+        const double square = f[1] * f[1] - 4.0 * f[0] * f[2],
+                     error = 4.0 * equation_error * (abs(f[0]) + abs(f[1]) + abs(f[2]) + 1.0);
+        for (int i = 0; i < r.count; ++i) {
+            const double x = abs(r.at[i]);
+            r.off[i] = 4.0 * equation_error * (1.0 + x + x * x) / sqrt(max(square, TINY));
+        }
+        return abs(f[2]) > WEAK && (square > 4.0 * error ? r.count == 2 : square < -error && r.count == 0);
+    }
+    // Real roots q3. If the equation vanishes, to `scale`, every q3 is a root and the reference is returned. linear: it has no
+    // harmonic but the first.
+    PART Roots roots(const Equation& e, double scale, bool linear = false) {
         const auto& f = e.f;
         const double largest = max(max(max(abs(f[0]), abs(f[1])), max(abs(f[2]), abs(f[3]))), abs(f[4]));
         Roots r;
         if (largest <= VANISHING * scale) {
-            r.at[r.count++] = ref[2];
+            r.at[r.count++] = ref[2], out.whole = false;
             return r;
         }
         if (!third_slides) {
-            const Quartic circle = trigonometric_roots({f[0], f[1], f[2], f[3], f[4]});
-            for (int k = 0; k < circle.count; ++k) r.at[r.count++] = angle(circle.root[k]);
+            const Quartic circle = linear ? first_harmonic_roots(f[0], f[1], f[2], equation_error)
+                                          : trigonometric_roots({f[0], f[1], f[2], f[3], f[4]}, equation_error);
+            out.whole = out.whole && circle.whole && circle.alone + 1u == 1u << circle.count;
+            for (int k = 0; k < circle.count; ++k) r.off[k] = 1.1 * circle.radius[k], r.at[r.count++] = angle(circle.root[k]);
             return r;
         }
         const bool squares = max(abs(f[3]), abs(f[4])) <= VANISHING * largest;
@@ -161,28 +190,47 @@ private:
             const Turn<double>& t = circle.root[k];
             if (abs(t.s) <= FARTHEST_SLIDE * (1.0 + t.c)) r.at[r.count++] = t.s / (1.0 + t.c);
         }
+        out.whole = out.whole && squares && bound_square(f, r);
         return r;
     }
 
+    // Bounds on the errors of q3, of the point g3 X, of w and of q2.
+    struct Off {
+        double q3, point, w, q2;
+    };
+    // By how much a form, and the point g3 X, change at most for one unit of q3.
+    STEP double slope(const Form& form, double q3) const {
+        return third_slides ? abs(form[1]) + 2.0 * abs(form[2]) * (abs(q3) + 1.0) : abs(form[1]) + abs(form[2]);
+    }
+    STEP Off off_of(const Third& t, double q3) const {
+        const double lever = sqrt(dot(t.Z[1], t.Z[1])) + sqrt(dot(t.Z[2], t.Z[2]));
+        return {q3, lever * q3 + place_error, 0.0, 0.0};
+    }
+
     // Add the solution with these q2 and q3; g23: g2 g3 X.
-    STEP void finish(double q2, double q3, unsigned free, const Vec<double>& g23) {
-        if (out.count == int(sizeof(out.at) / sizeof(out.at[0]))) return;
-        double q1;
+    STEP void finish(double q2, double q3, unsigned free, const Vec<double>& g23, const Off& off = {}) {
+        if (out.count == int(sizeof(out.at) / sizeof(out.at[0]))) {
+            out.whole = false;
+            return;
+        }
+        double q1, lever = 1.0;
         if (step.slides[0]) {
             q1 = dot(h1, p - g23);
         } else {
             const TurnAbout t = turn_about(h1, g23 - p1, p - p1);
             q1 = t.square < VANISHING * VANISHING ? ref[0] : t.angle;
+            lever = 0.6 * sqrt(t.square);
             if (t.square < ALL_BUT_FREE) free |= 1;
         }
-        out.at[out.count++] = {{q1, q2, q3}, free};
+        out.at[out.count++] = {{q1, q2, q3}, free, {(off.point + 2.0 * off.w + place_error) / max(lever, TINY), off.q2, off.q3}};
     }
     // Add the solution in which joint 2 turns z, the point g3 X seen from p2, so that its part across axis 2 points along w.
-    STEP void turn_to(const Vec<double>& z, const Vec<double>& w, double q3) {
+    STEP void turn_to(const Vec<double>& z, const Vec<double>& w, double q3, Off off) {
         const double along = dot(h2, z);
         const Vec<double> y = z - along * h2;
+        off.q2 = (off.point + off.w) / max(0.6 * sqrt(dot(y, y)), TINY);
         const double square = dot(y, y), q2 = square < VANISHING * VANISHING ? ref[1] : atan2(dot(h2, cross(y, w)), dot(y, w));
-        finish(q2, q3, square < ALL_BUT_FREE ? 2 : 0, p2 + along * h2 + turned_about(y, h2, cos_sin(q2)));
+        finish(q2, q3, square < ALL_BUT_FREE ? 2 : 0, p2 + along * h2 + turned_about(y, h2, cos_sin(q2)), off);
     }
 
     // Rows and right sides of the equations of a joint 2 that turns.
@@ -221,25 +269,35 @@ private:
             const Roots found = roots(e, both * span);
             for (int i = 0; i < found.count; ++i) {
                 const double q3 = found.at[i];
-                turn_to(point(t, q3), (value(r.b[0], q3) / m[0]) * r.M[0] + (value(r.b[1], q3) / m[1]) * r.M[1], q3);
+                Off off = off_of(t, found.off[i]);
+                for (int k = 0; k < 2; ++k) off.w += (slope(r.b[k], q3) * off.q3 + equation_error) / sqrt(m[k]);
+                turn_to(point(t, q3), (value(r.b[0], q3) / m[0]) * r.M[0] + (value(r.b[1], q3) / m[1]) * r.M[1], q3, off);
             }
         }
         for (int k = 0; k < 2; ++k) {
             if (m[k] <= WEAK * WEAK && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
         }
+        // Either both rows or one.
+        const double least = min(m[0], m[1]), most = max(m[0], m[1]);
+        out.whole = out.whole && most > WEAK * WEAK && (least > WEAK * WEAK || least <= VANISHING * VANISHING);
     }
     // Row k is weak: its right side alone gives q3, and the other row gives the component of w along it.
     STEP void by_other_row(const Third& t, const Rows& r, int k, double m, double span) {
         const Vec<double>& row = r.M[1 - k];
         const Vec<double> side = (1.0 / sqrt(m)) * cross(h2, row);
-        const Roots found = roots(alone(r.b[k]), span);
+        const Roots found = roots(alone(r.b[k]), span, true);
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]), y = without(z, h2);
             const double foot = value(r.b[1 - k], found.at[i]) / m, rest = dot(y, y) - foot * foot * m;
+            Off off = off_of(t, found.off[i]);
+            const double of_foot = slope(r.b[1 - k], found.at[i]) * off.q3 + equation_error;
+            const double of_rest = 4.0 * (sqrt(dot(y, y)) * off.point + abs(foot) * of_foot);
+            out.whole = out.whole && abs(rest) > of_rest;
             if (rest < -WEAK * span) continue;
             const double height = sqrt(max(rest, 0.0));
-            turn_to(z, foot * row + height * side, found.at[i]);
-            if (height > 0.0) turn_to(z, foot * row - height * side, found.at[i]);
+            off.w = of_foot / sqrt(m) + of_rest / max(height, TINY);
+            turn_to(z, foot * row + height * side, found.at[i], off);
+            if (height > 0.0) turn_to(z, foot * row - height * side, found.at[i], off);
         }
     }
 

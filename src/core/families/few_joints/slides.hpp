@@ -23,12 +23,18 @@ STEP Rot<double> rotation(const double (&R)[3][3]) {
 // Writes the three turns that make the rotation E, measured from home, to their places in q. sign chooses the flip.
 // Returns false beyond the reach of a wrist with oblique axes. If the target leaves the first turn free, only the
 // positive sign returns true; the reference then decides how the first and the last turn share the rotation.
-PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, const Reference<6>& reference, double (&q)[6]) {
+// off: bound on the error of E, replaced by one for the turns; sure: whether it leaves open that both flips are there, or none. As
+// for together() in closed_forms.cpp a margin errs by at most 20 times the error over the squared sines of the twists.
+PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, const Reference<6>& reference, double (&q)[6],
+                     double& off, bool& sure) {
     const Twists t = {arm.ca, arm.sa, arm.cb, arm.sb};
     const Rot<double> M = seen_from(rotation(arm.first), E * arm.last);
     const Bend<double> bend = wrist_bend(M.z, t, sign);
+    const double error = 20.0 * off / (t.sa * t.sa * t.sb * t.sb);
+    sure = sure && abs(bend.margin) > error + ROUGH;
     if (!(bend.margin >= -max(ROUGH, arm.clamp))) return false;
     WristTurns<double> turns = wrist_turns(M, bend.turn, t);
+    off = error / sqrt(max(min(bend.margin, turns.fixed), TINY));
     if (turns.fixed <= arm.written.tolerances.continuum) {
         if (sign < 0.0) return false;
         turns = shared_turns(M, bend.turn, t, reference.q[arm.turn[0]], reference.q[arm.turn[2]], reference.given);
@@ -39,53 +45,60 @@ PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, co
 
 // The joint vector for values of the first three joints and one flip of the wrist. Returns whether it exists.
 STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const double (&placed)[3], double sign,
-                       const Reference<6>& reference, double (&q)[6]) {
+                       const Reference<6>& reference, double (&q)[6], double& off, bool& sure) {
     for (int k = 0; k < 3; ++k) q[k] = arm.step.slides[k] ? placed[k] * arm.written.size : wrap(placed[k]);
-    return turn_wrist(arm, behind(arm.step, placed, from_home(goal.R, arm.home)), sign, reference, q);
+    return turn_wrist(arm, behind(arm.step, placed, from_home(goal.R, arm.home)), sign, reference, q, off, sure);
 }
 
 // A joint that a position leaves nearly free is tried at values around the circle.
 PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign,
                      const Reference<6>& reference, const Columns<6>& columns) {
-    double q[6];
+    double q[6], off = 0.0;
+    bool sure = false;
     for (int k = 0; k < 2; ++k) {
         for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {
             double around[3] = {place.q[0], place.q[1], place.q[2]};
             around[k] = wrap(PI * a / AROUND);
-            if (wrist_behind(arm, goal, around, sign, reference, q)) {
+            if (wrist_behind(arm, goal, around, sign, reference, q, off, sure)) {
                 polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
             }
         }
     }
 }
 
-// Solutions by the wrist's position, each with both flips. Returns whether a joint was nearly free.
+// Solutions by the wrist's position, each with both flips. Returns whether they are proven to be all.
 PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
     const double size = arm.written.size;
     double ref[3], q[6];
     for (int k = 0; k < 3; ++k) ref[k] = arm.step.slides[k] ? reference.q[k] / size : reference.q[k];
     PositionSolver solver(arm.step, place_of(goal, arm.in_tip, size), ref);
     const Places& places = solver.solve();
-    bool doubt = false;
+    bool proven = places.whole && arm.imperfection == 0.0;
     for (int c = 0; c < places.count; ++c) {
         const Placed& place = places.at[c];
         for (const double sign : FLIPS) {
-            if (!wrist_behind(arm, goal, place.q, sign, reference, q)) continue;
+            double bounds[6] = {place.off[0], place.off[1], place.off[2]}, candidate[6], off = EXACT;
+            for (int k = 0; k < 3; ++k) off += arm.step.slides[k] ? 0.0 : place.off[k];
+            if (!wrist_behind(arm, goal, place.q, sign, reference, q, off, proven)) continue;
+            for (int k = 0; k < 3; ++k) bounds[arm.turn[k]] = off;
+            for (int j = 0; j < 6; ++j) candidate[j] = q[j];
             const Origin origin = place.free || arm.imperfection > 0.0 ? Origin::doubtful : Origin::computed;
             const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
+            proven = proven && is_certain(arm.written, goal, candidate, bounds, q, sigma);
             if (!place.free || sigma <= arm.written.tolerances.singular) continue;
-            doubt = true;
             try_around(arm, goal, place, sign, reference, columns);
         }
     }
-    return doubt;
+    return proven;
 }
 
 // Solutions of an arm with three slides: the turning joints from the orientation, the slides from a linear system.
-PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+// Returns whether they are proven to be all: the slides are where the turns put them.
+PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+    bool proven = arm.imperfection == 0.0;
     for (const double sign : FLIPS) {
-        double q[6] = {};
-        if (!turn_wrist(arm, from_home(goal.R, arm.home), sign, reference, q)) continue;
+        double q[6] = {}, off = EXACT;
+        if (!turn_wrist(arm, from_home(goal.R, arm.home), sign, reference, q, off, proven)) continue;
         const Posture<6, double> at = place(arm.written, q);
         const Vec<double> rest = goal.p - at.tip.p;
         Six<double> along[3];
@@ -100,8 +113,10 @@ PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
         for (int j = 0; j < 6; ++j) {
             if (arm.written.slides[j] && k < 3) q[j] = slid.x[k++];
         }
-        polish_and_keep(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
+        const double sigma = polish_and_keep(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
+        proven = proven && off < WEAK && sigma > WEAK && sigma < __builtin_inf();
     }
+    return proven;
 }
 
 // The same with turns at values around the circle: the wrist may leave two joints free while the slides fit only few of
@@ -132,11 +147,11 @@ template <int B> struct Slides {
     static constexpr int branches = B;
 
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
-        if (arm.by_wrist) by_wrist(arm, goal, reference, columns);
-        else by_slides(arm, goal, reference, columns);
+        const bool proven = arm.by_wrist ? by_wrist(arm, goal, reference, columns) : by_slides(arm, goal, reference, columns);
         if (!arm.by_wrist && !columns.count()) by_slides_around(arm, goal, columns);
         name_singular(arm, columns);
         sort(columns);
+        if (!proven) set_status(columns.flags[0], Status::incomplete);
     }
 };
 

@@ -5,12 +5,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Boxes that are looked at before a pose is left open, and boxes that may wait: where more wait, they hardly shrink. None of the
-// numbers here decides what is proven.
-inline constexpr int MOST_BOXES = 6000, WAITING = 256;
-// Boxes of arms farther off, which hardly shrink: the elimination decides their poses sooner.
-inline constexpr int MOST_COARSE_BOXES = 64;
-inline constexpr double COARSE = 5e-4;
+// Boxes that may wait: where more wait, they hardly shrink. None of the numbers here decides what is proven.
+inline constexpr int WAITING = 256;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
 // Half the width [rad] of a box below which a region about a singular root is looked for, how many are kept, and how often none may
@@ -420,8 +416,7 @@ void divide(const Division& of, const Boxes& boxes, unsigned open, Certified& ou
             to.middle[j] = arc ? atan2(s, c) : 0.0, to.half[j] = arc ? x + 0.056 * x * x * x + ROUNDED_ARC : PI;
         }
     }
-    const int most = of.ideal.imperfection < COARSE ? MOST_BOXES : MOST_COARSE_BOXES;
-    for (int k = 0; k < most; k += BLOCK) {
+    for (int k = 0; k < of.both.boxes; k += BLOCK) {
         if (!divider.waiting) {
             if (divider.lost) return;
             out.status = divider.blurred ? Status::clustered : Status::complete;

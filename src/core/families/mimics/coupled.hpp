@@ -18,9 +18,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // squared [rad].
 inline constexpr long STARTS = 400;
 inline constexpr double SMALLEST = 2e-4;
-// Rounding of a squared error; a factor that covers the rounding of the bound; the contraction that Newton's step
-// needs.
-inline constexpr double SQUARE_ROUNDING = 1e-13, SLACK = 1.0 + 1e-9, CONTRACTING = 0.25;
+// Rounding of the error's length: of MOST_AXES axes as in certificate/loop.hpp, (14 n^2 + 62 n) 2^-53; a factor that covers the
+// rounding of the bound; the contraction that Newton's step needs.
+inline constexpr double ERROR_ROUNDING = 4e-13, SLACK = 1.0 + 1e-9, CONTRACTING = 0.25;
 // A diagonal entry of the triangular factor below this share of its column: the columns depend on one another.
 inline constexpr double DEPENDENT = 1e-10;
 
@@ -67,9 +67,10 @@ template <int N> PART Verdict<N> examine(const Coupled<N>& arm, const Goal<doubl
                          0.5 * (dot(dx, dx) + dot(dy, dy) + dot(dz, dz));
     Block reach = rho;
     for (int j = 0; j < N; ++j) reach += sqrt(dot(J[j], J[j])) * w[j];
-    auto none = square > reach * reach + SQUARE_ROUNDING, dependent = square < Block(-1.0);
+    const Block wide_reach = reach + ERROR_ROUNDING, wide_rho = rho + ERROR_ROUNDING;
+    auto none = square > wide_reach * wide_reach, dependent = square < Block(-1.0);
     // The twelve-row Jacobian has the same products with itself and with the error as the geometric one.
-    Block L[N][N], inverse[N][N], y[N], along = 0.0;
+    Block L[N][N], inverse[N][N], y[N], along = 0.0, least = 1.0;
     for (int a = 0; a < N; ++a) {
         for (int b = 0; b <= a; ++b) {
             Block s = dot(J[a], J[b]);
@@ -79,6 +80,7 @@ template <int N> PART Verdict<N> examine(const Coupled<N>& arm, const Goal<doubl
                 L[a][b] = s * inverse[b][b];
                 continue;
             }
+            least = min(least, s / max(whole, TINY));
             dependent = dependent | !(s >= DEPENDENT * whole) | !(whole > Block(0.0));
             inverse[a][a] = 1.0 / sqrt(max(s, TINY));
         }
@@ -92,13 +94,15 @@ template <int N> PART Verdict<N> examine(const Coupled<N>& arm, const Goal<doubl
         }
         along += y[a] * y[a];
     }
-    auto outside = square - along > Block(rho * rho + SQUARE_ROUNDING), wide = square < Block(-1.0);
+    // The relative error of a projection by the triangular factor: a few roundings over the least share that is left of a column.
+    const Block lost = 1e-14 / max(least, DEPENDENT);
+    auto outside = square - along > wide_rho * wide_rho + lost * along, wide = square < Block(-1.0);
     Verdict<N> out;
     for (int j = 0; j < N; ++j) {
         Block step = 0.0, row = 0.0;
         for (int a = j; a < N; ++a) step += inverse[a][j] * y[a], row += inverse[a][j] * inverse[a][j];
         row = sqrt(row);
-        outside = outside | (abs(step) > w[j] + row * rho + 1e-9);
+        outside = outside | (abs(step) > w[j] + row * rho + 1e-9 + lost * abs(step));
         wide = wide | (2.0 * row * rho > Block(CONTRACTING * w[j]));
         out.start[j] = c[j] + step;
     }

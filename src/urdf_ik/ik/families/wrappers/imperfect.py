@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.chain import Chain
 
     Array = NDArray[np.float64]
+
+# Most boxes that are looked at; of arms that are at least so far off [rad, share of size], whose boxes hardly shrink.
+_BOXES, _COARSE_BOXES, _COARSE = 6000, 64, 5e-4
 
 # Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
 # they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and
@@ -50,6 +53,8 @@ class ImperfectArm:
         ideal_steps: (7, 3, 4) the same motions of the ideal arm; both take the ideal arm's angles.
         drift: how fast the motion between the two arms' tips changes with the joints, at most
             [rad, share of size; a rad].
+        boxes: most boxes of joint vectors that are looked at to prove that no solution is missing. They decide how long
+            a pose may take, and how often it stays open.
     """
 
     kind: ClassVar = "imperfect"
@@ -58,6 +63,24 @@ class ImperfectArm:
     inner_steps: Array
     ideal_steps: Array
     drift: float
+    boxes: int
+
+
+def without_boxes(arm: Any) -> Any:
+    """The arm of a solver; of an arm near a family, one that proves a pose at once or leaves it open.
+
+    For arms that are asked at many values of a redundancy parameter.
+
+    Args:
+        arm: the dataclass of a solver.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("ur5e").solver.member.solver.arm
+        >>> without_boxes(arm) is arm
+        True
+    """
+    return replace(arm, boxes=0) if isinstance(arm, ImperfectArm) else arm
 
 
 def _arm(family: ClosedFormArm, chain: Chain) -> ImperfectArm:
@@ -76,6 +99,7 @@ def _arm(family: ClosedFormArm, chain: Chain) -> ImperfectArm:
         inner_steps=inner,
         ideal_steps=steps,
         drift=_drift(inner, steps, chain.size),
+        boxes=_BOXES if ideal.imperfection < _COARSE else _COARSE_BOXES,
     )
 
 

@@ -16,6 +16,7 @@ from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers import degenerate, middle_given
+from urdf_ik.ik.families.wrappers.imperfect import without_boxes
 from urdf_ik.ik.families.wrappers.one_given import OneGiven
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.kinematics.chain.free_axis import turning
@@ -129,7 +130,9 @@ def cost(plan: FamilyMember) -> int:
 def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> RedundantMember:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
-    arm = OneGiven(motion=motion, turns=turns, last=last, value=parameter.default, solver=plan.solver.arm)
+    arm = OneGiven(
+        motion=motion, turns=turns, last=last, value=parameter.default, solver=without_boxes(plan.solver.arm)
+    )
     inner = plan if isinstance(plan, RedundantMember) else None
 
     def value_of(Q: Array, T: Array) -> Array:
