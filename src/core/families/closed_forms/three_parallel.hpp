@@ -192,11 +192,11 @@ template <Hand kind> struct ThreeParallel {
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
         Swing<V> first = face(arm, seen.p, signs.shoulder);
-        first.turn = known.met(0, first.turn);
+        known.face(seen.p, first.k, signs.shoulder, first.turn, first.X);
         const Seen<V> from = seen_along(arm, seen, first.turn);
         Bend<V> bend = wrist_bend(from.R.z, t, signs.wrist);
         bend.turn = known.met(4, bend.turn);
-        const WristTurns<V> turns = known.met(-1, 5, from.R, bend.turn, t, wrist_turns(from.R, bend.turn, t));
+        const WristTurns<V> turns = known.wrist(-1, 5, from.R, bend.turn, t);
         const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
         Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
         e.second = known.met(1, e.second);
