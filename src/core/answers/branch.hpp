@@ -18,6 +18,7 @@ template <class V> struct Branch {
 // joint: a turn that a step leaves wide or free is then taken from its arc, and what the step leaves of its equation must vanish.
 struct NoArcs {
     template <class V> STEP Turn<V> met(int, const Turn<V>& turn) const { return turn; }
+    template <class V> STEP Turn<V> met_by_root(int, const Turn<V>& turn) const { return turn; }
     template <class V> STEP void face(const Vec<V>&, const V&, const V&, Turn<V>&, V&) const {}
     template <class V> STEP WristTurns<V> wrist(int, int, const Rot<V>& M, const Turn<V>& bend, const Twists& t) const {
         return wrist_turns(M, bend, t);
@@ -29,10 +30,10 @@ template <class B> struct Arcs {
     mutable unsigned empty = 0;  // lanes in which an equation cannot hold
     mutable B low = -1.0, high = 1.0;  // where the parameter can be
 
-    STEP Turn<V> met(int joint, const Turn<V>& turn) const {
-        meet(of[joint], turn);
-        return tighter(of[joint], turn);
-    }
+    STEP Turn<V> met(int joint, const Turn<V>& turn) const { return met(of[joint], turn, turn); }
+    // The same for a turn from a cosine and a margin's root, which unit() has not made an arc: next to a double root the sine is
+    // far less certain than the cosine.
+    STEP Turn<V> met_by_root(int joint, const Turn<V>& turn) const { return met(of[joint], unit(turn.c, turn.s), turn); }
     // Joint 1 turns (X, k) into (p.x, p.y); X has the sign of the branch.
     STEP void face(const Vec<V>& p, const V& k, const V& sign, Turn<V>& turn, V& X) const {
         turn = met(0, turn);
@@ -47,11 +48,10 @@ template <class B> struct Arcs {
         const Turn<V>&l = of[last], found = wrist_turns(M, bend, t).first;
         const V wx = M.x.x * l.c - M.y.x * l.s, wy = M.x.y * l.c - M.y.y * l.s, y = t.ca * bend.s;
         const Turn<V> raw = unit(bend.c * wx + y * wy, bend.c * wy - y * wx);
-        meet(raw, found);
-        Turn<V> f = tighter(raw, found);
+        Turn<V> f = met(raw, found, found);
         if (first >= 0) {
-            meet(of[first], raw), meet(of[first], found);
-            f = tighter(of[first], f);
+            met(of[first], raw, raw), met(of[first], found, found);
+            f = met(of[first], f, f);
         }
         // The last axis, seen from behind the first turn.
         const V along = M.z.x * f.c + M.z.y * f.s, across = M.z.y * f.c - M.z.x * f.s;
@@ -62,16 +62,17 @@ template <class B> struct Arcs {
     }
 
 private:
-    STEP void meet(const Turn<V>& a, const Turn<V>& b) const {
+    // The arc a, or unless it is clearly narrower than b what holds b's turn; both hold.
+    STEP Turn<V> met(const Turn<V>& a, const Turn<V>& b, const Turn<V>& of_b) const {
         const B c = a.c.all.mid - b.c.all.mid, s = a.s.all.mid - b.s.all.mid, reach = a.c.all.rad + b.c.all.rad + 4.0 * ROUNDED;
         empty |= bits(c * c + s * s > 1.000000001 * (reach * reach));
-    }
-    // The second one unless the first is clearly narrower; both hold.
-    STEP Turn<V> tighter(const Turn<V>& a, const Turn<V>& b) const {
-        const auto first = a.c.all.rad < 0.7 * b.c.all.rad, narrower = a.c.all.rad < b.c.all.rad;
-        Turn<V> out = {select(first, a.c, b.c), select(first, a.s, b.s)};
-        out.c.all = select(narrower, a.c.all, b.c.all), out.s.all = select(narrower, a.s.all, b.s.all);
-        return out;
+        const auto first = a.c.all.rad < 0.7 * b.c.all.rad;
+        const auto chosen = [&](const V& x, const V& y) {
+            V out = select(first, x, y);
+            out.all = select(x.all.rad < out.all.rad, x.all, out.all);
+            return out;
+        };
+        return {chosen(a.c, of_b.c), chosen(a.s, of_b.s)};
     }
     STEP void vanish(const V& a) const {
         empty |= bits(abs(a.all.mid) > INFLATED * a.all.rad);

@@ -197,13 +197,13 @@ template <Shoulder kind> struct SphericalWrist {
             at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, {});
             at.t1 = known.met(0, at.t1);
         }
-        at.t2 = known.met(1, at.t2), at.t3 = known.met(2, unit(at.t3.c, at.t3.s));
+        at.t2 = known.met(1, at.t2), at.t3 = known.met_by_root(2, at.t3);
         const Rot<V> M = wrist_rotation(seen.R, ideal, at);
         Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
         bend.turn = known.met(4, bend.turn);
         const WristTurns<V> turns = known.wrist(3, 5, M, bend.turn, t);
         const V arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
-        return {{at.t1, at.t2, at.t3, turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
+        return {{at.t1, at.t2, unit(at.t3.c, at.t3.s), turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
                 at.margin1,
                 at.margin2,
                 bend.margin,
