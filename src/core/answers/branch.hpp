@@ -81,9 +81,10 @@ private:
         low = max(low, select(known, where.least(), B(-1.0))), high = min(high, select(known, where.greatest(), B(1.0)));
     }
 };
-// The signs of a block of branches.
+// The signs of a block of branches; of closed forms with a quartic, its root.
 template <class V> struct Signs {
     V shoulder, elbow, wrist;
+    Turn<V> root = {};
 };
 // The squared lever arm of a joint, reduced by those of earlier joints. A small motion of the target moves a joint by the motion
 // over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.
