@@ -110,7 +110,7 @@ struct Divider {
     }
     // Whether joint vectors lie in a region; its roots are known.
     bool is_in_region(const double (&q)[6], const double (&half)[6]) const {
-        for (int i = min(regions, REGIONS) - 1; i >= 0; --i) {
+        for (int i = (regions < REGIONS ? regions : REGIONS) - 1; i >= 0; --i) {
             if (holds(region[i], q, half)) return true;
         }
         return false;
