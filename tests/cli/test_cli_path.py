@@ -83,6 +83,23 @@ def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
     assert np.array_equal(arrays_of(found["npz"])["q"], q)
 
 
+def test_a_written_plan_keeps_to_the_straight_segment(tmp_path: Path) -> None:
+    """Two waypoints far apart: half way from each row of the CSV to the next, the tip is near the line by Pinocchio."""
+    ends = seam(*SHORT)[[0, -1]]
+    name, out = tmp_path / "ends.npy", tmp_path / "plan.csv"
+    np.save(name, ends)
+    result = call("path", ARM, "-p", str(name), "--output", str(out))
+    with out.open() as opened:
+        rows = list(csv.DictReader(opened))
+    assert result.exit_code == 0 and f"{out}: {len(rows)} joint vectors; rad, m" in result.stderr
+    assert (rows[0]["waypoint"], rows[-1]["waypoint"]) == ("0", "1") and len(rows) > 3
+    q = np.array([[float(row[joint]) for joint in urdf_ik.load(ARM).joint_names] for row in rows])
+    tips = oracle().poses((q[1:] + q[:-1]) / 2.0)[:, :3, 3]
+    along = ends[1, :3, 3] - ends[0, :3, 3]
+    off = np.cross(tips - ends[0, :3, 3], along) / np.linalg.norm(along)
+    assert np.linalg.norm(off, axis=1).max() < 1e-3
+
+
 @pytest.mark.parametrize("suffix", ["csv", "json", "npz"])
 def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Path, suffix: str) -> None:
     """It begins and ends at rest at the path's ends, and no joint exceeds the URDF's velocity."""

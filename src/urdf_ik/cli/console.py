@@ -180,6 +180,11 @@ def write(text: str | bytes, output: Path | None) -> None:
     files.write(output, data)
 
 
+def say_written(file: Path, content: str, angle: str) -> None:
+    """Say on standard error what a file holds, and in which units."""
+    typer.echo(escaped(f"{file}: {content}; {angle}, m"), err=True)
+
+
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """RFC 4180 text with one header line; floats keep every digit."""
     out = io.StringIO()

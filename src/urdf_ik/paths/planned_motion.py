@@ -275,7 +275,10 @@ class Plan:
         return state
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a row a waypoint: its number, its branch, the joints by name [rad or m].
+        """Write the motion, a row a joint vector: its place, its branch, the joints by name [rad or m].
+
+        A whole number in the column ``waypoint`` is a waypoint that was given; 2.5 is half way from waypoint 2 to
+        waypoint 3.
 
         Raises:
             ArgumentError: there is no plan, or the file cannot be written.
@@ -293,8 +296,8 @@ class Plan:
         text = io.StringIO()
         rows = csv.writer(text)
         rows.writerow(["waypoint", "branch", *self.solver.joint_names])
-        for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
-            rows.writerow([k, branch, *(repr(float(x)) for x in q)])
+        for place, q in zip(self.place.tolist(), self.motion.tolist(), strict=True):
+            rows.writerow([f"{place:.17g}", self.branches[int(place)], *map(repr, q)])
         files.write(path, text.getvalue().encode())
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
@@ -317,9 +320,12 @@ class Plan:
                 "base": self.solver.chain.base,
                 "tip": self.solver.chain.tip,
                 "joints": list(self.solver.joint_names),
+                "units": {"angle": "rad", "length": "m"},
                 "found": self.found,
                 "cost": self.cost if self.found else None,
                 "q": self.q.tolist(),
+                "motion": self.motion.tolist(),
+                "place": self.place.tolist(),
                 "branches": list(self.branches),
                 "changes": [change._asdict() for change in self.changes],
                 "stops": [stop._asdict() for stop in self.stops],

@@ -101,6 +101,9 @@ def command(
     else:
         text = (table.to_csv if chosen_format is DHFormat.CSV else table.to_json)(degrees=degrees)
     console.write(text, output)
+    if output is not None:
+        turned = degrees and chosen_format is not DHFormat.URDF
+        console.say_written(output, f"{table.n} joints", "deg" if turned else "rad")
 
 
 def _as_table(table: DHTable, notes: list[str], degrees: bool, *, to_file: bool) -> str:

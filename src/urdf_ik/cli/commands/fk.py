@@ -61,6 +61,8 @@ def command(
         console.write(as_text(arm, vectors, angles, to_file=output is not None), output)
     else:
         console.write(DATA[chosen_format](arm, vectors, angles), output)
+        if output is not None:
+            console.say_written(output, f"{len(vectors)} pose{'s' * (len(vectors) != 1)}", angles.unit)
 
 
 def as_json(arm: Arm, q: Array, angles: Angles) -> str:

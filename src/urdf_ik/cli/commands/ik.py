@@ -99,7 +99,8 @@ class Choice:
         if reference is None or target.redundancy is not None or not arm.solver.parameters:
             return target
         found = arm.ik_nearest(target.poses, reference, metric=self.metric.value, within_limits=self.within_limits)
-        return replace(target, redundancy=found.redundancy)
+        note = f"{target.note}; redundancy parameter: all values searched for the solution nearest to --nearest"
+        return replace(target, redundancy=found.redundancy, note=note)
 
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
         """The function that keeps the chosen solutions.
@@ -195,6 +196,8 @@ def command(
         console.write(tables.text_of(answer, angles, target.note, to_file=output is not None), output)
     else:
         console.write(checked.DATA[chosen_format](answer, angles), output)
+        if output is not None:
+            console.say_written(output, tables.counted(answer), angles.unit)
         if answer.unmeasured:
             typer.echo(f"errors and contacts were not checked: {answer.unmeasured}", err=True)
     if unsolved := int((answer.counts == 0).sum()):

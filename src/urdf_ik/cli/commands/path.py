@@ -57,7 +57,7 @@ def command(
             "--output",
             "-o",
             metavar="FILE",
-            help="Write the plan: .csv, .json or .npz; rad, m.",
+            help="Write the plan: .csv, .json or .npz; always rad, m.",
             rich_help_panel=options.OUTPUT,
         ),
     ] = None,
@@ -65,7 +65,7 @@ def command(
         Path | None,
         Option(
             metavar="FILE",
-            help="Write it in time, at the highest velocities: .csv, .json or .npz; s, rad, m.",
+            help="Write it in time, at the highest velocities: .csv, .json or .npz; always s, rad, m.",
             rich_help_panel=options.OUTPUT,
         ),
     ] = None,
@@ -101,6 +101,8 @@ def command(
     for file, content in ((output, plan), (timed, in_time)):
         if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
             getattr(content, f"to_{file.suffix.lower()[1:]}")(file)
+            rows = len(plan.motion) if content is plan else len(in_time.t) if in_time is not None else 0
+            console.say_written(file, f"{rows} joint vectors", "rad" if content is plan else "s, rad")
         elif file is not None:
             why = untimed or ("it changes its branch" if plan.found else "there is no plan")
             typer.echo(escaped(f"{file} was not written: {why}"), err=True)
@@ -151,7 +153,7 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     facts.append(("reconfigurations", str(changes)))
     between = len(plan.motion) - len(plan.q)
     if between:
-        kept = "so that the tip keeps to the straight segments; CSV and JSON hold those given, .npz and --timed all"
+        kept = "so that the tip keeps to the straight segments"
         facts.append(("waypoints added", f"{between}, {kept}"))
     strays = (f"{plan.tolerance[0]:g} m", f"{float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}")
     facts.append(("tolerance", f"{' and '.join(strays)} from the straight segments, proven"))

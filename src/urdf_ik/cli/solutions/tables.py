@@ -49,6 +49,12 @@ def text_of(answer: CheckedSolutions, angles: Angles, note: str, *, to_file: boo
     return tables.render(*parts, to_file=to_file)
 
 
+def counted(answer: CheckedSolutions) -> str:
+    """How many solutions of how many poses."""
+    total, poses = int(answer.counts.sum()), len(answer.counts)
+    return f"{total} solution{'s' * (total != 1)} of {poses} pose{'s' * (poses != 1)}"
+
+
 def solutions_of(answer: CheckedSolutions, angles: Angles, pose: int) -> list[Table | str]:
     """Every solution of one pose: branch, joint values, checks; in two tables where one would be too wide."""
     places = answer.places(pose)

@@ -27,6 +27,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
     from urdf_ik.maps import placements
 
@@ -115,11 +116,11 @@ def command(
         plot.save(plot.placements(found, show), output)
     angles = angles_of(arm, degrees)
     console.write(
-        _json(found, places) if printed_as is ReportFormat.JSON else _text(found, angles, places, output), None
+        _json(found, places) if printed_as is ReportFormat.JSON else _text(found, arm, angles, places, output), None
     )
 
 
-def _text(found: placements.PlacementMap, angles: Angles, count: int, picture: Path | None) -> str:
+def _text(found: placements.PlacementMap, arm: Arm, angles: Angles, count: int, picture: Path | None) -> str:
     from urdf_ik.model.poses import to_rpy
 
     whole = int((found.reached == len(found.targets)).sum())
@@ -131,6 +132,11 @@ def _text(found: placements.PlacementMap, angles: Angles, count: int, picture: P
     ]
     if found.followed is not None:
         lines.append(f"the path is followed from {int(found.followed.sum())} of them")
+    if not found.reached.any():
+        base = found.places(1)[0].pose
+        why = arm.explain(np.linalg.inv(base) @ found.targets[0]) or "it touches something"
+        at = ", ".join(tables.number(float(value), 3) for value in base[:3, 3])
+        lines += tables.folded("", f"from ({at}) m, target 0: {why}".split(" "), " ")
     if picture is not None:
         lines.append(f"picture written to {picture}")
     upright = bool(np.array_equal(found.mount, np.eye(3)))  # or roll and pitch are worth a column
