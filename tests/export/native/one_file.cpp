@@ -3,6 +3,7 @@
 // out: of each arm q (m, columns, joints), flags (m, columns), the pose at zero (16)
 #include "one_file.hpp"
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
