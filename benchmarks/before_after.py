@@ -3,14 +3,16 @@
 
     python benchmarks/before_after.py [--before PYTHON] [--arms FOLDER] [--rows WORD ...] [--repeats R] [--build]
 
-``--before`` is the Python of an environment in which another version of this package is installed. Each measurement is
-a process of its own, the two versions in turn, and the least of the repetitions counts. Times are processor time, so
-that other work on the machine changes them little. ``--arms`` is a folder with URDFs of the arms that are not in this
-repository; rows of arms that it lacks are left out, and named at the end. ``--rows`` takes only rows whose names hold
-one of the words. ``--build`` adds the processor time of compiling the core for one instruction set.
+``--before`` is the Python of an environment in which another version of this package is installed. Each version has one
+process; they measure each row in turn, and the least of the repetitions counts. Times are processor time, so that other
+work on the machine changes them little. ``--arms`` is a folder with URDFs of the arms that are not in this repository;
+rows of arms that it lacks are left out, and named at the end. ``--rows`` takes only rows whose names hold one of the
+words. ``--build`` adds the processor time of compiling the core for one instruction set.
 
 A round pose is that of a joint vector whose joints all are multiples of 90 degrees. ``x needed``: the time of a plan
-over that of the collision queries that every planner has to make; see ``paths.py``.
+over that of the collision queries that every planner has to make; see ``paths.py``. ``asked`` is what this version is
+to keep to; where that is so many times another row, its number is that row's times so many. ``over``: by how much it
+misses that.
 """
 
 from __future__ import annotations
@@ -165,6 +167,20 @@ def batch(count: int) -> float:
     return least(work, max(1, 20_000 // max(count, 4)), 7)
 
 
+_EAIK = "EAIK, a batch of 20,000 poses"
+
+
+def eaik_batch(count: int) -> float:
+    """Microseconds of EAIK's batch of the same poses."""
+    import urdf_ik
+
+    robots, peers = importlib.import_module("robots"), importlib.import_module("peers")
+    arm = urdf_ik.load("zyyzyz_6r")
+    bot = peers.Eaik(robots.ZYYZYZ)
+    T = np.array(robots.ZYYZYZ.reference.poses(random_vectors(arm, count)))
+    return least(lambda: bot.solve_batch(T, 1), 1, 3)
+
+
 def process(*arguments: str) -> float:
     """Seconds of processor time of a process of this Python, beyond that of an empty one."""
     compiled = tempfile.TemporaryDirectory()
@@ -204,6 +220,9 @@ def build() -> float:
     return after.children_user + after.children_system - before.children_user - before.children_system
 
 
+Asked = tuple[float | tuple[str, float], ...]
+
+
 @dataclass(frozen=True)
 class Row:
     """A row of the table.
@@ -213,41 +232,55 @@ class Row:
         measure: the function that measures it, in a process of its own.
         arguments: of the function; the name of an arm stands for its file.
         unit: of its number.
+        asked: numbers that it is to keep to, and pairs of another row's name and so many times its number.
     """
 
     name: str
     measure: Callable[..., float]
     arguments: tuple[Any, ...]
     unit: str
+    asked: Asked = ()
 
 
 _FIRST_ANSWER = (
     "import sys, urdf_ik; arm = urdf_ik.load(sys.argv[1]); arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).q"
 )
+# Arms whose round poses are asked for, how many, and the number [us] that they are to keep to beside ten random poses.
+_ROUND = (("CRX", 60, 150.0), ("Puma 560", 60, 150.0), ("AIRBOT Play", 60, 150.0), ("KINOVA", 60, 150.0),
+          ("Gen3 lite", 60, 150.0), ("CALIBRATED_UR10E", 200, 150.0), ("CALIBRATED_UR5E", 200, 150.0),
+          ("UR5E", 400, np.inf), ("IRB2400", 400, np.inf), ("ZYYZYZ", 400, np.inf))  # fmt: skip
+_20_BOXES, _IMPORTS = "collisions, 20 boxes", "import yourdfpy, pinocchio"
 ROWS = (
     *(
-        Row(f"{name}, {'round' if is_round else 'random'} poses", poses, (name, count, is_round), "us a pose")
-        for name, count in (("CRX", 60), ("Puma 560", 60), ("AIRBOT Play", 60), ("KINOVA", 60),
-                            ("Gen3 lite", 60), ("CALIBRATED_UR10E", 200), ("CALIBRATED_UR5E", 200), ("UR5E", 400),
-                            ("IRB2400", 400), ("ZYYZYZ", 400))
-        for is_round in (True, False)
+        row
+        for name, count, most in _ROUND
+        for random in [f"{name}, random poses"]
+        for row in (
+            Row(random, poses, (name, count, False), "us a pose"),
+            Row(f"{name}, round poses", poses, (name, count, True), "us a pose", ((random, 10.0), most)),
+        )
     ),
-    *(Row(f"intervals, {name}", intervals, (name, 40), "us a pose") for name in SEVEN),
-    *(Row(f"one value, {name}", one_value, (name, 200), "us a pose") for name in ("Sawyer", "FR3")),
-    Row("follow, 300 waypoints, no way, free axis", no_way, (True, 300), "s"),
+    *(Row(f"intervals, {name}", intervals, (name, 40), "us a pose", (300.0,)) for name in SEVEN),
+    Row("one value, Sawyer", one_value, ("Sawyer", 200), "us a pose", (20.0,)),
+    Row("one value, FR3", one_value, ("FR3", 200), "us a pose"),
+    Row("follow, 300 waypoints, no way, free axis", no_way, (True, 300), "s", (3.0,)),
     Row("follow, 300 waypoints, no way, tool fixed", no_way, (False, 300), "s"),
-    *(Row(f"follow in a cell, {name}", in_a_cell, (name, 300), "x needed") for name in ("ur5", "panda", "srs_7r")),
-    Row("collisions, 20 boxes", in_a_world, (20, 0), "us a vector"),
-    Row("collisions, 200 boxes", in_a_world, (200, 0), "us a vector"),
-    Row("collisions, a cloud of 100,000 points", in_a_world, (0, 100_000), "us a vector"),
-    Row("first answer, beyond the interpreter", process, ("-c", _FIRST_ANSWER, "URDF"), "s"),
-    Row("import yourdfpy, pinocchio", process, ("-c", "import yourdfpy, pinocchio"), "s"),
-    Row("urdf-ik ik zyyzyz_6r", process, ("-m", "urdf_ik.cli", "ik", "zyyzyz_6r"), "s"),
-    Row("a batch of one pose", batch, (1,), "us"),
-    Row("a batch of 20,000 poses", batch, (20_000,), "us"),
-    Row("arm.ik(T).q", batch, (0,), "us"),
-)  # fmt: skip
-BUILD = Row("compiling the core, one instruction set", build, (), "s")
+    *(
+        Row(f"follow in a cell, {name}", in_a_cell, (name, 300), "x needed", (1.5,))
+        for name in ("ur5", "panda", "srs_7r")
+    ),
+    Row(_20_BOXES, in_a_world, (20, 0), "us a vector"),
+    Row("collisions, 200 boxes", in_a_world, (200, 0), "us a vector", ((_20_BOXES, 2.0),)),
+    Row("collisions, a cloud of 100,000 points", in_a_world, (0, 100_000), "us a vector", ((_20_BOXES, 2.0),)),
+    Row("first answer, beyond the interpreter", process, ("-c", _FIRST_ANSWER, "URDF"), "s", (0.35,)),
+    Row(_IMPORTS, process, ("-c", _IMPORTS), "s"),
+    Row("urdf-ik ik zyyzyz_6r", process, ("-m", "urdf_ik.cli", "ik", "zyyzyz_6r"), "s", ((_IMPORTS, 1.2),)),
+    Row("a batch of one pose", batch, (1,), "us", (5.0,)),
+    Row("a batch of 20,000 poses", batch, (20_000,), "us", ((_EAIK, 1.0 / 60.0),)),
+    Row(_EAIK, eaik_batch, (20_000,), "us"),
+    Row("arm.ik(T).q", batch, (0,), "us", (1.0,)),
+)
+BUILD = Row("compiling the core, one instruction set", build, (), "s", (100.0,))  # what 60 s with two cores leave
 
 
 def files(folder: Path, arms: Path | None) -> dict[str, list[str]]:
@@ -264,14 +297,83 @@ def files(folder: Path, arms: Path | None) -> dict[str, list[str]]:
     return found
 
 
-def measured(python: str, row: Row, arguments: list[Any]) -> float | str:
-    """The number of one row by one Python, or why there is none."""
-    given = json.dumps([row.measure.__name__, arguments])
-    command = [python, str(Path(__file__).resolve()), "--measure", given]
-    done = subprocess.run(
-        command, capture_output=True, text=True, check=False, env={**os.environ, "OMP_NUM_THREADS": "1"}
-    )
-    return float(done.stdout.split()[-1]) if done.returncode == 0 else (done.stderr.strip().splitlines() or ["?"])[-1]
+class Version:
+    """A process of one version, which measures what it is asked to."""
+
+    def __init__(self, python: str) -> None:
+        """Start the process of this Python."""
+        self._process = subprocess.Popen(
+            [python, str(Path(__file__).resolve()), "--measure"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        )  # fmt: skip
+
+    def measured(self, row: Row, arguments: list[Any]) -> float | str:
+        """The number of a row, or why there is none."""
+        assert self._process.stdin is not None and self._process.stdout is not None  # both are pipes
+        try:
+            print(json.dumps([row.measure.__name__, arguments]), file=self._process.stdin, flush=True)
+            answer: float | str = json.loads(self._process.stdout.readline())
+        except (OSError, ValueError):
+            return "the process has ended"
+        return answer
+
+    def close(self) -> None:
+        """End the process."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait()
+
+
+def answer_requests() -> None:
+    """Measure what standard input asks for, a line each, and answer with a number or with what went wrong."""
+    answers, sys.stdout = sys.stdout, sys.stderr
+    for line in sys.stdin:
+        name, given = json.loads(line)
+        try:
+            answer: float | str = float(globals()[name](*given))
+        except Exception as error:  # a version may lack what a row measures
+            answer = f"{type(error).__name__}: {error}"
+        print(json.dumps(answer), file=answers, flush=True)
+
+
+def limit(row: Row, now: dict[str, float]) -> float | None:
+    """The number that a row is to keep to; None where nothing is asked, or a row that it stands on has no number."""
+    numbers = [each if isinstance(each, float) else each[1] * now.get(each[0], np.inf) for each in row.asked]
+    least_of = min(numbers, default=np.inf)
+    return least_of if np.isfinite(least_of) else None
+
+
+def shown(label: str) -> str:
+    """A row's name with arms as people call them."""
+    for name, called in LABELS.items():
+        label = label.replace(name, called)
+    return label
+
+
+def table(rows: list[tuple[Row, list[Any]]], versions: dict[str, Version], repeats: int) -> None:
+    """Measure rows with their arguments, and print them."""
+    columns = [*versions, *["times as fast"] * (len(versions) > 1), "asked", "over"]
+    print(f"| what | unit | {' | '.join(columns)} |\n|---|---|{'---:|' * len(columns)}")
+    numbers: dict[str, float] = {}
+    lines: list[tuple[Row, list[float | str]]] = []
+    for row, given in rows:
+        runs = [[version.measured(row, given) for version in versions.values()] for _ in range(repeats)]
+        best = [min((x for x in run if isinstance(x, float)), default=run[0]) for run in zip(*runs, strict=True)]
+        if isinstance(best[-1], float):
+            numbers[row.name] = best[-1]
+        lines.append((row, best))
+        print(f"{shown(row.name)} ...", file=sys.stderr, flush=True)
+    for row, best in lines:
+        cells = [f"{x:.3g}" if isinstance(x, float) else str(x)[:60] for x in best]
+        before, now = best[0], best[-1]
+        if len(versions) > 1:
+            cells.append(f"{before / now:.2f}" if isinstance(before, float) and isinstance(now, float) else "-")
+        asked = limit(row, numbers)
+        cells.append("-" if asked is None else f"{asked:.3g}")
+        over = isinstance(now, float) and asked is not None and now > asked
+        cells.append(f"{now / asked:.2f}" if over else "")  # type: ignore[operator]
+        print(f"| {shown(row.name)} | {row.unit} | {' | '.join(cells)} |", flush=True)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -282,42 +384,34 @@ def main(arguments: list[str] | None = None) -> int:
         "--arms", type=Path, help="a folder of further arms: " + ", ".join(f for f, _, _ in OTHERS.values())
     )
     parser.add_argument("--rows", nargs="*", help="only rows whose names hold one of these words")
-    parser.add_argument("--repeats", type=int, default=3, help="processes of each row and version (default 3)")
+    parser.add_argument("--repeats", type=int, default=3, help="repetitions of each row and version (default 3)")
     parser.add_argument("--build", action="store_true", help="compile the core, too")
-    parser.add_argument("--measure", help=argparse.SUPPRESS)
+    parser.add_argument("--measure", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     if options.measure:
-        name, given = json.loads(options.measure)
-        print(globals()[name](*given))
+        answer_requests()
         return 0
     if options.repeats < 1:
         parser.error("at least one repetition")
-    versions = {"before": options.before, "now": sys.executable} if options.before else {"now": sys.executable}
-    columns = [*versions, "times as fast"] if options.before else list(versions)
-    print(f"| what | unit | {' | '.join(columns)} |\n|---|---|{'---:|' * len(columns)}")
+    pythons = {"before": options.before, "now": sys.executable} if options.before else {"now": sys.executable}
+    versions = {name: Version(python) for name, python in pythons.items()}
     missing = set()
     with tempfile.TemporaryDirectory() as folder:
         arms = files(Path(folder), options.arms)
         urdf = str(HERE.parent / "urdf" / "zyyzyz_6r.urdf")
+        rows = []
         for row in (*ROWS, BUILD) if options.build else ROWS:
-            if options.rows and not any(word in row.name for word in options.rows):
+            if options.rows and not any(word in shown(row.name) for word in options.rows):
                 continue
             if lacking := [each for each in row.arguments if each in OTHERS and each not in arms]:
                 missing.update(lacking)
                 continue
             given = [urdf if each == "URDF" else arms.get(each, each) if isinstance(each, str) else each
                      for each in row.arguments]  # fmt: skip
-            runs = [[measured(python, row, given) for python in versions.values()] for _ in range(options.repeats)]
-            each_version = list(zip(*runs, strict=True))
-            best = [min((x for x in run if isinstance(x, float)), default=run[0]) for run in each_version]
-            cells = [f"{x:.3g}" if isinstance(x, float) else str(x)[:60] for x in best]
-            if options.before:
-                both = all(isinstance(x, float) for x in best)
-                cells.append(f"{best[0] / best[1]:.2f}" if both else "-")  # type: ignore[operator]
-            label = row.name
-            for name, shown in LABELS.items():
-                label = label.replace(name, shown)
-            print(f"| {label} | {row.unit} | {' | '.join(cells)} |", flush=True)
+            rows.append((row, given))
+        table(rows, versions, options.repeats)
+    for version in versions.values():
+        version.close()
     if missing:
         print(f"\nleft out, no file of them in --arms: {', '.join(sorted(missing))}")
     return 0

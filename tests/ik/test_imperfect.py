@@ -19,6 +19,7 @@ from arms_general import (
     rounded_over_base,
     rounded_straight_wrist,
     rounded_ur,
+    six_of_a_shifted_iiwa,
     tilted,
 )
 from cases import Case, described, nearest, rows
@@ -314,3 +315,16 @@ def test_two_solutions_in_one_valley_are_both_found() -> None:
         assert nearest(found, start) < 1e-5
         signs = np.sign(np.linalg.det(case.arm.jacobian(found)))
         assert signs.sum() == 0.0, signs
+
+
+def test_a_divided_box_is_not_emptied_by_an_uncertain_sine() -> None:
+    """Next to a straight elbow its cosine is certain and its sine is not: an arc about it is as wide as both say."""
+    case, rng = described(six_of_a_shifted_iiwa()), np.random.default_rng(3)
+    square = rng.choice([0.0, np.pi / 2, -np.pi / 2, np.pi], (400, 6))
+    q = square + rng.normal(size=square.shape) * 10.0 ** rng.uniform(-5, -3, (400, 1))
+    q[0] = [1.5704661619474554, 1.5707352213300498, 3.7039135951693326e-05, 3.1416191747903177,
+            -0.00023089806219265418, 3.1412928254887174]  # fmt: skip
+    answers = case.arm.ik(case.arm.fk(q))
+    smallest = np.linalg.svd(case.arm.jacobian(q), compute_uv=False)[:, -1]
+    for k in np.flatnonzero(answers.certain & (smallest > 1e-6)):
+        assert nearest(rows(answers[k]), q[k]) < 1e-5, (q[k].tolist(), answers[k].status)

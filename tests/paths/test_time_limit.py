@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik.paths import watch
+from urdf_ik.support import watch
 from urdf_ik.support.angles import shortest
 
 

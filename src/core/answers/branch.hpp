@@ -18,6 +18,7 @@ template <class V> struct Branch {
 // turn that a step leaves wide or free is then taken from its arc.
 struct NoArcs {
     template <class V> STEP Turn<V> met(int, const Turn<V>& turn) const { return turn; }
+    template <class V> STEP Turn<V> met_by_root(int, const Turn<V>& turn) const { return turn; }
     template <class V> STEP WristTurns<V> met(int, int, const Rot<V>&, const Turn<V>&, const Twists&,
                                               const WristTurns<V>& t) const {
         return t;
@@ -27,7 +28,10 @@ template <class V> struct Arcs {
     Turn<V> of[6];
     mutable unsigned empty = 0;  // lanes in which two arcs of an angle do not meet
 
-    STEP Turn<V> met(int joint, const Turn<V>& turn) const { return narrower(of[joint], turn); }
+    STEP Turn<V> met(int joint, const Turn<V>& turn) const { return narrower(of[joint], turn, turn); }
+    // The same for a turn from a cosine and a margin's root, which unit() has not made an arc: next to a double root the sine is
+    // far less certain than the cosine.
+    STEP Turn<V> met_by_root(int joint, const Turn<V>& turn) const { return narrower(of[joint], unit(turn.c, turn.s), turn); }
     // The outer turns of a wrist. If their axes are nearly aligned, each follows from the other one:
     // M Rz(-last) = Rz(first) Rx(alpha) Rz(bend) Rx(beta). first: -1 if no joint of its own makes this turn.
     STEP WristTurns<V> met(int first, int last, const Rot<V>& M, const Turn<V>& bend, const Twists& t,
@@ -35,20 +39,21 @@ template <class V> struct Arcs {
         const Turn<V>& l = of[last];
         const V wx = M.x.x * l.c - M.y.x * l.s, wy = M.x.y * l.c - M.y.y * l.s, y = t.ca * bend.s;
         const Turn<V> raw = unit(bend.c * wx + y * wy, bend.c * wy - y * wx);
-        Turn<V> f = narrower(raw, found.first);
+        Turn<V> f = narrower(raw, found.first, found.first);
         if (first >= 0) {
-            narrower(of[first], raw), narrower(of[first], found.first);
-            f = narrower(of[first], f);
+            narrower(of[first], raw, raw), narrower(of[first], found.first, found.first);
+            f = narrower(of[first], f, f);
         }
         return wrist_turns(M, bend, t, true, f);
     }
 
 private:
-    STEP Turn<V> narrower(const Turn<V>& a, const Turn<V>& b) const {
+    // The arc a, or where b is shorter, what holds b's turn.
+    STEP Turn<V> narrower(const Turn<V>& a, const Turn<V>& b, const Turn<V>& of_b) const {
         const auto c = a.c.mid - b.c.mid, s = a.s.mid - b.s.mid, reach = a.c.rad + b.c.rad + 4.0 * ROUNDED;
         empty |= bits(c * c + s * s > 1.000000001 * (reach * reach));
         const auto first = a.c.rad < b.c.rad;
-        return {select(first, a.c, b.c), select(first, a.s, b.s)};
+        return {select(first, a.c, of_b.c), select(first, a.s, of_b.s)};
     }
 };
 // The signs of a block of branches.

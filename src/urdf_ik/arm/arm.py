@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
     from urdf_ik.model.urdf import UrdfModel
     from urdf_ik.paths import Plan
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -242,20 +243,41 @@ class Arm:
         return explain(self.solver, T, redundancy)
 
     def intervals(
-        self, T: Any, within_limits: bool = True, world: World | None = None, *, threads: inputs.Threads = 1
+        self,
+        T: Any,
+        within_limits: bool = True,
+        world: World | None = None,
+        *,
+        threads: inputs.Threads = 1,
+        time_limit: float | None = None,
+        progress: Progress | None = None,
     ) -> Intervals:
         """The intervals of the redundancy parameter in which each branch has solutions, and the cause of each end.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.interval_search.intervals`.
         """
-        return intervals(self.solver, T, within_limits=within_limits, world=world, threads=threads)
+        return intervals(
+            self.solver, T, within_limits=within_limits, world=world, threads=threads, time_limit=time_limit,
+            progress=progress,
+        )  # fmt: skip
 
-    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: inputs.Threads = 1) -> Sweep:
+    def sweep(
+        self,
+        T: Any,
+        n: int = 64,
+        *,
+        within_limits: bool = False,
+        threads: inputs.Threads = 1,
+        time_limit: float | None = None,
+        progress: Progress | None = None,
+    ) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and the intervals that hold any.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.sweep.sweep`.
         """
-        return sweep(self.solver, T, n, within_limits=within_limits, threads=threads)
+        return sweep(
+            self.solver, T, n, within_limits=within_limits, threads=threads, time_limit=time_limit, progress=progress
+        )
 
     def redundancy_of(self, q: ArrayLike, T: Any = None) -> Array:
         """Values of the redundancy parameters at joint vectors; ``ik`` at these values returns the joint vectors.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from urdf_ik.calibration.report import Calibration
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.derivatives import Parameter, written
 from urdf_ik.support import inputs
+from urdf_ik.support.watch import TimeIsUp, Watch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -48,6 +51,8 @@ def calibrate(
     marker: bool = False,
     loss: str = "soft_l1",
     seed: int = 0,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
 ) -> Calibration:
     """Fit the numbers of an arm's URDF to measurements.
 
@@ -67,12 +72,15 @@ def calibrate(
         marker: whether the pose of what was measured in the tip is, as a marker or probe needs it.
         loss: 'soft_l1', 'huber', 'cauchy', or 'linear' for plain least squares that keeps outliers.
         seed: of the folds of the cross-validation.
+        time_limit: s after which the fit ends with the best numbers so far; ``unlooked`` says what was left out.
+        progress: called with the number of fits behind us, and of all.
 
     Returns:
         What changed, what cannot be told apart, the errors before and after; ``arm`` and ``urdf()`` are the new arm.
 
     Raises:
         ArgumentError: measurements do not fit, are too few, or look mixed up; there is no such parameter.
+        ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
 
     Example:
         >>> import numpy as np
@@ -87,17 +95,24 @@ def calibrate(
     inputs.arm(arm)
     given = q if isinstance(q, Measurements) else checked(arm, q, measured, kind)
     inputs.choice(loss, "loss", LOSSES)
+    watch = Watch(time_limit, progress)
     base, marker = inputs.flag(base, "base"), inputs.flag(marker, "marker")
     chosen = _chosen(arm, fit)
     frames = equations(arm.chain, given, [], base=base, marker=marker)
     whole = equations(arm.chain, given, chosen, base=base, marker=marker)
     _require_enough(given, whole)
     _require_order(arm, given, base, marker)
-    nominal = _fitted(frames, given, loss).x if frames.parameters else frames.start
-    best = _fitted(whole, given, loss)
+    nominal = _fitted(frames, given, loss, watch).x if frames.parameters else frames.start
+    watch.step(1, 2 + _FOLDS)
+    best = _fitted(whole, given, loss, watch)
+    watch.step(2, 2 + _FOLDS)
+    unlooked = watch.ended("in the midst of the fit: its last rounds were") if watch.is_over else ""
     kept = given.part(~best.outliers)
     before = _errors(frames.residuals(nominal, kept), given.kind)
     after = _errors(whole.residuals(best.x, kept), given.kind)
+    validated = _cross_validated(whole, kept, best, np.random.default_rng(seed), watch)
+    if watch.is_over and not unlooked:
+        unlooked = watch.ended("after the fit: measurements that it did not see were")
     return Calibration(
         nominal=arm,
         given=given,
@@ -108,12 +123,13 @@ def calibrate(
         singular_values=best.singular_values,
         before=before,
         after=after,
-        validated=_cross_validated(whole, kept, best, np.random.default_rng(seed)),
+        validated=None if unlooked else validated,
         noise=tuple(best.noise),
         outliers=tuple(np.flatnonzero(best.outliers).tolist()),
         residuals_before=frames.residuals(nominal, given),
         residuals_after=whole.residuals(best.x, given),
         covariance=best.covariance,
+        unlooked=unlooked,
     )
 
 
@@ -129,20 +145,20 @@ class _Fit:
     covariance: Array
 
 
-def _fitted(eq: Equations, given: Measurements, loss: str) -> _Fit:
-    """The fit of the numbers of ``eq``, from their start."""
+def _fitted(eq: Equations, given: Measurements, loss: str, watch: Watch) -> _Fit:
+    """The fit of the numbers of ``eq``, from their start; at the end of the time, with the best so far."""
     x = eq.start
     scale = _scales(eq.residuals(x, given), eq.kind)
     outliers = np.zeros(len(given), np.bool_)
     if loss != "linear":
         for _ in range(_ROUNDS):
-            x = _solved(eq, given, x, scale, loss)
+            x = _solved(eq, given, x, scale, loss, watch)
             scale = _scales(eq.residuals(x, given), eq.kind)
         apart = np.linalg.norm(eq.residuals(x, given) / scale, axis=1)
         outliers = apart > np.sqrt(given.numbers) + _OUTLYING
     kept = given.part(~outliers)
     for _ in range(2):
-        x = _solved(eq, kept, x, scale, "linear")
+        x = _solved(eq, kept, x, scale, "linear", watch)
         told, _ = _directions(eq, kept, x, scale)
         scale = _deviations(eq.residuals(x, kept), eq.kind, told.shape[1])
     told, values = _directions(eq, kept, x, scale)
@@ -152,27 +168,38 @@ def _fitted(eq: Equations, given: Measurements, loss: str) -> _Fit:
     return _Fit(x, noise, outliers, values, told, covariance)
 
 
-def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str) -> Array:
-    """The fitted numbers, moved from ``x`` only along what the measurements can tell apart."""
+def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str, watch: Watch) -> Array:
+    """The fitted numbers, moved from ``x`` only along what the measurements can tell apart, as far as time allows."""
     from scipy.optimize import least_squares
 
-    if not len(x):
+    if not len(x) or watch.is_over:
         return x
     told, _ = _directions(eq, given, x, scale)
-    found = least_squares(
-        lambda y: (eq.residuals(x + told @ y, given) / scale).ravel(),
-        np.zeros(told.shape[1]),
-        jac=lambda y: _whitened(eq, given, x + told @ y, scale) @ told,
-        method="trf",
-        x_scale="jac",
-        loss=loss,
-        f_scale=2.0,
-        ftol=1e-12,
-        xtol=1e-12,
-        gtol=1e-12,
-        max_nfev=40,
-    )
-    return np.asarray(x + told @ found.x)
+    best = np.zeros(told.shape[1])
+
+    def residuals(y: Array) -> Array:
+        watch.check()
+        return np.asarray((eq.residuals(x + told @ y, given) / scale).ravel())
+
+    def derivatives(y: Array) -> Array:
+        best[:] = y  # derivatives are asked for where a step was taken, that is where the loss has fallen
+        return np.asarray(_whitened(eq, given, x + told @ y, scale) @ told)
+
+    with suppress(TimeIsUp):
+        best = least_squares(
+            residuals,
+            best.copy(),
+            jac=derivatives,
+            method="trf",
+            x_scale="jac",
+            loss=loss,
+            f_scale=2.0,
+            ftol=1e-12,
+            xtol=1e-12,
+            gtol=1e-12,
+            max_nfev=40,
+        ).x
+    return np.asarray(x + told @ best)
 
 
 def _whitened(eq: Equations, given: Measurements, x: Array, scale: Array) -> Array:
@@ -217,7 +244,9 @@ def _errors(r: Array, kind: str) -> Errors:
     return Errors(rms(position), float(position.max()), rms(rotation), float(rotation.max()))
 
 
-def _cross_validated(eq: Equations, given: Measurements, best: _Fit, rng: np.random.Generator) -> Errors | None:
+def _cross_validated(
+    eq: Equations, given: Measurements, best: _Fit, rng: np.random.Generator, watch: Watch
+) -> Errors | None:
     """Errors of measurements that the fit did not see, each fifth by the others; None for too few."""
     order = rng.permutation(len(given))
     scale = np.repeat(best.noise, [3, 3] if eq.kind == "pose" else [given.numbers])
@@ -228,8 +257,9 @@ def _cross_validated(eq: Equations, given: Measurements, best: _Fit, rng: np.ran
     for k in range(_FOLDS):
         out = order[k::_FOLDS]
         rest = np.setdiff1d(order, out)
-        x = _solved(eq, given.part(rest), best.x, scale, "linear")
+        x = _solved(eq, given.part(rest), best.x, scale, "linear", watch)
         held[out] = eq.residuals(x, given.part(out))
+        watch.step(3 + k, 2 + _FOLDS)
     return _errors(held, eq.kind)
 
 

@@ -51,6 +51,7 @@ class Calibration:
         residuals_before: (m, r) m, rad.
         residuals_after: the same.
         covariance: (k, k) of the fitted numbers.
+        unlooked: what the time limit left out; '' where the fit came to its end.
 
     Example:
         >>> import numpy as np
@@ -77,6 +78,7 @@ class Calibration:
     residuals_before: Array = field(repr=False)
     residuals_after: Array = field(repr=False)
     covariance: Array = field(repr=False)
+    unlooked: str = ""
 
     @cached_property
     def arm(self) -> Arm:
@@ -185,6 +187,7 @@ class Calibration:
             errors.append(("not seen by the fit", self.validated))
         remarks = [f"{len(self.given)} measurements ({self.given.kind})"]
         remarks.append(f"noise of one coordinate: {self._noise()}")
+        remarks += [f"the fit was {self.unlooked}"] if self.unlooked else []
         if self.outliers:
             shown = ", ".join(map(str, self.outliers[:20]))
             remarks.append(f"{len(self.outliers)} outliers were left out (counted from 0): {shown}")
@@ -240,6 +243,7 @@ class Calibration:
                 "singular_values": self.singular_values.tolist(),
                 "base_pose": self.base_pose.tolist(),
                 "marker_pose": self.marker_pose.tolist(),
+                "unlooked": self.unlooked,
             }
         )  # fmt: skip
         return out
@@ -293,7 +297,8 @@ class Calibration:
             'errors fall from 0'
         """
         unseen = "" if self.validated is None else f"; of measurements that it did not see {self.validated}"
-        return f"errors fall from {self.before} to {self.after}{unseen}"
+        ended = f"; {self.unlooked}" if self.unlooked else ""
+        return f"errors fall from {self.before} to {self.after}{unseen}{ended}"
 
     def _noise(self) -> str:
         text = f"{self.noise[0] * MM:.4f} mm"

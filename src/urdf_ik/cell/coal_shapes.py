@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from lxml import etree
 
+from urdf_ik.cell.obstacles.field import DistanceField
 from urdf_ik.cell.obstacles.tree import cell_codes
 from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Sphere, cloud, reason_of
 from urdf_ik.errors import UrdfError
@@ -247,6 +249,11 @@ class Pieces:
     def count(self) -> int:
         """Number of pieces."""
         return len(self.low)
+
+    @cached_property
+    def field(self) -> DistanceField | None:
+        """Lower bounds on the distance to a cloud that is cut into pieces; None of other shapes."""
+        return DistanceField(self._points) if len(self._points) and not len(self._triangles) else None
 
     def solid(self, piece: int) -> Solid:
         """Coal's geometry of a piece, in the shape's frame."""

@@ -313,7 +313,12 @@ class DistanceBounds:
         below = holds["low"][:, None] - local
         np.maximum(below, local - holds["high"][:, None], out=below)
         np.maximum(below, 0.0, out=below)
-        return np.asarray(_length(below) - holds["radius"][:, None])
+        out = _length(below)
+        for standing, own, field in self._index.clouds:
+            ours = np.flatnonzero((slots >= own.start) & (slots < own.stop))
+            local = (points[ours] - standing.pose[:3, 3]) @ standing.pose[:3, :3]
+            out[ours] = np.maximum(out[ours], field.least(local))
+        return np.asarray(out - holds["radius"][:, None])
 
 
 def _length(vectors: Array) -> Array:

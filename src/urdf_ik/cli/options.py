@@ -87,6 +87,10 @@ Json = Annotated[bool, Option("--json", help="The same as --format json.", rich_
 Seed = Annotated[
     int, Option("--seed", metavar="N", min=0, help="Seed of everything that is drawn.", rich_help_panel=POSES)
 ]
+TimeLimit = Annotated[
+    float | None,
+    Option("--time-limit", metavar="S", min=0.0, help="Longest work; then what it has so far.", rich_help_panel=OUTPUT),
+]
 Random = Annotated[
     int,
     Option("--random", "-n", metavar="N", min=1, max=MOST_POSES, help="Number of random poses.", rich_help_panel=POSES),

@@ -13,10 +13,10 @@ from urdf_ik.paths.path_settings import COSTS
 from urdf_ik.paths.planner import graph
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
-from urdf_ik.paths.watch import Watch
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import largest_apart
 from urdf_ik.support.text import quoted
+from urdf_ik.support.watch import Watch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -20,9 +20,9 @@ from urdf_ik.paths.planner.assembly import cut_coarse, made, not_found, offer, p
 from urdf_ik.paths.planner.obstacles import Obstacles
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.stops import stops_of
-from urdf_ik.paths.watch import TimeIsUp
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
+from urdf_ik.support.watch import TimeIsUp
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,7 +95,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
 def _so_far(settings: CheckedSettings, path: Array) -> Plan:
     """The best plan at the end of the time limit; without one, a plan that says so."""
     watch = settings.watch
-    unlooked = f"ended by the time limit of {watch.limit:g} s while {watch.doing}: what comes after was not looked at"
+    unlooked = watch.ended(f"while {watch.doing}: what comes after was")
     if watch.best is None:
         plan = not_found(settings, path, [Stop(EVERY_BRANCH, 0, "time", f"the search was {unlooked}")])
     else:

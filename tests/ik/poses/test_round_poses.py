@@ -108,6 +108,24 @@ def test_folding_arm_at_its_folded_elbow_is_marked_singular() -> None:
     assert (solutions.singular > 0).any(axis=1).all()
 
 
+@pytest.mark.parametrize(("name", "elbow", "turn"), [("crx", 0.5 * np.pi, 1.0), ("hc10", 0.0, -1.0)])
+@pytest.mark.parametrize("last", [0.0, 0.5 * np.pi, np.pi])
+def test_two_axes_in_line_where_three_ranks_are_lost_are_a_continuum(
+    name: str, elbow: float, turn: float, last: float
+) -> None:
+    """With the arm straight up axes 1 and 4 are one line, and turning both keeps the pose. Three ranks are lost."""
+    case, q = named(name), np.array([0.0, 0.0, elbow, 0.0, 0.0, last])
+    J = case.arm.jacobian(q)
+    J[:3] /= case.arm.chain.size
+    assert np.linalg.svd(J, compute_uv=False)[3] < 1e-9
+    T = case.arm.fk(q)
+    for away in (-0.3, 0.02, 1.0):
+        assert np.allclose(case.arm.fk(q + away * np.array([1.0, 0.0, 0.0, turn, 0.0, 0.0])), T, rtol=0.0, atol=1e-12)
+    s = case.arm.ik(T)
+    assert s.status == "continuum"
+    assert_exact(case, s, T)
+
+
 # The flange's axes at q = 0 in the maker's URDF of the CRX-10iA/L.
 FLANGE = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
 

@@ -163,6 +163,16 @@ def rounded_over_base() -> DescribedArm:
     return DescribedArm("rounded_over_base", "2||3||4, 5x6", urdf, np.array(axes), np.zeros((6, 3)))
 
 
+def six_of_a_shifted_iiwa() -> DescribedArm:
+    """The first six joints of a KUKA iiwa 14 whose shoulder and elbow are 0.44 mm off, as a URDF has them."""
+    along_y, along_z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    places = [(0, 0, 0), (-0.00043624, 0, 0.36), (0, 0, 0), (0.00043624, 0, 0.42), (0, 0, 0), (0, 0, 0.4)]
+    axes = [along_z, along_y, along_z, (0.0, -1.0, 0.0), along_z, along_y]
+    links = ["base", *(f"link_{k}" for k in range(1, 6)), "tool"]
+    urdf = serial_urdf("shifted", [(place, (0, 0, 0)) for place in places], axes, links=links)
+    return DescribedArm("shifted", "3x4x5, 1x2", urdf, np.array(axes), np.zeros((6, 3)))
+
+
 def rounded_ur(decimals: int = 4) -> DescribedArm:
     """A UR5 with quarter and half turns as rounded decimals."""
     quarter, half = round(math.pi / 2, decimals), round(math.pi, decimals)

@@ -188,7 +188,7 @@ template <Shoulder kind> struct SphericalWrist {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
         Place<V> at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, {});
-        at.t1 = known.met(0, at.t1), at.t2 = known.met(1, at.t2), at.t3 = known.met(2, at.t3);
+        at.t1 = known.met(0, at.t1), at.t2 = known.met(1, at.t2), at.t3 = known.met_by_root(2, at.t3);
         const Rot<V> M = wrist_rotation(seen.R, ideal, at);
         Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
         bend.turn = known.met(4, bend.turn);

@@ -21,6 +21,7 @@ struct SearchState {
     double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
     bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
     bool provable = false;  // whether complex roots are counted
+    bool on_curve = false;  // whether a curve of solutions was found
     bool certifies = false;  // whether real roots are certified: all joints turn
     int zeros = -1;  // real roots that there can be at most; -1 where that is open
     Loop loop = {};
@@ -311,8 +312,17 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
 
 // ---- continua -----------------------------------------------------------------------------------------------------------
 
-// Whether a solution lies on a curve of solutions, or what was left where it is almost real.
-PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
+PART void mark_singular(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        double q[6];
+        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+        columns.flags[b] |= std::uint8_t(singular_marks(arm, goal, q, columns.flags[b] & SINGULAR));
+    }
+}
+
+// Whether a solution lies on a curve of solutions, or what was left where it is almost real, which then becomes a solution.
+PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     if (keep_curve(arm.written, goal, search.columns)) return true;
     double q[6];
     for (int i = 0; i < search.lefts; ++i) {
@@ -320,7 +330,9 @@ PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, const
         for (int j = 0; j < 6; ++j) q[j] = wrap(search.left[i][j].re), off = max(off, abs(search.left[i][j].im));
         if (off > ALMOST_REAL) continue;
         if (polish_one<true>(arm.written, goal, q, {40, CONVERGED, LONG_PATIENCE}).error > CONVERGED) continue;
-        if (is_on_curve(arm.written, goal, q)) return true;
+        if (!is_on_curve(arm.written, goal, q)) continue;
+        column_of(arm, goal, search, q, 0.0);
+        return true;
     }
     return false;
 }

@@ -275,6 +275,9 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
         if (count()) return true;
+        // A curve's own solutions fill the columns, and no count ends a proof.
+        search.on_curve = search.certifies && holds_curve(arm, goal, search);
+        if (search.on_curve) return false;
         // A result with singular ends needs a second attempt that agrees.
         if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
         if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
@@ -325,6 +328,10 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     if (proven != Status::incomplete) {
         keep_accounted(arm, goal, search);
         return proven;
+    }
+    if (search.on_curve) {
+        mark_singular(arm.written, goal, columns);
+        return Status::continuum;
     }
     // If no candidate converged, the best may be a double root. Without the damping HELD, rounding would move the arm
     // along its singular direction.

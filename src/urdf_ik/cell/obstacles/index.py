@@ -8,12 +8,13 @@ in the tree. If the list has grown too long, the next index builds a new tree.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from urdf_ik.cell.obstacles.tree import SLACK, BoxTree, Found
-from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Sphere
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Points, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.cell.coal_shapes import Pieces, Solid
+    from urdf_ik.cell.obstacles.field import DistanceField
     from urdf_ik.cell.shapes import Shape
 
     Array = NDArray[np.float64]
@@ -161,6 +163,19 @@ class ObstacleIndex:
             part, at = self._at(slot)
             found = self._solids[slot] = pieces_of(self.standing(slot).shape).solid(int(part.holds["piece"][at]))
         return found
+
+    @cached_property
+    def clouds(self) -> list[tuple[Standing, range, DistanceField]]:
+        """Clouds of points that have a distance field, with the slots of their pieces."""
+        from urdf_ik.cell.coal_shapes import pieces_of
+
+        every = (*self._fixed.entries, *self._loose.entries)
+        found = [
+            (each, self.slots_of(each.name), pieces_of(each.shape).field)
+            for each in every
+            if isinstance(each.shape, Points)
+        ]
+        return [(each, slots, field) for each, slots, field in found if slots and field is not None]
 
     def slots_of(self, name: str) -> range:
         """The slots of an obstacle's pieces, empty where there is no such obstacle."""

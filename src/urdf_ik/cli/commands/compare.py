@@ -31,6 +31,10 @@ from urdf_ik.cli.several_arms import SeveralArms
 if TYPE_CHECKING:
     from urdf_ik.verify.comparison import Comparison, ManyArms
 
+TimeLimit = Annotated[
+    float | None,
+    typer.Option("--time-limit", metavar="S", min=0.0, help="How long the table of the poses given may take."),
+]
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with status 1 where arms differ.")]
 
 
@@ -44,6 +48,7 @@ def command(
     tolerance_deg: Degrees = None,
     ignore: Ignored = None,
     exit_code: ExitCode = False,
+    time_limit: TimeLimit = None,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the comparison."""
@@ -75,7 +80,11 @@ def command(
         ]
     many = None
     if own is not None:
-        many = comparison.compare_many({_called(k, arms.robots): arm for k, arm in enumerate(loaded)}, own)
+        with Progress("comparing", "solving") as progress:
+            many = comparison.compare_many(
+                {_called(k, arms.robots): arm for k, arm in enumerate(loaded)}, own, time_limit=time_limit,
+                progress=progress.tick,
+            )  # fmt: skip
     if printed_as is ReportFormat.JSON:
         whole = {"comparisons": [each.to_dict() for each in found], "poses": None if many is None else many.to_dict()}
         console.write(found[0].to_json() if len(found) == 1 and many is None else json_text(whole), None)

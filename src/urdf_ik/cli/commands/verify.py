@@ -1,7 +1,7 @@
 """Verify an arm against its lock file.
 
 It names the joint, link or limit that is different, by how many mm and degrees, and the solutions that were lost or
-gained at which poses. The status is 1 when something is different.
+gained at which poses. The status is 1 when something is different, or when the time limit left poses out.
 
 Base, tip and held joints are those of the lock file where they are not given. A tool, a free axis or a redundancy
 joint has to be given again.
@@ -53,10 +53,12 @@ def command(
     tolerance_deg: Degrees = None,
     ignore: Ignored = None,
     update: Update = False,
+    time_limit: options.TimeLimit = None,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print what is different."""
     from urdf_ik.cli import console
+    from urdf_ik.cli.progress import Progress
     from urdf_ik.errors import ChainError, message
     from urdf_ik.verify.baselines import Baseline, freeze
     from urdf_ik.verify.change import Tolerance, ignored
@@ -73,7 +75,11 @@ def command(
             )
             raise typer.Exit(Status.FAILED) from None
         raise
-    found = lock.verify(arm, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg, ignore=ignore or ())
+    with Progress("comparing poses", "solving") as progress:
+        found = lock.verify(
+            arm, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg, ignore=ignore or (), time_limit=time_limit,
+            progress=progress.tick,
+        )  # fmt: skip
     console.write(found.to_json() if printed_as is ReportFormat.JSON else f"{found}\n", None)
     if update:
         own = [pose.matrix for pose in lock.poses if pose.kind == "own"]

@@ -14,11 +14,12 @@ from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import self_motion
 from urdf_ik.ik.redundancy.interval_arrays import End, Found
 from urdf_ik.ik.redundancy.self_motion import Curves
-from urdf_ik.ik.solutions import distances
+from urdf_ik.ik.solutions import distances, indices
 from urdf_ik.ik.solutions.distances import QUALITIES
-from urdf_ik.support import indices, inputs
+from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.display import html_of, short
+from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import Section, aligned, quoted
 
 if TYPE_CHECKING:
@@ -78,6 +79,10 @@ class Intervals:
 
     Of a single pose it is a sequence of :class:`Interval`; of a batch, ``intervals[i]`` are those of one pose.
 
+    Attributes:
+        within_limits: whether only solutions inside the joint limits count.
+        unlooked: what the time limit left out; '' where every pose was looked at.
+
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("srs_7r")
@@ -93,8 +98,13 @@ class Intervals:
         found: Found,
         within_limits: bool,
         sampled: Callable[[Solver, Array, Found], Found],
+        looked_at: NDArray[np.bool_],
+        unlooked: str,
     ) -> None:
-        """Keep what was found for poses ``T`` (..., 4, 4); ``sampled`` adds samples to intervals of a stack."""
+        """Keep what was found for poses ``T`` (..., 4, 4) that were ``looked_at`` (...).
+
+        ``sampled`` adds samples to intervals of a stack.
+        """
         curves = Curves.of(solver)
         self.solver = solver
         self.parameter: Redundancy = curves.parameter
@@ -103,9 +113,12 @@ class Intervals:
         self._curves = curves
         self._found = found
         self._sampled = sampled
+        self._looked_at = looked_at
+        self.unlooked = unlooked
 
     def __reduce__(self) -> tuple[type[Intervals], tuple[Any, ...]]:
-        return Intervals, (self.solver, self._T, self._found, self.within_limits, self._sampled)
+        arguments = (self.solver, self._T, self._found, self.within_limits, self._sampled)
+        return Intervals, (*arguments, self._looked_at, self.unlooked)
 
     @cached_property
     def _full(self) -> Found:
@@ -126,6 +139,19 @@ class Intervals:
         m = int(np.prod(self.shape))
         return np.bincount(self._found.pose, minlength=m).reshape(self.shape)
 
+    @property
+    def looked_at(self) -> NDArray[np.bool_]:
+        """(...) whether the time limit left the pose's turn to come; without one, all True.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> T = arm.fk([[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]])
+            >>> arm.intervals(T, time_limit=60.0).looked_at.tolist()
+            [True]
+        """
+        return frozen(self._looked_at.view())
+
     def __len__(self) -> int:
         self._single("len()")
         return len(self._found.low)
@@ -143,7 +169,9 @@ class Intervals:
             raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
-        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled)
+        looked_at = np.asarray(self._looked_at[index])
+        unlooked = "" if looked_at.all() else self.unlooked
+        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled, looked_at, unlooked)
 
     def samples(self, k: int) -> tuple[Array, Array]:
         """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
@@ -197,6 +225,7 @@ class Intervals:
         Raises:
             ArgumentError: ``q_ref``, ``weights`` or ``within`` does not fit.
             ArgumentError: there is no such metric, or ``within`` is negative.
+            ArgumentError: the time limit left poses out.
 
         Example:
             >>> import urdf_ik
@@ -205,6 +234,7 @@ class Intervals:
             >>> arm.intervals(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
             [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
         """
+        self._require_looked_at()
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)
         inside = self.within_limits
         values = self.nearest_values(reference, metric=metric, weights=weights, within=within, within_limits=inside)
@@ -250,7 +280,7 @@ class Intervals:
             by: 'limits', 'manipulability' or 'clearance'; see :meth:`urdf_ik.IKSolutions.best`.
 
         Raises:
-            ArgumentError: there is no such measure.
+            ArgumentError: there is no such measure, or the time limit left poses out.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
 
         Example:
@@ -261,6 +291,7 @@ class Intervals:
             1
         """
         inputs.choice(by, "by", tuple(QUALITIES))
+        self._require_looked_at()
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
             return -self_motion.quality(self.solver, q, by)
@@ -280,7 +311,8 @@ class Intervals:
         """
         self._single("table()")
         title = f"{self.solver.name}: {len(self)} intervals of the {self.parameter}"
-        return "\n".join([title, *aligned(self._rows(), left=(0, 2, 4))])
+        unlooked = [self.unlooked] * bool(self.unlooked)
+        return "\n".join([title, *unlooked, *aligned(self._rows(), left=(0, 2, 4))])
 
     def _rows(self) -> list[list[str]]:
         """The header, and a row an interval of a single pose."""
@@ -296,7 +328,8 @@ class Intervals:
         of = f"poses {self.shape}, " if self.shape else ""
         inside = " within the limits" if self.within_limits else ""
         title = f"Intervals of {self.solver.name}: {of}{len(self._found.low)} intervals{inside}"
-        return short(title, [] if self.shape else [str(each) for each in self])
+        unlooked = [self.unlooked] * bool(self.unlooked)
+        return short(title, [*unlooked, *([] if self.shape else [str(each) for each in self])])
 
     def _repr_html_(self) -> str:
         header, *rows = self._rows()
@@ -304,6 +337,7 @@ class Intervals:
         found = f"{len(self._found.low)} intervals{' within the limits' * self.within_limits}"
         if self.shape:
             found += f" of poses {self.shape}; intervals[i] shows one"
+        found += f"; {self.unlooked}" if self.unlooked else ""
         return html_of(title, found, bool(len(self._found.low)), [Section("", tuple(header), tuple(map(tuple, rows)))])
 
     def _least(self, cost: self_motion.Cost) -> Array:
@@ -322,6 +356,10 @@ class Intervals:
         found = self._found
         branch = self.solver.structure.branches[found.column[k]]
         return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]))
+
+    def _require_looked_at(self) -> None:
+        if self.unlooked:
+            raise ArgumentError(f"{self.unlooked}; `looked_at` says which were: take them, or solve the rest")
 
     def _single(self, what: str) -> None:
         if self.shape:

@@ -11,10 +11,9 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.solutions import local_names
+from urdf_ik.ik.solutions import indices, local_names
 from urdf_ik.ik.solutions.proof import WORDS
 from urdf_ik.ik.solutions.turn_names import suffix
-from urdf_ik.support import indices
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.display import html_of
 from urdf_ik.support.read_only import frozen

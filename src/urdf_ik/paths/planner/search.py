@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from urdf_ik.paths.planner.graph import Graph, Way
     from urdf_ik.paths.planner.obstacles import Obstacles
     from urdf_ik.paths.planner.straightness import Tolerance
-    from urdf_ik.paths.watch import Watch
+    from urdf_ik.support.watch import Watch
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -57,6 +58,8 @@ class Baseline(Recorded):
         tolerance_mm: float | None = None,
         tolerance_deg: float | None = None,
         ignore: str | Iterable[str] = (),
+        time_limit: float | None = None,
+        progress: Progress | None = None,
     ) -> Verification:
         """What of this holds for an arm.
 
@@ -68,9 +71,12 @@ class Baseline(Recorded):
             tolerance_mm: lengths [mm] up to which a change counts as none; default: 1e-6.
             tolerance_deg: angles [deg], likewise; default: 6e-8.
             ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
+            time_limit: s after which no more poses are solved; what was left out did not pass.
+            progress: called with (poses done, poses).
 
         Raises:
             ArgumentError: a tolerance is negative, or a kind cannot be ignored.
+            ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
 
         Example:
             >>> import urdf_ik
@@ -78,7 +84,10 @@ class Baseline(Recorded):
             >>> print(lock.verify(urdf_ik.load("planar_2r_unit"), ignore="collisions,visuals").differences[0])
             joint_2: its origin moved by 934 mm
         """
-        return verify(self, arm, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg, ignore=ignore)
+        return verify(
+            self, arm, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg, ignore=ignore, time_limit=time_limit,
+            progress=progress,
+        )  # fmt: skip
 
     def to_text(self) -> str:
         """The text of a lock file.

@@ -13,6 +13,7 @@ from urdf_ik.errors import UnsupportedArm, printable
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
+from urdf_ik.support.watch import Watch
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.pose_sampling import answered, least_singular_value
 from urdf_ik.verify.baselines.records import Answer, Pose, Recorded
@@ -28,7 +29,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.cell import CollisionModel
     from urdf_ik.cell.pinocchio_reference import Reference
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -45,6 +48,8 @@ FOLD = 1e-12
 """Square of the smallest singular value below which rounding of the pose decides whether a solution is there."""
 
 _MOST_PLACES = 6
+_AT_ONCE = 8
+"""Poses that are solved before the time is looked at."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -59,6 +64,7 @@ class Verification(Report):
         notes: parts that were not compared, and harmless differences such as the name of a family.
         poses: number of poses that were compared.
         solutions: number of solutions, then and now.
+        unlooked: what the time limit left out; '' where every pose was compared.
     """
 
     arm: Description
@@ -68,11 +74,12 @@ class Verification(Report):
     notes: tuple[str, ...]
     poses: int
     solutions: tuple[int, int]
+    unlooked: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether there is no difference that counts."""
-        return not self.differences
+        """Whether there is no difference that counts, and nothing was left out for want of time."""
+        return not self.differences and not self.unlooked
 
     def title(self) -> str:
         """The names of the compared sides.
@@ -112,7 +119,9 @@ class Verification(Report):
         count = len(self.differences)
         found = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
         then, now = self.solutions
-        return f"{'PASSED' if self.passed else 'FAILED'}: {found}; {self.poses} poses, {then} solutions then, {now} now"
+        ended = "PASSED" if self.passed else "FAILED" if self.differences else "NOT ENDED"
+        left_out = f"; {self.unlooked}" if self.unlooked else ""
+        return f"{ended}: {found}; {self.poses} poses, {then} solutions then, {now} now{left_out}"
 
 
 def verify(
@@ -122,14 +131,17 @@ def verify(
     tolerance_mm: float | None = None,
     tolerance_deg: float | None = None,
     ignore: str | Iterable[str] = (),
+    time_limit: float | None = None,
+    progress: Progress | None = None,
 ) -> Verification:
     """See :meth:`urdf_ik.verify.baselines.Baseline.verify`."""
     inputs.arm(arm)
+    watch = Watch(time_limit, progress)
     tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
     then, now = baseline.arm, described(arm)
     found = list(differences(then, now, tolerance))
     notes = _notes(then, now)
-    today: list[Pose] = []
+    today: dict[int, Pose] = {}
     if then.dof != now.dof or then.sliding != now.sliding:
         notes.append("forward kinematics and solutions were not compared: the joints are others")
     else:
@@ -137,7 +149,7 @@ def verify(
         reference = arms.reference_of(arm)
         found += _planted(baseline, reference, order, tolerance)
         try:
-            today = _answers(baseline, arm, order, "collisions" in skipped, notes)
+            today = _answers(baseline, arm, order, "collisions" in skipped, notes, watch)
         except UnsupportedArm as error:
             if baseline.poses:
                 found.append(Difference("solutions", "", f"the arm cannot be solved any more: {printable(error, 300)}"))
@@ -146,6 +158,9 @@ def verify(
             size = max(reference.size, 1e-300)
             change = min(distance, tolerance.distance) / size + min(angle, tolerance.angle)
             found += _solutions(baseline, today, arm, reference, order, change)
+    unlooked = ""
+    if watch.is_over and len(today) < len(baseline.poses):
+        unlooked = watch.ended(f"with {len(today)} of {len(baseline.poses)} poses: the others were")
     return Verification(
         arm=now,
         frozen=then,
@@ -153,7 +168,11 @@ def verify(
         ignored=tuple(each for each in found if each.kind in skipped),
         notes=tuple(notes),
         poses=len(today),
-        solutions=(sum(len(pose.answers) for pose in baseline.poses), sum(len(pose.answers) for pose in today)),
+        solutions=(
+            sum(len(baseline.poses[index].answers) for index in today),
+            sum(len(pose.answers) for pose in today.values()),
+        ),
+        unlooked=unlooked,
     )
 
 
@@ -191,8 +210,10 @@ def _reach(reference: Reference) -> float:
     return (1.0 + reference.dof) * max(1.0, reference.size)
 
 
-def _answers(baseline: Recorded, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str]) -> list[Pose]:
-    """Today's answers to the poses of the baseline, joints in its order."""
+def _answers(
+    baseline: Recorded, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], watch: Watch
+) -> dict[int, Pose]:
+    """Today's answers to the poses of the baseline by their numbers, joints in its order; as many as time allows."""
     groups: dict[bool, list[int]] = {}
     for index, pose in enumerate(baseline.poses):
         groups.setdefault(bool(pose.redundancy), []).append(index)
@@ -204,23 +225,34 @@ def _answers(baseline: Recorded, arm: Arm, order: tuple[int, ...], no_contacts: 
         notes += [f"contacts not checked: {unchecked}"] if unchecked else []
     out: dict[int, Pose] = {}
     for with_values, indices in groups.items():
-        T = np.array([baseline.poses[index].matrix for index in indices])
-        values = None
         if with_values and baseline.arm.redundancy != arms.parameters_of(arm):
             notes.append(
                 f"{len(indices)} poses were not solved: the redundancy parameters were "
                 f"{', '.join(baseline.arm.redundancy)}, and are {', '.join(arms.parameters_of(arm)) or 'none'}"
             )
+            # A pose that was not solved is as it was.
+            out |= {index: baseline.poses[index] for index in indices}
             continue
-        if with_values:
-            values = np.array([baseline.poses[index].redundancy for index in indices])
-            values = values[:, 0] if values.shape[1] == 1 else values
-        found = answered(arm, "random", T, arms.solutions_of(arm, T, values), values, shapes)
-        for index, pose in zip(indices, found, strict=True):
-            answers = tuple(replace(each, q=tuple(each.q[k] for k in order)) for each in pose.answers)
-            out[index] = replace(pose, kind=baseline.poses[index].kind, answers=answers)
-    # A pose that was not solved is as it was.
-    return [out.get(index, pose) for index, pose in enumerate(baseline.poses)]
+        for start in range(0, len(indices), _AT_ONCE):
+            if watch.is_over:
+                break
+            some = indices[start : start + _AT_ONCE]
+            for index, pose in zip(some, _solved(baseline, arm, some, with_values, shapes), strict=True):
+                answers = tuple(replace(each, q=tuple(each.q[k] for k in order)) for each in pose.answers)
+                out[index] = replace(pose, kind=baseline.poses[index].kind, answers=answers)
+            watch.step(len(out), len(baseline.poses))
+    return out
+
+
+def _solved(
+    baseline: Recorded, arm: Arm, some: list[int], with_values: bool, shapes: CollisionModel | None
+) -> list[Pose]:
+    """Today's answers to some poses of the baseline, at the values of redundancy parameters that it has."""
+    T, values = np.array([baseline.poses[index].matrix for index in some]), None
+    if with_values:
+        values = np.array([baseline.poses[index].redundancy for index in some])
+        values = values[:, 0] if values.shape[1] == 1 else values
+    return answered(arm, "random", T, arms.solutions_of(arm, T, values), values, shapes)
 
 
 @dataclass
@@ -236,7 +268,7 @@ class _Found:
 
 def _solutions(
     baseline: Recorded,
-    today: list[Pose],
+    today: dict[int, Pose],
     arm: Arm,
     reference: Reference,
     order: tuple[int, ...],
@@ -244,7 +276,8 @@ def _solutions(
 ) -> list[Difference]:
     """Differences of the solutions; ``change`` is the tolerated change of the arm [rad, share of its size]."""
     found = _Found([], [], [], [], [])
-    for index, (then, now) in enumerate(zip(baseline.poses, today, strict=True)):
+    for index, now in sorted(today.items()):
+        then = baseline.poses[index]
         _compare(found, index, then, now, _Same(arm, reference, order, then.matrix, change), baseline.arm)
     out = []
     for what, places in (("lost", found.lost), ("gained", found.gained)):

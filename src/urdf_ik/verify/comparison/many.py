@@ -13,6 +13,7 @@ from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
+from urdf_ik.support.watch import Watch
 from urdf_ik.verify import arms as of_arms
 from urdf_ik.verify.baselines.pose_sampling import contacts
 from urdf_ik.verify.reports import Written
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -32,6 +34,8 @@ UNREACHED, OUTSIDE, TOUCHING, FREE, UNKNOWN = "not reached", "outside limits", "
 
 _SHADES = {UNREACHED: "#e0e0e0", OUTSIDE: "#f9a825", TOUCHING: "#c62828", FREE: "#2e7d32", UNKNOWN: "#7cb342"}
 _ROW, _WIDTH, _LABEL = 16, 640, 260
+_AT_ONCE = 32
+"""Poses that every arm solves before the time is looked at."""
 
 
 class Row(NamedTuple):
@@ -64,9 +68,10 @@ class ManyArms(Written):
 
     Attributes:
         arms: what the arms are called, in the order given.
-        poses: number of poses.
+        poses: number of poses that were looked at.
         rows: one a solution, and one for each pose that an arm does not reach.
         notes: what was not checked, and why.
+        unlooked: what the time limit left out; '' where every pose was looked at.
 
     Example:
         >>> import urdf_ik
@@ -80,6 +85,7 @@ class ManyArms(Written):
     poses: int
     rows: tuple[Row, ...]
     notes: tuple[str, ...]
+    unlooked: str = ""
 
     def reached(self, arm: str) -> int:
         """Number of poses that an arm reaches, limits and contacts aside.
@@ -132,7 +138,11 @@ class ManyArms(Written):
                 f"{min(margin):.3g}" if margin else "-",
             ))  # fmt: skip
         header = ("arm", "poses", "reached", "within limits", "free of contact", "solutions", "least best margin")
-        return Section("the same poses", header, tuple(rows), self.notes, left=("arm",))
+        return Section("the same poses", header, tuple(rows), self._remarks, left=("arm",))
+
+    @property
+    def _remarks(self) -> tuple[str, ...]:
+        return (*((self.unlooked,) if self.unlooked else ()), *self.notes)
 
     def __str__(self) -> str:
         return str(self.section())
@@ -140,7 +150,7 @@ class ManyArms(Written):
     def __repr__(self) -> str:
         lines = [f"{row[0]}: {row[2]} of {row[1]} reached, {row[3]} within limits, {row[4]} free of contact"
                  for row in self.section().rows]  # fmt: skip
-        return short(f"{len(self.arms)} arms, {self.poses} poses", [*self.notes, *lines])
+        return short(f"{len(self.arms)} arms, {self.poses} poses", [*self._remarks, *lines])
 
     def _repr_html_(self) -> str:
         return html_of(f"{len(self.arms)} arms, {self.poses} poses", "", True, [self.section()]) + self.svg()
@@ -184,7 +194,14 @@ class ManyArms(Written):
         )
 
 
-def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisions: str | bool = True) -> ManyArms:
+def compare_many(
+    arms: Mapping[str, Arm] | Iterable[Arm],
+    poses: Any,
+    *,
+    collisions: str | bool = True,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+) -> ManyArms:
     """Solve the same poses with many arms.
 
     Args:
@@ -192,6 +209,8 @@ def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisi
         poses: (..., 4, 4) m, each in every arm's own base.
         collisions: whether to check contacts: True where the shapes can be read, with a warning where they cannot;
             'require' to fail there; False: no.
+        time_limit: s after which no more poses are looked at; ``unlooked`` says how many were left out.
+        progress: called with the number of poses behind us, and of all.
 
     Returns:
         The table; ``to_frame()`` for pandas, ``svg()`` for a picture.
@@ -200,6 +219,7 @@ def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisi
         ArgumentError: no arm is given.
         PoseError: one of ``poses`` is no pose.
         UrdfError: ``collisions="require"``, and not all shapes of an arm can be read.
+        ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
 
     Example:
         >>> import urdf_ik
@@ -208,22 +228,38 @@ def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisi
         >>> found.reached("before"), found.reached("after")
         (1, 0)
     """
-    named = _named(arms)
+    named, watch = _named(arms), Watch(time_limit, progress)
     T = check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
-    rows: list[Row] = []
-    notes = []
+    shapes_of, notes = {}, []
     for name, arm in named.items():
-        shapes, unchecked = arm.cell.to_check(collisions)
+        shapes_of[name], unchecked = arm.cell.to_check(collisions)
         if unchecked:
             notes.append(f"{name}: contacts {NOT_CHECKED}: {unchecked}")
         if of_arms.parameters_of(arm):
             notes.append(f"{name}: solved at the default of its redundancy parameter, {of_arms.parameters_of(arm)[0]}")
-        try:
-            rows += _rows(name, arm, T, shapes)
-        except UrdfIkError as error:
-            notes.append(f"{name}: {error}")
-            rows += [_unreached(name, pose) for pose in range(len(T))]
-    return ManyArms(tuple(named), len(T), tuple(rows), tuple(notes))
+    rows: dict[str, list[Row]] = {name: [] for name in named}
+    unsolved: dict[str, str] = {}
+    looked_at = 0
+    while looked_at < len(T) and not watch.is_over:
+        some = range(looked_at, min(looked_at + _AT_ONCE, len(T)))
+        for name, arm in named.items():
+            try:
+                if name not in unsolved:
+                    rows[name] += _rows(name, arm, T, some, shapes_of[name])
+            except UrdfIkError as error:
+                unsolved[name] = f"{name}: {error}"
+        looked_at = some.stop
+        watch.step(looked_at, len(T))
+    for name in unsolved:
+        rows[name] = [_unreached(name, pose) for pose in range(looked_at)]
+    left_out = f"with {looked_at} of {len(T)} poses: the others were"
+    return ManyArms(
+        tuple(named),
+        looked_at,
+        tuple(row for own in rows.values() for row in own),
+        (*notes, *unsolved.values()),
+        "" if looked_at == len(T) else watch.ended(left_out),
+    )
 
 
 def _named(arms: Mapping[str, Arm] | Iterable[Arm]) -> dict[str, Arm]:
@@ -243,26 +279,27 @@ def _named(arms: Mapping[str, Arm] | Iterable[Arm]) -> dict[str, Arm]:
     return {str(name): arm for name, arm in named.items()}
 
 
-def _rows(name: str, arm: Arm, T: Array, shapes: Any) -> list[Row]:
-    found = of_arms.solutions_of(arm, T)
+def _rows(name: str, arm: Arm, T: Array, some: range, shapes: Any) -> list[Row]:
+    """The rows of some of the poses (m, 4, 4)."""
+    found = of_arms.solutions_of(arm, T[some.start : some.stop])
     within = found.within_limits()
-    inside = within.valid
+    valid, inside, all_q, inner, names = found.valid, within.valid, found.q, within.q, found.names
     out = []
-    for pose in range(len(T)):
-        columns = np.flatnonzero(found.valid[pose])
+    for k, pose in enumerate(some):
+        columns = np.flatnonzero(valid[k])
         if not len(columns):
             out.append(_unreached(name, pose))
             continue
         # The image inside the limits where there is one.
-        q = np.where(inside[pose, columns, None], within.q[pose, columns], found.q[pose, columns])
+        q = np.where(inside[k, columns, None], inner[k, columns], all_q[k, columns])
         touching = contacts(shapes, q)
         margins, measures = np.atleast_1d(arm.limit_margin(q)), np.atleast_1d(arm.manipulability(q))
-        for k, column in enumerate(columns):
-            contact: bool | str | None = touching[k]
+        for i, column in enumerate(columns):
+            contact: bool | str | None = touching[i]
             if contact is None:
                 contact = NOT_CHECKED if shapes is None else True
-            out.append(Row(name, pose, str(found.names[pose, column]), True, bool(inside[pose, column]),
-                           float(margins[k]), float(measures[k]), contact))  # fmt: skip
+            out.append(Row(name, pose, str(names[k, column]), True, bool(inside[k, column]),
+                           float(margins[i]), float(measures[i]), contact))  # fmt: skip
     return out
 
 

@@ -121,12 +121,14 @@ def command(
     write_ur_kinematics: VendorOut = None,
     next_poses: Next = 0,
     seed: options.Seed = 0,
+    time_limit: options.TimeLimit = None,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the report, and write the new URDF."""
     from urdf_ik import calibration
     from urdf_ik.cli import console
+    from urdf_ik.cli.progress import Progress
     from urdf_ik.support import files
 
     if (measured is None) == (ur_kinematics is None):
@@ -144,7 +146,11 @@ def command(
         return
     assert measured is not None
     given = calibration.read_measurements(arm, measured, kind=kind, degrees=degrees)
-    found = calibration.calibrate(arm, given, fit=fit, base=fit_base, marker=fit_marker, loss=loss, seed=seed)
+    with Progress("fitting", "fitting") as progress:
+        found = calibration.calibrate(
+            arm, given, fit=fit, base=fit_base, marker=fit_marker, loss=loss, seed=seed, time_limit=time_limit,
+            progress=progress.tick,
+        )  # fmt: skip
     best = calibration.best_poses(found, next_poses, seed=seed) if next_poses else None
     if output is not None:
         found.write(output)

@@ -1,4 +1,4 @@
-"""How long a search may take, what it looks at, and the best that it has found."""
+"""How long a piece of work may take, what it looks at, and the best that it has found."""
 
 from __future__ import annotations
 
@@ -10,13 +10,19 @@ from urdf_ik.support import inputs
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    Progress = Callable[[int, int], object]
+    """Called with how many things of all are behind the work."""
+
 
 class TimeIsUp(Exception):
     """The time limit of a search has passed. The function that began the search catches it."""
 
 
 class Watch:
-    """The time limit and the progress of one search.
+    """The time limit and the progress of one piece of work.
+
+    A search says in words what it looks at (``begin``); work on many things of a kind says how many are behind it
+    (``step``).
 
     Attributes:
         limit: s, infinite without a limit.
@@ -24,7 +30,7 @@ class Watch:
         best: the best that was found so far, or None.
     """
 
-    def __init__(self, limit: Any, progress: Callable[[str], object] | None) -> None:
+    def __init__(self, limit: Any, progress: Callable[..., object] | None) -> None:
         """Begin now.
 
         Raises:
@@ -37,6 +43,11 @@ class Watch:
         self._end = monotonic() + self.limit
         self._progress = progress
 
+    @property
+    def is_over(self) -> bool:
+        """Whether the time limit has passed."""
+        return monotonic() >= self._end
+
     def begin(self, doing: str) -> None:
         """Report what is looked at next.
 
@@ -48,14 +59,23 @@ class Watch:
         if self._progress is not None:
             self._progress(doing)
 
+    def step(self, done: int, total: int) -> None:
+        """Report how many things of all are behind the work."""
+        if self._progress is not None:
+            self._progress(done, total)
+
     def check(self) -> None:
         """Go on, or not.
 
         Raises:
             TimeIsUp: the time limit has passed.
         """
-        if monotonic() >= self._end:
+        if self.is_over:
             raise TimeIsUp
+
+    def ended(self, what: str) -> str:
+        """How the work ended, in words; ``what`` was not looked at, its verb included."""
+        return f"ended by the time limit of {self.limit:g} s {what} not looked at"
 
     def close(self) -> None:
         """The search has ended: what is looked for later, when it is asked for, has no limit."""
