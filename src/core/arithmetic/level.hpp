@@ -7,14 +7,11 @@
 #error "URDF_IK_LEVEL names the instruction set of this build: v2, v3, v4 or arm64"
 #endif
 
-// Nothing throws. Said of every function, it lets GCC fuse the same operations with exceptions and without: where a call might
-// throw, its basic block ends, and GCC fuses within a block only.
-
 // A step of a solver: always compiled into its caller, so that a block's numbers stay in registers.
-#define STEP inline __attribute__((always_inline, nothrow))
+#define STEP inline __attribute__((always_inline))
 // The same for a lambda, after its parameters.
-#define IN_PLACE __attribute__((always_inline, nothrow))
+#define IN_PLACE __attribute__((always_inline))
 // A part that stays a function call: too large to inline, or rarely needed.
-#define PART inline __attribute__((noinline, nothrow))
+#define PART inline __attribute__((noinline))
 // A template that is instantiated in one unit for all others; see answer.cpp.
-#define SHARED __attribute__((noinline, nothrow))
+#define SHARED __attribute__((noinline))

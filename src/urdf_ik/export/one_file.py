@@ -57,7 +57,7 @@ def cpp(arm: Arm, name: str | None = None) -> str:
 
     Its namespace is ``name``; `NAME::ik`, `NAME::fk` and the rest stand at the end of the file. Several such files may
     be part of one unit. GCC 12, Clang 15 or later compile it. With ``-O3 -ffp-contract=fast -fno-math-errno
-    -fno-trapping-math``, and ``-ffreestanding -fno-exceptions -fno-rtti`` or none of them, the compiler that built this
+    -fno-trapping-math -fno-exceptions``, and with ``-ffreestanding -fno-rtti`` too, the compiler that built this
     package gives its answers at the same instruction set, to the last bit.
 
     Args:
