@@ -48,7 +48,7 @@ help:
 	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
 	@echo "make soak     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
 	@echo "make nightly  make test, sweep, signals, soak, sanitize and million"
-	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more; BEFORE='--before PYTHON' adds another version"
+	@echo "make bench    all tables of docs/speed.md, ten minutes; ARGS=--quick takes one; ARGS='--before PYTHON' adds another version"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
 	@echo "make clean    remove .venv and what tools left behind"
 
@@ -121,12 +121,7 @@ soak: $(VENV)/.dev-installed
 nightly: test sweep signals soak sanitize million
 
 bench: $(VENV)/.bench-installed
-	@$(BIN)/python benchmarks/bench.py $(ARGS)
-	@$(BIN)/python benchmarks/few_joints.py
-	@$(BIN)/python benchmarks/seven_joints.py
-	@$(BIN)/python benchmarks/tracker.py
-	@$(BIN)/python benchmarks/paths.py
-	@$(BIN)/python benchmarks/before_after.py $(BEFORE)
+	@$(BIN)/python benchmarks/report.py $(ARGS)
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)

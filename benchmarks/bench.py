@@ -5,10 +5,11 @@
 
 For each arm it prints, for every solver: microseconds a call for one pose, result ready as an array; thousands of poses
 a second in batch with one and with two threads, all solutions of each; the ratios to EAIK, or to ssik on general arms,
-which EAIK does not take; and the share of poses answered completely, for random poses, for poses 1e-1 to 1e-7 rad from
-a singularity, and the share of exactly singular poses answered at all. Last comes what a calibration costs: an arm as
-calibrated against the same arm as designed. Repetitions of the solvers alternate and the best one counts, since no
-machine is quiet and other work only ever adds time.
+which EAIK does not take; the share of poses answered completely, for random poses and for poses 1e-1 to 1e-7 rad from a
+singularity, and the share of exactly singular poses answered at all; and what it takes and loses at round poses, those
+of joint vectors whose joints all are multiples of 90 degrees. Last comes what a calibration costs: an arm as calibrated
+against the same arm as designed. Repetitions of the solvers alternate and the best one counts, since no machine is
+quiet and other work only ever adds time.
 """
 
 from __future__ import annotations
@@ -39,8 +40,13 @@ CALIBRATED_BATCH = 2_000  # the same where an arm is compared as designed and as
 GENERAL_CALLS, GENERAL_BATCH = 50, 400  # the same for general arms, on which this package is slow, too
 
 
-def _speed(peers: list[Peer], targets: np.ndarray, repeats: int, *, general: bool) -> dict[str, dict[str, float]]:
-    """Best of alternating repetitions: ``us`` a call, ``batch 1`` and ``batch 2`` thousands of poses a second."""
+def _speed(
+    peers: list[Peer], targets: np.ndarray, round_targets: np.ndarray, repeats: int, *, general: bool
+) -> dict[str, dict[str, float]]:
+    """Best of alternating repetitions.
+
+    ``us`` a call, ``us round`` the same at round poses, ``batch 1`` and ``batch 2`` thousands of poses a second.
+    """
     batch = targets[: GENERAL_BATCH if general else BATCH]
     slow = {p.name: isinstance(p, Ssik) or (general and not isinstance(p, UrdfIk)) for p in peers}
     calls = {p.name: SLOW_CALLS if slow[p.name] else GENERAL_CALLS if general else SINGLE_CALLS for p in peers}
@@ -52,16 +58,26 @@ def _speed(peers: list[Peer], targets: np.ndarray, repeats: int, *, general: boo
         for prepared in singles[peer.name]:
             solve(prepared)
 
-    samples: dict[str, dict[str, list[float]]] = {p.name: {"us": [], "batch 1": [], "batch 2": []} for p in peers}
+    def round_ones(peer: Peer) -> None:
+        for prepared in rounded[peer.name]:
+            peer.solve(prepared)
+
+    rounded = {p.name: [p.prepare(t) for t in round_targets[: calls[p.name]]] for p in peers}
+    kinds: tuple[str, ...] = ("us", "us round", "batch 1", "batch 2")
+    samples: dict[str, dict[str, list[float]]] = {p.name: {kind: [] for kind in kinds} for p in peers}
     for repetition in range(repeats + 1):  # the first one warms up and is thrown away
         for peer in peers if repetition % 2 else peers[::-1]:
             row = samples[peer.name]
             row["us"].append(1e6 * timing.seconds(partial(one_by_one, peer)) / calls[peer.name])
+            row["us round"].append(1e6 * timing.seconds(partial(round_ones, peer)) / len(rounded[peer.name]))
             if peer.batch_call:
                 for threads in (1, 2):
                     seconds = timing.seconds(partial(peer.solve_batch, batches[peer.name], threads))
                     row[f"batch {threads}"].append(1e-3 * len(batch) / seconds)
-    return {name: {k: (min if k == "us" else max)(v[1:]) for k, v in row.items() if v} for name, row in samples.items()}
+    return {
+        name: {k: (min if k.startswith("us") else max)(v[1:]) for k, v in row.items() if v}
+        for name, row in samples.items()
+    }
 
 
 def _ratio(value: float | None, base: float | None, *, less_is_better: bool = False) -> str:
@@ -88,6 +104,8 @@ COLUMNS = (
     "complete, random",
     "complete, near-singular",
     "singular, answered",
+    "round, us a call",
+    "complete, round",
     "wrong answers",
 )
 
@@ -96,8 +114,9 @@ Best of the repetitions. us a call: one pose, all solutions as an array. k/s: th
 of each. x EAIK, x ssik: times as fast as that, by its single call where it has no batch. complete: share of poses
 answered with every solution that any of the solvers found (error at most 1e-9 m and rad by Pinocchio), the planted one
 included. near-singular: 1e-1 to 1e-7 rad from a singularity. singular, answered: exactly singular, at least one
-solution. wrong answers: share of all these poses answered with a joint vector that misses the pose and is not flagged
-as approximate."""
+solution. round: all joints at multiples of 90 degrees; complete there: every solution that any solver found at which
+the arm is not singular, and one solution at least. wrong answers: share of all these poses answered with a joint vector
+that misses the pose and is not flagged as approximate."""
 
 
 def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, seed: int) -> list[list[str]]:
@@ -112,7 +131,9 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
     reference, rng = robot.reference, np.random.default_rng(seed)
     planted = complete.draw_random(reference, max(poses, BATCH), rng)
     targets = np.array([reference.pose(q) for q in planted])
-    speed = _speed(peers, targets, repeats, general=robot.structure == "general")
+    round_vectors = 0.5 * np.pi * rng.integers(-1, 3, (max(10, poses // 4), 6))
+    round_targets = np.array([reference.pose(q) for q in round_vectors])
+    speed = _speed(peers, targets, round_targets, repeats, general=robot.structure == "general")
     base = next((speed[p.name] for p in peers if isinstance(p, _base(robot))), {})
     if base and "batch 1" not in base:
         # A solver without a batch takes a call for each pose, whatever the threads.
@@ -120,9 +141,10 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
     random = complete.tally(peers, reference, planted[:poses])
     near = complete.tally(peers, reference, complete.draw_singular(reference, poses, rng, complete.NEAR))
     exact = complete.tally(peers, reference, complete.draw_singular(reference, max(1, poses // 4), rng, (0.0,)))
+    at_round = complete.tally(peers, reference, round_vectors, isolated=True)
     rows = []
-    for peer, a, b, c in zip(peers, random, near, exact, strict=True):
-        row = speed[peer.name] if peer.batch_call else {"us": speed[peer.name]["us"]}
+    for peer, a, b, c, d in zip(peers, random, near, exact, at_round, strict=True):
+        row = speed[peer.name]
         cells = [peer.name, f"{row['us']:.2f}", _ratio(row["us"], base.get("us"), less_is_better=True)]
         for key in ("batch 1", "batch 2"):
             value = row.get(key)
@@ -131,7 +153,8 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
                 _ratio(value, base.get(key)),
             ]
         cells += [_share(a.complete, a.poses), _share(b.complete, b.poses), _share(c.answered, c.poses)]
-        cells.append(_share(a.wrong + b.wrong + c.wrong, a.poses + b.poses + c.poses))
+        cells += [f"{row['us round']:.2f}", _share(d.complete, d.poses)]
+        cells.append(_share(sum(each.wrong for each in (a, b, c, d)), sum(each.poses for each in (a, b, c, d))))
         rows.append(cells)
     return rows + missing
 
@@ -211,7 +234,7 @@ def _show(console: Console, title: str, columns: tuple[str, ...], rows: list[lis
 def main(arguments: list[str] | None = None) -> int:
     """Run the comparison and print it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--md", action="store_true", help="print Markdown")
+    parser.add_argument("--md", action="store_true", help="print Markdown, the tables alone")
     parser.add_argument("--poses", type=int, default=500, help="poses for the completeness columns (default 500)")
     parser.add_argument("--repeats", type=int, default=15, help="alternating repetitions (default 15)")
     parser.add_argument("--seed", type=int, default=2, help="seed of the poses (default 2)")
@@ -224,9 +247,10 @@ def main(arguments: list[str] | None = None) -> int:
     wanted = [p for p in PEERS if not options.peer or p.name in options.peer]
     if not (robots or calibrated) or not wanted or options.poses < 1 or options.repeats < 1:
         parser.error("nothing to do: name at least one arm and one solver, one pose and one repetition")
-    # A pipe has no width of its own, and eleven columns want some.
+    # A pipe has no width of its own, and so many columns want some.
     console = Console(width=None if sys.stdout.isatty() else 150)
-    print(_machine())
+    if not options.md:
+        print(_machine())
     for robot in robots:
         print(f"{robot.name} ...", file=sys.stderr, flush=True)
         base = _base(robot).name
@@ -236,7 +260,8 @@ def main(arguments: list[str] | None = None) -> int:
     if calibrated:
         rows = calibration(options.repeats, options.seed)
         _show(console, CALIBRATION, CALIBRATION_COLUMNS, rows, markdown=options.md)
-    print(FOOTNOTE)
+    if not options.md:
+        print(FOOTNOTE)
     return 0
 
 

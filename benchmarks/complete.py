@@ -10,6 +10,7 @@ from peers import Peer
 from robots import ReferenceModel
 
 RESIDUAL = 1e-9  # m and rad: a joint vector further off than this reaches another pose
+SINGULAR = 1e-6  # smallest singular value of the Jacobian at which the arm counts as singular
 NEAR = tuple(10.0**-k for k in range(1, 8))  # rad from a singularity
 
 
@@ -78,8 +79,11 @@ def _distance(solutions: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def _tolerance(reference: ReferenceModel, q: np.ndarray) -> float:
     """How far apart two polished answers may be and still be one solution: rounding over the conditioning."""
-    smallest = float(np.linalg.svd(reference.jacobian(q), compute_uv=False)[-1])
-    return 1e-6 + min(1e-11 / max(smallest, 1e-12), 1e-2)
+    return 1e-6 + min(1e-11 / max(_least_singular_value(reference, q), 1e-12), 1e-2)
+
+
+def _least_singular_value(reference: ReferenceModel, q: np.ndarray) -> float:
+    return float(np.linalg.svd(reference.jacobian(q), compute_uv=False)[-1])
 
 
 def _polished(reference: ReferenceModel, q: np.ndarray, target: np.ndarray) -> np.ndarray:
@@ -99,8 +103,14 @@ def _polished(reference: ReferenceModel, q: np.ndarray, target: np.ndarray) -> n
     return best
 
 
-def tally(peers: list[Peer], reference: ReferenceModel, planted: np.ndarray) -> list[Tally]:
-    """Give every solver the pose of each planted joint vector (n, 6) and count what comes back."""
+def tally(
+    peers: list[Peer], reference: ReferenceModel, planted: np.ndarray, *, isolated: bool = False
+) -> list[Tally]:
+    """Give every solver the pose of each planted joint vector (n, 6) and count what comes back.
+
+    ``isolated``: only solutions at which the arm is not singular have to be there; of a curve of solutions every solver
+    has others.
+    """
     tallies = [Tally() for _ in peers]
     for q in planted:
         target = reference.pose(q)
@@ -118,6 +128,8 @@ def tally(peers: list[Peer], reference: ReferenceModel, planted: np.ndarray) -> 
         for x in np.concatenate(valid):
             if all(_distance(x, member) > tolerance for member, tolerance in union):
                 union.append((x, _tolerance(reference, x)))
+        if isolated:
+            union = [(x, tolerance) for x, tolerance in union if _least_singular_value(reference, x) > SINGULAR]
         for found, row in zip(valid, tallies, strict=True):
             row.complete += len(found) > 0 and all((_distance(found, m) <= tolerance).any() for m, tolerance in union)
     return tallies

@@ -16,8 +16,11 @@
 //   load       load(arm, from, t): a block of targets as poses
 // and, for arms with a redundancy parameter,
 //   redundant  true; Arm::value is its default; fast, closely and solve take it after `seen`
-// A family without a fast path is driven by solve_singly. It has closely, or instead of it
+//   status     status(arm, goal, seen, value, columns) of a pose that closely has solved
+// A family without a fast path is driven by solve_singly. It has
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
+// or closely, and
+//   quartic    quartic(arm, seen): the roots that its branches follow from
 #pragma once
 
 #include <type_traits>
@@ -25,7 +28,7 @@
 #include "answers/answer.hpp"
 #include "answers/around.hpp"
 #include "answers/branch.hpp"
-#include "answers/inclusion.hpp"
+#include "answers/rooted.hpp"
 #include "kinematics/target.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -47,13 +50,6 @@ template <int B, int N = 6> struct Found {
         const auto good = !(lost | in_doubt);
         for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
         valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
-    }
-    // Every branch of every pose is in doubt.
-    STEP void leave_open() {
-        for (int b = 0; b < B; ++b) {
-            for (int j = 0; j < N; ++j) q[b][j] = __builtin_nan("");
-            valid[b] = 0, doubt[b] = (1u << BLOCK) - 1;
-        }
     }
 };
 
@@ -220,6 +216,16 @@ STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const 
     else Family::closely(arm, goal, seen, reference, columns, wanted);
 }
 
+// All solutions of one pose of an arm whose closed form has a quartic, and its status. Its rotation is a rotation.
+template <class Family>
+STEP void solve_by_roots(const typename Family::Arm& arm, const Goal<double>& goal, const Reference<6>& reference,
+                         const Columns<6>& columns) {
+    const Seen<double> seen = to_frame_1(goal, arm.ideal);
+    const Quartic roots = Family::quartic(arm, seen);
+    closely_and_around<Family>(arm, goal, seen, reference, columns, ~0u, &roots);
+    set_status(columns.flags[0], status_by_roots<Family>(arm, goal, seen, roots, columns));
+}
+
 // Solve one pose's branches in doubt on the careful path. value: of the redundancy parameter, for arms that have one.
 template <class Family>
 PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, double value,
@@ -235,7 +241,9 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     const auto reference = reference_of<joints_of<Family>>(q_ref);
     if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
     else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
-    if constexpr (branches_have_signs<Family>()) {
+    if constexpr (redundant_of<Family>()) {
+        set_status(columns.flags[0], Family::status(arm, goal_of(proper), seen, value, columns));
+    } else if constexpr (branches_have_signs<Family>()) {
         project_rotation(T, proper);
         set_status(columns.flags[0], status_by_inclusion<Family>(arm, goal_of(proper), columns));
     }
@@ -353,11 +361,10 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
         columns.clear();
         if constexpr (redundant_of<Family>()) {
             Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
-        } else if constexpr (requires { &Family::solve; }) {
-            Family::solve(arm, goal_of(proper), reference, columns);
+        } else if constexpr (has_quartic<Family>()) {
+            solve_by_roots<Family>(arm, goal_of(proper), reference, columns);
         } else {
-            const Goal<double> goal = goal_of(proper);
-            look<Family>(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
+            Family::solve(arm, goal_of(proper), reference, columns);
         }
     }
     return -1;

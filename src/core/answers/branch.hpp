@@ -56,9 +56,10 @@ private:
         return {select(first, a.c, of_b.c), select(first, a.s, of_b.s)};
     }
 };
-// The signs of a block of branches.
+// The signs of a block of branches; of closed forms with a quartic, its root.
 template <class V> struct Signs {
     V shoulder, elbow, wrist;
+    Turn<V> root = {};
 };
 // The squared lever arm of a joint, reduced by those of earlier joints. A small motion of the target moves a joint by the motion
 // over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.

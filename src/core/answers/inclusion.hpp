@@ -59,12 +59,9 @@ struct Boxes {
     STEP unsigned sure() const { return ~(open[0] | open[1] | open[2]) & 255u; }
 };
 
-// The boxes of a block of branches from `first` on, each for targets within `turn` [rad] and `shift` [m] of its own.
-template <class Family>
-PART void include(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
-                  Boxes& to) {
+// The boxes of a block of branches from `first` on.
+STEP void box(const Branch<Ball<Block>>& at, int first, Boxes& to) {
     using Number = Ball<Block>;
-    const Branch<Number> at = branches_from<Family, Number>(arm, within(target, turn, shift), first);
     const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
     for (int k = 0; k < 3; ++k) {
         const Block most = margins[k]->greatest();
@@ -77,6 +74,12 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
         store(t.c.mid, to.c[j] + first), store(t.s.mid, to.s[j] + first), store(t.c.rad, to.chord[j] + first);
         to.free |= bits(!(t.c.mid * t.c.mid + t.s.mid * t.s.mid > Block(0.5))) << first;
     }
+}
+// Each for targets within `turn` [rad] and `shift` [m] of its own.
+template <class Family>
+PART void include(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
+                  Boxes& to) {
+    box(branches_from<Family, Ball<Block>>(arm, within(target, turn, shift), first), first, to);
 }
 
 // A block of boxes of any branches, as in Boxes.
@@ -174,11 +177,10 @@ template <class Family>
 PART Status status_by_inclusion(const typename Family::Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
     const Seen<double> seen = to_frame_1(goal, arm.ideal);
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
-    const auto& [turn, shift, length] = arm.ideal.displacement;
-    const double far = arm.ideal.size + sqrt(dot(seen.p, seen.p));
+    const Slack off = slack_of(arm.ideal, seen);
     Boxes boxes;
     for (int first = 0; first < 8; first += BLOCK) {
-        include<Family>(arm, {target.R, target.p}, turn[0] + TARGET_ROUNDING, shift[0] + TARGET_ROUNDING * far, first, boxes);
+        include<Family>(arm, {target.R, target.p}, off.turn, off.shift, first, boxes);
     }
     const Status status = decided(arm, boxes, columns);
     return status == Status::incomplete && keep_curve(arm.written, goal, columns) ? Status::continuum : status;

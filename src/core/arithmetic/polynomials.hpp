@@ -63,4 +63,27 @@ template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Compl
     for (int k = 0; k < N; ++k) z[k] = {xs[k], ys[k]};
 }
 
+// Radii of discs about numbers z, of which every group of k that meet holds k roots of any polynomial whose coefficients are within
+// `error` of these: N |p(z_i)| / |c_N prod (z_i - z_j)| (Smith 1970, from Gershgorin's theorem). Horner's rule in complex numbers
+// loses at most four units of roundoff of the sum of the terms' sizes a step; a product of distances less than HELD_BACK.
+inline constexpr double HORNER = 4.0 * 1.2e-16, HELD_BACK = 1.0 + 1e-12;
+template <int N> PART void root_discs(const Complex (&c)[N + 1], const Complex (&z)[N], double error, double (&radius)[N]) {
+    for (int i = 0; i < N; ++i) {
+        const double size = sqrt(z[i].re * z[i].re + z[i].im * z[i].im);
+        double re = c[N].re, im = c[N].im, terms = abs(re) + abs(im), powers = 1.0, apart = 1.0;
+        const double leading = sqrt(re * re + im * im) - error;
+        for (int j = N - 1; j >= 0; --j) {
+            const double x = re * z[i].re - im * z[i].im + c[j].re;
+            im = re * z[i].im + im * z[i].re + c[j].im, re = x;
+            terms = terms * size + abs(c[j].re) + abs(c[j].im), powers = powers * size + 1.0;
+        }
+        for (int j = 0; j < N; ++j) {
+            const double x = z[i].re - z[j].re, y = z[i].im - z[j].im;
+            if (j != i) apart *= sqrt(x * x + y * y);
+        }
+        const double value = sqrt(re * re + im * im) + N * HORNER * terms + error * powers;
+        radius[i] = leading > 0.0 && apart > 0.0 ? HELD_BACK * N * value / (leading * apart) : __builtin_inf();
+    }
+}
+
 }  // namespace urdf_ik::URDF_IK_LEVEL

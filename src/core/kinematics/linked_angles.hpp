@@ -13,13 +13,18 @@ template <class V> struct Affine {
 };
 STEP Affine<double> scaled(const Affine<double>& a, double by) { return {a.constant * by, a.cosine * by, a.sine * by}; }
 
-// Angles v at which cos u = c(v) and sin u = s(v) have a common u.
-STEP Quartic linked_roots(const Affine<double>& c, const Affine<double>& s) {
+// Angles v at which cos u = c(v) and sin u = s(v) have a common u. error_c, error_s: of the coefficients of c and s; the quartic's
+// own are rounded to less than nine units of the sums of squares.
+STEP Quartic linked_roots(const Affine<double>& c, const Affine<double>& s, double error_c = 0.0, double error_s = 0.0) {
     const double cosines = c.cosine * c.cosine + s.cosine * s.cosine, sines = c.sine * c.sine + s.sine * s.sine;
-    return trigonometric_roots({c.constant * c.constant + s.constant * s.constant - 1.0 + 0.5 * (cosines + sines),
-                                2.0 * (c.constant * c.cosine + s.constant * s.cosine),
-                                2.0 * (c.constant * c.sine + s.constant * s.sine), 0.5 * (cosines - sines),
-                                c.cosine * c.sine + s.cosine * s.sine});
+    const double of_c = abs(c.constant) + abs(c.cosine) + abs(c.sine) + error_c,
+                 of_s = abs(s.constant) + abs(s.cosine) + abs(s.sine) + error_s;
+    const double error = 2.0 * (of_c * error_c + of_s * error_s) + 1e-15 * (1.0 + of_c * of_c + of_s * of_s);
+    return trigonometric_roots(
+        {c.constant * c.constant + s.constant * s.constant - 1.0 + 0.5 * (cosines + sines),
+         2.0 * (c.constant * c.cosine + s.constant * s.cosine), 2.0 * (c.constant * c.sine + s.constant * s.sine),
+         0.5 * (cosines - sines), c.cosine * c.sine + s.cosine * s.sine},
+        error);
 }
 
 // Roots closer than this to an extreme of cos u [rad] are refined; farther away the quartic is accurate enough.
@@ -67,15 +72,19 @@ PART void sharpen_roots(const Extreme& e, const Affine<double>& sine, Quartic& r
     if (abs(square) < FLAT) return;
     const double spread = sqrt(max(half * half - square * (b * b - e.square), 0.0)) / abs(square);
     const double low = sharpened(-half / square - spread, b, g, k, e), high = sharpened(-half / square + spread, b, g, k, e);
+    const auto replace = [&](int i, const Turn<double>& by) {
+        const double c = by.c - roots.root[i].c, s = by.s - roots.root[i].s;
+        roots.radius[i] += sqrt(c * c + s * s), roots.root[i] = by;
+    };
     double x = away(first);
     if (second >= 0) {
         const bool ordered = x <= away(second);
         x = ordered ? low : high;
-        roots.root[second] = beside(e.at, ordered ? high : low);
+        replace(second, beside(e.at, ordered ? high : low));
     } else {
         x = abs(low - x) < abs(high - x) ? low : high;
     }
-    roots.root[first] = beside(e.at, x);
+    replace(first, beside(e.at, x));
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -39,6 +39,16 @@ template <class V> STEP Seen<V> to_frame_1(const V (&t)[16], const Ends& arm) {
     return to_frame_1<V>({{{t[0], t[4], t[8]}, {t[1], t[5], t[9]}, {t[2], t[6], t[10]}}, {t[3], t[7], t[11]}}, arm);
 }
 
+// What separates the exact target of an exact arm's closed form from the one in use [rad, m]: rounding, and that of the arm's
+// numbers.
+struct Slack {
+    double turn, shift;
+};
+STEP Slack slack_of(const IdealFrames& arm, const Seen<double>& seen) {
+    const double far = arm.size + sqrt(dot(seen.p, seen.p));
+    return {arm.displacement.turn[0] + TARGET_ROUNDING, arm.displacement.shift[0] + TARGET_ROUNDING * far};
+}
+
 // T with its rotation replaced by the nearest one: Newton's iteration for the polar factor (Higham 1986).
 PART void project_rotation(const double* T, double (&out)[16]) {
     for (int i = 0; i < 16; ++i) out[i] = T[i];

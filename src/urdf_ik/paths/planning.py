@@ -152,7 +152,7 @@ def _plan(settings: CheckedSettings, path: Array) -> Plan:
     settings.watch.begin("solving every waypoint and looking for the cheapest way")
     refined = cut_coarse(settings, path)
     nodes = node_sets.with_representatives(solver, joints, refined.T, _nodes(settings, refined.T))
-    graph = priced(settings, refined, nodes.layers(refined.T))
+    graph = priced(settings, refined, nodes.layers(refined.T, refined.twists))
     search = Search(
         solver, graph, settings.tolerance, settings.obstacles, settings.watch, reconfigure=settings.reconfigure
     )

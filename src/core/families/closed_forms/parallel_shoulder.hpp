@@ -79,7 +79,7 @@ STEP WristEnds<V> wrist_ends(const IdealFrames& arm, const Height<V>& at, const 
 }
 
 // Angles of joint 6 of a general wrist, sharpened where axis 5 is almost parallel to axes 1 to 3.
-PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
+PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at, const Slack& off) {
     const double a4 = arm.a[3], a5 = arm.a[4], d5 = arm.d[3], ca3 = arm.cos_alpha[2], sa3 = arm.sin_alpha[2];
     const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], ca5 = arm.cos_alpha[4], sa5 = arm.sin_alpha[4];
     const double w = -1.0 / (sa3 * sa4), v = 1.0 / (a4 * sa3);
@@ -87,7 +87,8 @@ PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     const Affine<double> cosine = {(ca5 * h.z - ca3 * ca4) * w, sa5 * h.y * w, sa5 * h.x * w};
     const Affine<double> sine = {(at.level - d5 * ca5 * h.z) * v, -(d5 * sa5 * h.y + a5 * h.x) * v,
                                  -(d5 * sa5 * h.x - a5 * h.y) * v};
-    Quartic roots = linked_roots(cosine, sine);
+    const double slack = 2.0 * off.shift + 2.0 * (abs(d5) + abs(a5)) * off.turn;
+    Quartic roots = linked_roots(cosine, sine, 2.0 * abs(w) * off.turn, slack * abs(v));
     for (int k = 0; k < 2; ++k) {
         const double side = k ? -1.0 : 1.0;
         const Turn<double> e = unit(side * h.y, side * h.x);
@@ -159,6 +160,7 @@ template <LastAxes kind> struct ParallelShoulder {
     using Arm = ParallelShoulderArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastAxes::general;
+    static constexpr unsigned root_bit = 1;  // see Rooted
     // Joints that lead in a box; see Inclusion.
     static constexpr int before_elbow = 1, after_elbow = 5;
 
@@ -207,7 +209,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const auto& ideal = arm.ideal;
         const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0];
         const Height<V> at = height_of(ideal, seen);
-        const WristEnds<V> ends = wrist_ends<kind, V>(ideal, at, signs.shoulder, signs.wrist, {});
+        const WristEnds<V> ends = wrist_ends<kind, V>(ideal, at, signs.shoulder, signs.wrist, signs.root);
         const MiddleTurn<V> middle = middle_turn(ideal, at, ends.t4, ends.t6);
         const HandAxes<V> hand = hand_at(ideal, ends.t4);
         const Turn<V> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
@@ -225,6 +227,10 @@ template <LastAxes kind> struct ParallelShoulder {
                 min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
     }
 
+    static Quartic quartic(const Arm& arm, const Seen<double>& seen) {
+        return last_angles(arm.ideal, height_of(arm.ideal, seen), slack_of(arm.ideal, seen));
+    }
+
     // The quantities that all branches of a pose share.
     struct Sight {
         Seen<double> seen;
@@ -234,7 +240,8 @@ template <LastAxes kind> struct ParallelShoulder {
         Turn<double> held6;
         Quartic roots;
     };
-    static STEP Sight look(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference) {
+    static STEP Sight look(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference,
+                           const Quartic* known = nullptr) {
         Sight s = {};
         s.seen = seen, s.at = height_of(arm.ideal, seen);
         s.arm6 = s.at.h.x * s.at.h.x + s.at.h.y * s.at.h.y;
@@ -242,7 +249,7 @@ template <LastAxes kind> struct ParallelShoulder {
         s.held6 = exact_turn(reference.q[5] + arm.ideal.offset[5]);
         s.roots.count = 4;
         if constexpr (kind == LastAxes::general) {
-            if (!s.free6) s.roots = last_angles(arm.ideal, s.at);
+            if (!s.free6) s.roots = known ? *known : quartic(arm, seen);
             else s.roots.count = 1, s.roots.root[0] = s.held6;
         }
         return s;
@@ -357,8 +364,8 @@ template <LastAxes kind> struct ParallelShoulder {
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted) {
-        const Sight sight = look(arm, seen, reference);
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
+        const Sight sight = look(arm, seen, reference, known);
         Settled settled[4];
         bool crowded = false, free = false;
         for (int k = 0; k < 4; ++k) {

@@ -111,6 +111,7 @@ template <LastPair kind> struct SphericalMiddle {
     using Arm = SphericalMiddleArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastPair::general;
+    static constexpr unsigned root_bit = 2;  // see Rooted
     // Joints that lead in a box; see Inclusion.
     static constexpr int before_elbow = 1, after_elbow = 5;
 
@@ -159,7 +160,8 @@ template <LastPair kind> struct SphericalMiddle {
     template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
-        const FirstTurn<V> first = first_turn<kind, V>(arm, seen, signs.shoulder);
+        FirstTurn<V> first = {signs.root, V(1.0), V(1.0)};
+        if constexpr (by_signs) first = first_turn<kind, V>(arm, seen, signs.shoulder);
         const Vec<V> u = centre_seen_from_6(arm, seen, first.t1);
         const LastTurns<V> last = last_turns<kind, V>(arm, u, signs.elbow);
         const Rot<V> M = middle_rotation(ideal, seen.R, first.t1, last.t5, last.t6);
@@ -233,11 +235,15 @@ template <LastPair kind> struct SphericalMiddle {
     }
 
     // Angles of joint 1 if axes 5 and 6 are skew.
-    static STEP Quartic first_roots(const Arm& arm, const Seen<double>& seen) {
+    static PART Quartic quartic(const Arm& arm, const Seen<double>& seen) {
         const double gz = arm.centre_5[2], a5 = arm.ideal.a[4], r = reach_of_5(arm);
         Affine<double> square = square_of_centre(arm, seen.p), height = height_of_centre(arm, seen);
+        const Slack off = slack_of(arm.ideal, seen);
+        const double far = arm.ideal.size + sqrt(dot(seen.p, seen.p)), w = 1.0 / abs(a5 * r),
+                     v = 1.0 / abs(arm.ideal.sin_alpha[4] * r);
         square.constant -= r * r + gz * gz + a5 * a5, height.constant -= arm.ideal.cos_alpha[4] * gz;
-        return linked_roots(scaled(square, -0.5 / (a5 * r)), scaled(height, -1.0 / (arm.ideal.sin_alpha[4] * r)));
+        return linked_roots(scaled(square, -0.5 / (a5 * r)), scaled(height, -1.0 / (arm.ideal.sin_alpha[4] * r)),
+                            2.0 * w * far * off.shift, 2.0 * v * (off.shift + far * off.turn));
     }
 
     // Both solutions for joints 2 to 4. Returns whether a joint is nearly free.
@@ -270,10 +276,10 @@ template <LastPair kind> struct SphericalMiddle {
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted) {
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
-        if constexpr (kind == LastPair::general) roots = first_roots(arm, seen);
+        if constexpr (kind == LastPair::general) roots = known ? *known : quartic(arm, seen);
         bool crowded = false, free = false;
         for (int k = 0; k < roots.count; ++k) {
             if (!(wanted >> 2 * k & 3u)) continue;

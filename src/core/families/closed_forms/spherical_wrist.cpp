@@ -8,7 +8,7 @@ const SphericalWristSolvers spherical_wrist_solvers = {{
     solve_closed_form<SphericalWrist<Shoulder::parallel_23>>,
     solve_closed_form<SphericalWrist<Shoulder::intersecting_12>>,
     solve_closed_form<SphericalWrist<Shoulder::parallel_12>>,
-    solve_closed_form<SphericalWrist<Shoulder::general>>,
+    solve_singly<SphericalWrist<Shoulder::general>>,
 }};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

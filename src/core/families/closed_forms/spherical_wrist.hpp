@@ -24,6 +24,7 @@ template <Shoulder kind> struct SphericalWrist {
     using Arm = SphericalWristArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Shoulder::general;
+    static constexpr unsigned root_bit = 2;  // see Rooted
     // Joints that lead in a box; see Inclusion.
     static constexpr int before_elbow = 1, after_elbow = 5;
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
@@ -187,7 +188,7 @@ template <Shoulder kind> struct SphericalWrist {
     static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs, const Known& known = {}) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        Place<V> at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, {});
+        Place<V> at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, signs.root);
         at.t1 = known.met(0, at.t1), at.t2 = known.met(1, at.t2), at.t3 = known.met_by_root(2, at.t3);
         const Rot<V> M = wrist_rotation(seen.R, ideal, at);
         Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
@@ -204,10 +205,10 @@ template <Shoulder kind> struct SphericalWrist {
     // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint
     // free (squared arm below `continuum`), it takes the reference's value.
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted) {
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
-        if constexpr (kind == Shoulder::general) roots = shoulder_roots(arm, seen.p);
+        if constexpr (kind == Shoulder::general) roots = known ? *known : quartic(arm, seen);
         unsigned unsure = 0;
         for (int pair = 0; pair < roots.count && pair < 4; ++pair) {
             if (!(wanted >> 2 * pair & 3u)) continue;
@@ -340,7 +341,9 @@ template <Shoulder kind> struct SphericalWrist {
 
     // Third angles of a general shoulder: the length of p and its height fix u_x and u_y as affine functions of (cos,
     // sin); u_x^2 + u_y^2 + u_z^2 = f^2 is then a trigonometric polynomial of degree two (Pieper 1968).
-    static PART Quartic shoulder_roots(const Arm& arm, const Vec<double>& p) {
+    static PART Quartic quartic(const Arm& arm, const Seen<double>& seen) {
+        const Vec<double>& p = seen.p;
+        const double off = slack_of(arm.ideal, seen).shift;
         const double a1 = arm.ideal.a[0], ca1 = arm.ideal.cos_alpha[0], sa1 = arm.ideal.sin_alpha[0];
         // f is affine in (cos, sin), and |f|^2 too, since the squares of (cos, sin) add up to one.
         const Vec<double> zero = second_link<double>(arm, {0.0, 0.0}), c = second_link<double>(arm, {1.0, 0.0}),
@@ -354,17 +357,15 @@ template <Shoulder kind> struct SphericalWrist {
         const double scale = 1.0 / (arm.ideal.size * arm.ideal.size);
         const double constant = (k * k + v * v + h * h - f0) * scale;
         const double cc = (kc * kc + vc * vc + hc * hc) * scale, ss = (ks * ks + vs * vs + hs * hs) * scale;
-        return trigonometric_roots({constant + 0.5 * (cc + ss), (2.0 * (k * kc + v * vc + h * hc) - fc) * scale,
-                                    (2.0 * (k * ks + v * vs + h * hs) - fs) * scale, 0.5 * (cc - ss),
-                                    (kc * ks + vc * vs + hc * hs) * scale});
+        // The terms' sizes; the error of p in them, and less than 64 units of roundoff.
+        const double F = f0 + abs(fc) + abs(fs), H = abs(h) + abs(hc) + abs(hs);
+        const double K = (dot(p, p) + a1 * a1 + F) / (2.0 * a1), V = (abs(p.z) + abs(ca1) * H) / abs(sa1);
+        const double error = 2.0 * off * (K * (sqrt(dot(p, p)) + off) / a1 + V / abs(sa1)) + 7e-15 * (K * K + V * V + H * H + F);
+        return trigonometric_roots(
+            {constant + 0.5 * (cc + ss), (2.0 * (k * kc + v * vc + h * hc) - fc) * scale,
+             (2.0 * (k * ks + v * vs + h * hs) - fs) * scale, 0.5 * (cc - ss), (kc * ks + vc * vs + hc * hs) * scale},
+            error * scale);
     }
 };
-
-// The branches of a general shoulder have no signs: every pose takes the careful path.
-template <>
-template <class Out>
-STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Out& found) {
-    found.leave_open();
-}
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

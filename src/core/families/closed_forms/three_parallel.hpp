@@ -48,9 +48,9 @@ template <class V> STEP Across<V> to_axis_4(const Vec<V>& p, const Turn<V>& phi,
 }
 
 // Joint 5 of a general hand, from its height along the parallel axes; `tilt`: cosine of the angle from them to axis 6.
-STEP Turn<double> skew_bend(const ThreeParallelArm& arm, double tilt, double height) {
+template <class V> STEP Turn<V> skew_bend(const ThreeParallelArm& arm, const V& tilt, const V& height) {
     const Twists t = twists(arm);
-    return unit((t.ca * t.cb - tilt) / (t.sa * t.sb), (height - arm.along) / (t.sa * arm.ideal.a[4]));
+    return unit((t.ca * t.cb - tilt) * (1.0 / (t.sa * t.sb)), (height - arm.along) * (1.0 / (t.sa * arm.ideal.a[4])));
 }
 
 // The component of a vector along the parallel axes, by the angle of joint 1.
@@ -65,7 +65,8 @@ PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen)
     const double w = -1.0 / (t.sa * t.sb);
     Affine<double> cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
     cosine.constant -= t.ca * t.cb * w, sine.constant -= arm.along / (t.sa * arm.ideal.a[4]);
-    Quartic roots = linked_roots(cosine, sine);
+    const Slack off = slack_of(arm.ideal, seen);
+    Quartic roots = linked_roots(cosine, sine, 2.0 * abs(w) * off.turn, 2.0 * off.shift / abs(t.sa * arm.ideal.a[4]));
     const Affine<double> tilt = along(arm, seen.R.z);
     for (int k = 0; k < 2; ++k) {
         const double side = k ? -1.0 : 1.0;
@@ -80,6 +81,7 @@ template <Hand kind> struct ThreeParallel {
     using Arm = ThreeParallelArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
+    static constexpr unsigned root_bit = 1;  // see Rooted
     // Joints that lead in a box; see Inclusion.
     static constexpr int before_elbow = 5, after_elbow = 1;
 
@@ -191,10 +193,13 @@ template <Hand kind> struct ThreeParallel {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        Swing<V> first = face(arm, seen.p, signs.shoulder);
+        Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size)};
+        if constexpr (by_signs) first = face(arm, seen.p, signs.shoulder);
         first.turn = known.met(0, first.turn);
         const Seen<V> from = seen_along(arm, seen, first.turn);
-        Bend<V> bend = wrist_bend(from.R.z, t, signs.wrist);
+        Bend<V> bend = {{V(0.0), V(0.0)}, V(1.0)};
+        if constexpr (by_signs) bend = wrist_bend(from.R.z, t, signs.wrist);
+        else bend.turn = skew_bend(arm, from.R.z.z, from.p.z);
         bend.turn = known.met(4, bend.turn);
         const WristTurns<V> turns = known.met(-1, 5, from.R, bend.turn, t, wrist_turns(from.R, bend.turn, t));
         const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
@@ -213,11 +218,14 @@ template <Hand kind> struct ThreeParallel {
                 arms};
     }
 
+    // All angles of joint 1.
+    static Quartic quartic(const Arm& arm, const Seen<double>& seen) { return first_angles(arm, seen); }
+
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted) {
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
-        if constexpr (kind == Hand::general) roots = first_angles(arm, seen);
+        if constexpr (kind == Hand::general) roots = known ? *known : first_angles(arm, seen);
         // Shoulders and wrists: 2 front/back + noflip/flip.
         Settled settled[4];
         for (int k = 0; k < 4; ++k) {

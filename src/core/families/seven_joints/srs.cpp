@@ -8,6 +8,7 @@ namespace {
 // All branches of a block of targets, those past their ends included.
 struct EveryBranch {
     Block q[8][7];
+    unsigned unproven = 0;
     STEP void set(int b, const Block (&angles)[7], const MaskOf<Block>&, const MaskOf<Block>&) {
         for (int j = 0; j < 7; ++j) q[b][j] = angles[j];
     }

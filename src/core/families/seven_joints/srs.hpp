@@ -74,6 +74,9 @@ struct Srs {
             const auto lost = min(min(elbow.margin, shoulder.margin), wrist.margin) < Block(-tol.edge);
             const auto doubt = (min(min(elbow.margin, shoulder.doubt), wrist.doubt) <= Block(tol.edge)) | on_axis |
                                !(elbow.error * scale + shoulder.error + wrist.error <= Block(reach));
+            const Clear<Block> clear =
+                Clear<Block>::first(square, 1.0 / (square + seen.p.z * seen.p.z)).then(elbow.margin, elbow.reach * scale);
+            found.unproven |= bits(clear.is_close(min(abs(shoulder.margin), abs(wrist.margin)), arm.together));
             for (int k = 0; k < 4; ++k) {
                 const auto &s = shoulder.q[k >> 1], &w = wrist.q[k & 1];
                 found.set(4 * (k >> 1) + 2 * down + (k & 1), {s[0], s[1], s[2], q4, w[0], w[1], w[2]}, lost, doubt);
@@ -106,6 +109,10 @@ struct Srs {
             triples_closely({arm, goal, seen, at_swivel(arm, at), reference, columns}, elbow, 2 * down, aside | (free ? ELBOW : 0));
         }
     }
+
+    // See srs_boxes.hpp.
+    static Status status(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, double value,
+                         const Columns<7>& columns);
 
     // One pose at one swivel angle, and the columns for its solutions.
     struct Task {

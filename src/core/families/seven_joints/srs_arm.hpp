@@ -22,6 +22,8 @@ struct SrsArm {
     double upper, fore, along, zero_4;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
+    double off[7][3];     // from each axis of the arm as written to this arm's, in the joint's frame at zero [m]
+    double together;      // see Clear in answers/branch.hpp
     double value;         // the default swivel angle
 };
 

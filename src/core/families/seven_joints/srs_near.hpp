@@ -3,7 +3,7 @@
 // the ideal arm the two arms differ in their number of solutions, and further starts around the singularity are tried.
 #pragma once
 
-#include "families/seven_joints/srs.hpp"
+#include "families/seven_joints/srs_boxes.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -59,9 +59,11 @@ struct SrsNear {
         StartQueue search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
         search.error = arm.imperfection * max(1.0, SHORT_LINE * arm.written.size / (line.length + TINY));
         const bool doubtful = follow(search, seen, line, at);
-        if (!doubtful && !search.failed) return;
-        search.wide = true;
-        follow(search, seen, line, at);
+        if (doubtful || search.failed) {
+            search.wide = true;
+            follow(search, seen, line, at);
+        }
+        set_status(columns.flags[0], Srs::status(arm, goal, seen, value, columns));
     }
 
     // Starts from the ideal arm's solutions; if search.wide, also from joint vectors around its singularities. Returns

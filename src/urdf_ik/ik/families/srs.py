@@ -77,6 +77,7 @@ class SrsArm:
         zero_4: rad, the angle between the links at zero.
         clamp: how far below zero a margin may fall before its branch is given up.
         imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
+        off: (7, 3) m, from each axis of the arm as written to this arm's, in the joint's frame at zero.
         value: rad, the swivel angle where no other is given.
     """
 
@@ -93,6 +94,7 @@ class SrsArm:
     zero_4: float
     clamp: float
     imperfection: float
+    off: Array
     value: float
 
 
@@ -139,6 +141,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMem
         zero_4=math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0]),
         clamp=100.0 * DEFAULT.fold + (0.0 if exact else _CLAMP * error),
         imperfection=0.0 if exact else error,
+        off=_off(chain, S, W),
         value=0.0,
     )
     return RedundantMember(
@@ -196,6 +199,17 @@ def _swivels(chain: Chain, ends: Ends, Q: Array) -> Array:
     across = np.cross(along, normal)
     swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
     return swivels
+
+
+def _off(chain: Chain, S: Array, W: Array) -> Array:
+    """From each axis to a parallel one through S, S, S, itself, W, W, W (7, 3) m, in the joint's frame at zero."""
+    along = np.array([S, S, S, chain.points[3], W, W, W]) - chain.points[:7]
+    off = along - (along * chain.H).sum(axis=1)[:, None] * chain.H
+    R, out = np.eye(3), np.empty((7, 3))
+    for k, step in enumerate(written(chain).steps[:7]):
+        R = R @ step[:, :3]
+        out[k] = R.T @ off[k]
+    return out
 
 
 def _error(chain: Chain, S: Array, W: Array) -> float:

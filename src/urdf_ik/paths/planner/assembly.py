@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +29,8 @@ COARSE_TURN, COARSE_MOVE = 0.5, 0.15
 """rad and share of the arm's size: longer segments are cut into equal pieces before the arm is solved."""
 
 
-class Refined(NamedTuple):
+@dataclass(frozen=True)
+class Refined:
     """The given waypoints, and others between them.
 
     Attributes:
@@ -39,6 +42,11 @@ class Refined(NamedTuple):
     T: Array
     place: Array
     pieces: Array
+
+    @cached_property
+    def twists(self) -> Array:
+        """(k - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes."""
+        return waypoints.twists(self.T[:-1], self.T[1:])
 
 
 def not_found(settings: CheckedSettings, path: Array, stops: Iterable[Stop]) -> Plan:

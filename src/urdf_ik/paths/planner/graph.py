@@ -9,7 +9,6 @@ follows from the nodes. The cheapest way from every state to the last waypoint i
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,6 @@ from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths.planner import refinement
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.straightness import Tolerance, keeps_straight
-from urdf_ik.paths.waypoints import twists
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,6 +46,7 @@ class Layers:
 
     Attributes:
         T: (m, 4, 4) m, the waypoints.
+        twists: (m - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes.
         first: (m + 1,) each waypoint's first node.
         q: (N, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
         counts: (N, n) uint8, how many such values each joint has.
@@ -56,16 +55,12 @@ class Layers:
     """
 
     T: Array
+    twists: Array
     first: Ints
     q: Array
     counts: NDArray[np.uint8]
     column: Ints
     value: Array
-
-    @cached_property
-    def twists(self) -> Array:
-        """(m - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes."""
-        return twists(self.T[:-1], self.T[1:])
 
     @property
     def at(self) -> Ints:
@@ -74,13 +69,12 @@ class Layers:
 
     @classmethod
     def made(
-        cls, T: Array, at: Ints, q: Array, counts: NDArray[np.uint8], column: Ints, value: Array | None = None
+        cls, T: Array, twists: Array, at: Ints, q: Array, counts: NDArray[np.uint8], column: Ints, value: Array
     ) -> Layers:
         """From nodes in any order, each at the waypoint ``at``."""
         order = np.argsort(at, kind="stable")
         first = np.searchsorted(at[order], np.arange(len(T) + 1))
-        values = np.zeros(len(q)) if value is None else value[order]
-        return cls(T, first.astype(np.int64), q[order], counts[order], column[order], values)
+        return cls(T, twists, first.astype(np.int64), q[order], counts[order], column[order], value[order])
 
 
 @dataclass(frozen=True)

@@ -59,9 +59,9 @@ class Nodes(NamedTuple):
         parts: list[Any] = [part[which] for part in self]
         return Nodes(*parts)
 
-    def layers(self, T: Array) -> Layers:
-        """As layers of waypoints (m, 4, 4)."""
-        return Layers.made(T, self.at, self.q, self.counts, self.column, self.value)
+    def layers(self, T: Array, twists: Array) -> Layers:
+        """As layers of waypoints (m, 4, 4), with the twists (m - 1, 6) from each to the next."""
+        return Layers.made(T, twists, self.at, self.q, self.counts, self.column, self.value)
 
 
 def joined(parts: Sequence[Nodes]) -> Nodes:

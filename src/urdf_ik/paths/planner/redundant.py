@@ -17,7 +17,6 @@ from urdf_ik.paths.planner.limit_windows import narrow
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.smoothing import smoothed
 from urdf_ik.paths.planner.stops import stops_of
-from urdf_ik.paths.waypoints import twists
 from urdf_ik.support.angles import shortest
 
 if TYPE_CHECKING:
@@ -190,7 +189,7 @@ def _closed(settings: CheckedSettings, refined: Refined, search: Search) -> bool
 
 def _some(settings: CheckedSettings, refined: Refined) -> Refined:
     """The first and the last waypoint, and some between them, as far apart as a first look allows."""
-    apart = twists(refined.T[:-1], refined.T[1:])
+    apart = refined.twists
     way = np.maximum(
         np.linalg.norm(apart[:, :3], axis=1) / (APART_MOVE * settings.solver.chain.size),
         np.linalg.norm(apart[:, 3:], axis=1) / APART_TURN,
@@ -230,7 +229,8 @@ def _search(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Search
     """The search on the first grid, a guide for others: no motion is proven."""
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
-    graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE, settings.solver.free_axis)
+    layers = nodes.layers(refined.T, refined.twists)
+    graph = Graph.connected(settings.joints, layers, pricing, LOOSE, settings.solver.free_axis)
     add_margins(settings, graph)
     return Search(
         settings.solver, graph, None, settings.obstacles, settings.watch, reconfigure=settings.reconfigure
@@ -393,7 +393,7 @@ def _around(settings: CheckedSettings, refined: Refined, guide: Guide, step: flo
     at = np.arange(len(refined.T))
     found = node_sets.solved(solver, joints, refined.T, at, values, centres=guide.q, near=near)
     nodes = _ends(settings, refined, found)
-    graph = priced(settings, refined, nodes.layers(refined.T), MISMATCH if last else LOOSE)
+    graph = priced(settings, refined, nodes.layers(refined.T, refined.twists), MISMATCH if last else LOOSE)
     return Search(
         settings.solver,
         graph,

@@ -208,7 +208,7 @@ def _improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | Non
     for given, at in ((settings.start, 0), (settings.end, len(q) - 1)):
         if given is not None:
             nodes.q[at], nodes.counts[at] = given, 1
-    search = Search(settings.solver, priced(settings, whole, nodes.layers(whole.T)), settings.tolerance,
+    search = Search(settings.solver, priced(settings, whole, nodes.layers(whole.T, whole.twists)), settings.tolerance,
                     settings.obstacles, settings.watch)  # fmt: skip
     way = search.best()
     if way is None or way.cost >= known.cost:
