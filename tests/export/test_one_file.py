@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections import Counter, defaultdict
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
@@ -32,6 +33,8 @@ Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[2]
 CLANG = os.environ.get("URDF_IK_CLANG", "clang++")
 """Another release: `URDF_IK_CLANG=clang++-19 pytest tests/export/test_one_file.py`."""
+needs_clang = pytest.mark.skipif(shutil.which(CLANG) is None, reason=f"no {CLANG} is installed")
+COMPILERS = [compiler("CXX"), pytest.param(CLANG, marks=needs_clang)]
 ALL = os.environ.get("URDF_IK_FAMILIES") == "all"
 FEW = {"rail_6r", "srs_7r", "mimic of one joint", "hollow wrist"}
 # The flags of the library, without which GCC fuses other operations where the processor can.
@@ -156,16 +159,14 @@ def mimics() -> list[tuple[str, urdf_ik.Arm]]:
     ]
 
 
-def _chosen() -> list[tuple[str, urdf_ik.Arm]]:
-    """Two arms of each family where URDF_IK_FAMILIES=all, otherwise one of each way in which a solver is built."""
+def two_of_each_family() -> Iterator[tuple[str, urdf_ik.Arm]]:
+    """Two arms of each family at most."""
     seen: Counter[str] = Counter()
-    chosen = []
     for name, arm in [*core_arms.every_arm(), *mimics()]:
         family = arm.solver.require_member().name
         seen[family] += 1
-        if seen[family] <= 2 and (ALL or name in FEW):
-            chosen.append((name, arm))
-    return chosen
+        if seen[family] <= 2:
+            yield name, arm
 
 
 def solver_text(arm: urdf_ik.Arm) -> str:
@@ -178,7 +179,8 @@ def solver_text(arm: urdf_ik.Arm) -> str:
     return "\n".join(texts)
 
 
-CHOSEN = _chosen()
+# All where URDF_IK_FAMILIES=all, otherwise one of each way in which a solver is built.
+CHOSEN = [(name, arm) for name, arm in two_of_each_family() if ALL or name in FEW]
 # Arms that have a solver's templates in common share a unit.
 UNITS: dict[str, list[tuple[str, urdf_ik.Arm]]] = defaultdict(list)
 for each in CHOSEN:
@@ -200,6 +202,14 @@ def same_bits(found: Answers, s: urdf_ik.IKSolutions) -> None:
     """Solutions and flags are equal to the last bit."""
     assert (found.flags == s._info).all()
     assert found.q[s.valid].tobytes() == s.q[s.valid].tobytes()
+
+
+@pytest.mark.parametrize("compile_with", COMPILERS)
+def test_files_of_all_families_stand_in_one_unit(compile_with: str, tmp_path: Path) -> None:
+    """Two arms of each family compile side by side, without a warning."""
+    arms = [arm for _, arm in two_of_each_family()]
+    assert len(arms) > 100
+    unit_of(arms, compile_with, ("-fsyntax-only", *FREESTANDING, *level_flags(_core.isa())), tmp_path)
 
 
 @each_unit
