@@ -123,7 +123,7 @@ struct Divider {
     }
     // Whether joint vectors lie in a region; its roots are known.
     bool is_in_region(const double (&q)[6], const double (&along)[6] = NOWHERE, const double (&rest)[6] = NOWHERE) const {
-        for (int i = min(regions, REGIONS) - 1; i >= 0; --i) {
+        for (int i = (regions < REGIONS ? regions : REGIONS) - 1; i >= 0; --i) {
             if (placed(region[i], q, along, rest).inside) return true;
         }
         return false;
