@@ -62,8 +62,6 @@ private:
     }
 };
 
-// A share between 0 and 1 of a slope.
-template <class V> STEP Ball<V> share_of(const Ball<V>& slope) { return {0.5 * slope.mid, 0.5 * abs(slope.mid) + slope.rad}; }
 template <class V> STEP Slanted<V> select(const auto& m, const Slanted<V>& a, const Slanted<V>& b) {
     return {select(m, a.at, b.at), select(m, a.slope, b.slope), select(m, a.all, b.all)};
 }
