@@ -67,7 +67,7 @@ PART bool go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
     PositionSolver solver(way.step, place_of(seen, way.in_tip, size), ref);
     const Places& places = solver.solve();
     for (int c = 0; c < places.count; ++c) {
-        const Placed& place = places.at[c];
+        const PlaceTried& place = places.at[c];
         gather(arm, way, seen, place.q, q);
         const Origin origin = place.free ? Origin::doubtful : Origin::computed;
         const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);

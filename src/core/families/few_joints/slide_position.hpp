@@ -22,7 +22,7 @@ inline constexpr double VANISHING = 1e-12;
 // around the circle.
 inline constexpr double ALL_BUT_FREE = 1e-10;
 // If an unknown's coefficient is below this, the equation is also solved without it.
-inline constexpr double WEAK = 1e-3;
+inline constexpr double WEAK_TERM = 1e-3;
 // A slide further out than this share of the size is a root at infinity.
 inline constexpr double FARTHEST_SLIDE = 1e6;
 
@@ -36,13 +36,13 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
 }
 
 // A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free.
-struct Placed {
+struct PlaceTried {
     double q[3];
     unsigned free;
 };
 // Four roots twice where a row is weak, and their two signs.
 struct Places {
-    Placed at[24];
+    PlaceTried at[24];
     int count = 0;
 };
 
@@ -225,7 +225,7 @@ private:
             }
         }
         for (int k = 0; k < 2; ++k) {
-            if (m[k] <= WEAK * WEAK && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
+            if (m[k] <= WEAK_TERM * WEAK_TERM && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
         }
     }
     // Row k is weak: its right side alone gives q3, and the other row gives the component of w along it.
@@ -236,7 +236,7 @@ private:
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]), y = without(z, h2);
             const double foot = value(r.b[1 - k], found.at[i]) / m, rest = dot(y, y) - foot * foot * m;
-            if (rest < -WEAK * span) continue;
+            if (rest < -WEAK_TERM * span) continue;
             const double height = sqrt(max(rest, 0.0));
             turn_to(z, foot * row + height * side, found.at[i]);
             if (height > 0.0) turn_to(z, foot * row - height * side, found.at[i]);
@@ -270,12 +270,12 @@ private:
                 finish(q2, found.at[i], 0, p1 + point(t, found.at[i]) + q2 * h2);
             }
         }
-        if (abs(slope) >= WEAK) return;
+        if (abs(slope) >= WEAK_TERM) return;
         const Roots found = roots(alone(height), span);
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]);
             const double half = dot(h2, z), rest = half * half - dot(z, z) + square;
-            if (rest < -WEAK * span) continue;
+            if (rest < -WEAK_TERM * span) continue;
             const double root = sqrt(max(rest, 0.0));
             finish(root - half, found.at[i], 0, p1 + z + (root - half) * h2);
             if (rest > 0.0) finish(-root - half, found.at[i], 0, p1 + z - (root + half) * h2);

@@ -45,7 +45,7 @@ STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const dou
 }
 
 // A joint that a position leaves nearly free is tried at values around the circle.
-PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign,
+PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const PlaceTried& place, double sign,
                      const Reference<6>& reference, const Columns<6>& columns) {
     double q[6];
     for (int k = 0; k < 2; ++k) {
@@ -68,7 +68,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
     const Places& places = solver.solve();
     bool doubt = false;
     for (int c = 0; c < places.count; ++c) {
-        const Placed& place = places.at[c];
+        const PlaceTried& place = places.at[c];
         for (const double sign : FLIPS) {
             if (!wrist_behind(arm, goal, place.q, sign, reference, q)) continue;
             const Origin origin = place.free || arm.imperfection > 0.0 ? Origin::doubtful : Origin::computed;
