@@ -7,7 +7,7 @@
 process; they measure each row in turn, and the least of the repetitions counts. Times are processor time, so that other
 work on the machine changes them little. ``--arms`` is a folder with URDFs of the arms that are not in this repository;
 rows of arms that it lacks are left out, and named at the end. ``--rows`` takes only rows whose names hold one of the
-words. ``--build`` adds the processor time of compiling the core for one instruction set.
+words. ``--build`` measures the processor time of compiling the core for one instruction set instead.
 
 A round pose is that of a joint vector whose joints all are multiples of 90 degrees. ``x needed``: the time of a plan
 over that of the collision queries that every planner has to make; see ``paths.py``. ``asked`` is what this version is
@@ -129,11 +129,15 @@ def no_way(free: bool, waypoints: int) -> float:
 
 
 def in_a_cell(arm: str, waypoints: int) -> float:
-    """How many times what is needed, by the ``paths.py`` of the version that is measured."""
+    """How many times the processor time that is needed, by the ``paths.py`` of the version that is measured."""
     import urdf_ik
 
     sys.path.insert(0, str(Path(urdf_ik.__file__).parents[2] / "benchmarks"))
-    row = importlib.import_module("paths").in_a_cell(arm, waypoints, 20, 3, 0)
+    clock, time.perf_counter = time.perf_counter, time.process_time  # what paths.py looks at
+    try:
+        row = importlib.import_module("paths").in_a_cell(arm, waypoints, 20, 3, 0)
+    finally:
+        time.perf_counter = clock
     return float(row.split("|")[6])
 
 
@@ -233,7 +237,6 @@ class Row:
         arguments: of the function; the name of an arm stands for its file.
         unit: of its number.
         asked: numbers that it is to keep to, and pairs of another row's name and so many times its number.
-        once: whether it is measured once only, whatever the repetitions.
     """
 
     name: str
@@ -241,7 +244,6 @@ class Row:
     arguments: tuple[Any, ...]
     unit: str
     asked: Asked = ()
-    once: bool = False
 
 
 _FIRST_ANSWER = (
@@ -278,12 +280,12 @@ ROWS = (
     Row(_IMPORTS, process, ("-c", _IMPORTS), "s"),
     Row("urdf-ik ik zyyzyz_6r", process, ("-m", "urdf_ik.cli", "ik", "zyyzyz_6r"), "s", ((_IMPORTS, 1.2),)),
     Row("a batch of one pose", batch, (1,), "us", (5.0,)),
-    Row("a batch of 20,000 poses", batch, (20_000,), "us", ((_EAIK, 1.0 / 60.0),)),
     Row(_EAIK, eaik_batch, (20_000,), "us"),
+    Row("a batch of 20,000 poses", batch, (20_000,), "us", ((_EAIK, 1.0 / 60.0),)),
     Row("arm.ik(T).q", batch, (0,), "us", (1.0,)),
 )
 # Sixty seconds of two cores, less what installing what is needed takes.
-BUILD = Row("compiling the core, one instruction set", build, (), "s", (100.0,), once=True)
+BUILD = Row("compiling the core, one instruction set", build, (), "s", (100.0,))
 
 
 def files(folder: Path, arms: Path | None) -> dict[str, list[str]]:
@@ -355,20 +357,15 @@ def shown(label: str) -> str:
 
 
 def table(rows: list[tuple[Row, list[Any]]], versions: dict[str, Version], repeats: int) -> None:
-    """Measure rows with their arguments, and print them."""
+    """Measure rows with their arguments and print them; a row that others stand on comes before these."""
     columns = [*versions, *["times as fast"] * (len(versions) > 1), "asked", "over"]
     print(f"| what | unit | {' | '.join(columns)} |\n|---|---|{'---:|' * len(columns)}")
     numbers: dict[str, float] = {}
-    lines: list[tuple[Row, list[float | str]]] = []
     for row, given in rows:
-        times = 1 if row.once else repeats
-        runs = [[version.measured(row, given) for version in versions.values()] for _ in range(times)]
+        runs = [[version.measured(row, given) for version in versions.values()] for _ in range(repeats)]
         best = [min((x for x in run if isinstance(x, float)), default=run[0]) for run in zip(*runs, strict=True)]
         if isinstance(best[-1], float):
             numbers[row.name] = best[-1]
-        lines.append((row, best))
-        print(f"{shown(row.name)} ...", file=sys.stderr, flush=True)
-    for row, best in lines:
         cells = [f"{x:.3g}" if isinstance(x, float) else str(x)[:60] for x in best]
         before, now = best[0], best[-1]
         if len(versions) > 1:
@@ -389,7 +386,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--rows", nargs="*", help="only rows whose names hold one of these words")
     parser.add_argument("--repeats", type=int, default=3, help="repetitions of each row and version (default 3)")
-    parser.add_argument("--build", action="store_true", help="compile the core, too")
+    parser.add_argument("--build", action="store_true", help="compile the core instead")
     parser.add_argument("--measure", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     if options.measure:
@@ -404,7 +401,7 @@ def main(arguments: list[str] | None = None) -> int:
         arms = files(Path(folder), options.arms)
         urdf = str(HERE.parent / "urdf" / "zyyzyz_6r.urdf")
         rows = []
-        for row in (*ROWS, BUILD) if options.build else ROWS:
+        for row in (BUILD,) if options.build else ROWS:
             if options.rows and not any(word in shown(row.name) for word in options.rows):
                 continue
             if lacking := [each for each in row.arguments if each in OTHERS and each not in arms]:

@@ -15,8 +15,8 @@ import urdf_ik
 from urdf_ik import export
 
 ARMS = ("planar_2r", "scara_rrpr", "zyyzyz_6r", "srs_7r", "rail_6r")
-FLAGS = ("-std=c++20", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
-FREE = ("-Os", "-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-stack-protector", "-fstack-usage")
+FLAGS = ("-std=c++20", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math", "-fno-exceptions")
+FREE = ("-Os", "-ffreestanding", "-fno-rtti", "-fno-stack-protector", "-fstack-usage")
 TIMER = """
 #include "arm.hpp"
 #include <cstdio>

@@ -2,21 +2,20 @@
 
     [URDF_IK_ISA=v2] python benchmarks/outside.py [--poses 1000] [--timed] [FOLDER]
 
-FOLDER has an index.csv with the columns name, base_link and tip_link, and urdf/NAME.urdf; default: the bundled arms and
-those of benchmarks/urdf. A third of the poses is random, a third round, a third singular. The status is 1 where a bit
-of a solution, a flag, a status or a branch name differs. WebAssembly is compared at v2, whose arithmetic it has, where
-`make wasm` built it and Node is there. --timed measures processor times of batches instead: least of many, alternating.
+FOLDER holds URDFs, and may have an index.csv with the columns name, base_link and tip_link, and urdf/NAME.urdf;
+default: the bundled arms and those of benchmarks/urdf. A third of the poses is random, a third round, a third singular.
+The status is 1 where a bit of a solution, a flag, a status or a branch name differs. WebAssembly is compared at v2,
+whose arithmetic it has, where `make wasm` built it and Node is there. --timed measures processor times of batches
+instead: least of many, alternating.
 It needs an editable install, whose build folder has the library.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,39 +24,17 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik import _core
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.model import catalogue
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT / "tools")]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 import native_arms  # noqa: E402
 import web_arms  # noqa: E402
-from cortex_m7 import poses_of  # noqa: E402
+from arms_outside import arms_of, own_arms, poses_of  # noqa: E402
 
 TIMED = ("planar_2r", "scara_rrpr", "zyyzyz_6r", "srs_7r", "kinova_j2n6s300")
 REPEATS = 12
 WITH_WEB = web_arms.NODE is not None and web_arms.NO_WASM is None and _core.isa() == "v2"
-
-
-def arms(folder: Path | None) -> Iterator[tuple[str, urdf_ik.Arm]]:
-    """Every arm that loads and has a solver; the others are named on stderr."""
-    if folder is None:
-        sources = [(name, name, {}) for name in catalogue.BUNDLED]
-        sources += [(file.stem, str(file), {}) for file in sorted((ROOT / "benchmarks" / "urdf").glob("*.urdf"))]
-    else:
-        with open(folder / "index.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
-        sources = [
-            (each["name"], f"{folder}/urdf/{each['name']}.urdf", {"base": each["base_link"], "tip": each["tip_link"]})
-            for each in rows
-        ]
-    for name, source, ends in sources:
-        try:
-            arm = urdf_ik.load(source, **ends)
-            arm.solver.require_member()
-            yield name, arm
-        except (UrdfIkError, OSError) as error:
-            print(f"{name}: {str(error).splitlines()[0]}", file=sys.stderr)
 
 
 def compared(arm: urdf_ik.Arm, file: Path, many: int) -> tuple[int, list[str]]:
@@ -124,7 +101,7 @@ def main() -> None:
     given = parser.parse_args()
     many = solutions = differ = refused = 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, arm in arms(given.folder):
+        for name, arm in own_arms() if given.folder is None else arms_of(given.folder):
             file = Path(folder) / "arm.json"
             try:
                 file.write_text(urdf_ik.compile(arm))

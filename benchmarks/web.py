@@ -21,10 +21,10 @@ from urdf_ik.export import html
 from urdf_ik.export.page import WEB
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT / "tools")]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
 
+from arms_outside import GENERAL  # noqa: E402
 from browser import chromium  # noqa: E402
-from cortex_m7 import GENERAL  # noqa: E402
 
 ARMS = ("planar_2r", "scara_rrpr", "zyyzyz_6r", GENERAL, "srs_7r")
 TIMER = """

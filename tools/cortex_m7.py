@@ -16,15 +16,15 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 import urdf_ik
 from urdf_ik import export
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+
+from arms_outside import GENERAL, poses_of  # noqa: E402
+
 HERE = ROOT / "tools" / "cortex_m7"
-GENERAL = str(ROOT / "benchmarks" / "urdf" / "kinova_j2n6s300.urdf")
 ARMS = ("planar_2r", "scara_rrpr", "zyyzyz_6r", "srs_7r", "rail_6r", GENERAL)
 COMPILER, EMULATOR = "arm-none-eabi-g++", "qemu-system-arm"
 FLAGS = (
@@ -34,31 +34,6 @@ FLAGS = (
     "-Wl,--gc-sections", f"-Wl,-T,{HERE / 'mps2.ld'}", "-Wl,--no-warnings",
 )  # fmt: skip
 BOARD = ("-M", "mps2-an500", "-cpu", "cortex-m7", "-nographic", "-semihosting", "-monitor", "none", "-serial", "null")
-
-
-def poses_of(arm: urdf_ik.Arm, many: int) -> NDArray[np.float64]:
-    """Poses (many, 4, 4): random ones, round ones, and ones at singular joint vectors."""
-    rng = np.random.default_rng(7)
-    q = rng.uniform(-3.0, 3.0, (many, arm.dof))
-    q[1::3] = np.round(q[1::3] / (np.pi / 4)) * (np.pi / 4)
-    q[:, [kind == "prismatic" for kind in arm.chain.joint_types]] *= 0.1
-    q[2::3] = singular(arm, q[2::3])
-    return arm.fk(q)
-
-
-def singular(arm: urdf_ik.Arm, q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Joint vectors (m, n), one joint of each moved to where the least singular value of the Jacobian is least."""
-    rows, centre, half = np.arange(len(q)), np.zeros(len(q)), np.pi
-    joint = (1 + rows % max(1, arm.dof - 1)) % arm.dof
-    for _ in range(10):
-        places = centre[:, None] + half * np.linspace(-1.0, 1.0, 17)
-        many = np.repeat(q[:, None], 17, axis=1)
-        many[rows, :, joint] = places
-        values = np.linalg.svd(arm.jacobian(many), compute_uv=False)[..., -1]
-        centre, half = places[rows, values.argmin(axis=1)], half / 8
-    moved = q.copy()
-    moved[rows, joint] = centre
-    return moved
 
 
 def measured(arm: urdf_ik.Arm, many: int, optimise: str) -> tuple[int, int, int, int, int]:

@@ -26,7 +26,6 @@ TARGET = ("-target", "wasm32-wasi")
 FLAGS = (
     *TARGET, "-std=c++20", "-O3", "-msimd128", "-fexceptions", "-fno-math-errno", "-ffp-contract=fast",
     "-fno-trapping-math", "-DURDF_IK_LEVEL=v2", "-DURDF_IK_BUILT_V2", f"-I{CORE}", "-Wall", "-Wextra",
-    "-Wno-align-mismatch",
 )  # fmt: skip
 # 1 MiB of stack: the deepest solver takes 33 kB, the reader of JSON a call a level.
 LINK = (*TARGET, "-mexec-model=reactor", "-Wl,-z,stack-size=1048576", "-Wl,--strip-all", "-O3")

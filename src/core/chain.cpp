@@ -53,7 +53,7 @@ static void poses(const ChainArm& arm, const double* Q, long m, double* T) {
         if (many == BLOCK) return store_rows<Write::plain, 16>(rows, T + 16 * from);
         double part[16 * BLOCK];
         store_rows<Write::plain, 16>(rows, part);
-        __builtin_memcpy(T + 16 * from, part, 128 * many);
+        __builtin_memcpy(T + 16 * from, part, 128u * unsigned(many));
     });
 }
 

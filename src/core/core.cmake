@@ -63,7 +63,9 @@ set(URDF_IK_LIBRARY
   library/sha256.cpp
 )
 # No -ffast-math: solvers rely on NaN and infinities. Fused multiply-add is allowed (contract).
-set(URDF_IK_ARITHMETIC -fno-math-errno -ffp-contract=fast)
+# Nothing that computes throws. GCC moves and fuses other operations where it must reckon with exceptions; without them an arm as
+# one file, on a controller too, has the same last digits.
+set(URDF_IK_ARITHMETIC -fno-math-errno -ffp-contract=fast -fno-exceptions)
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-fno-trapping-math HAS_NO_TRAPPING_MATH)
 if(HAS_NO_TRAPPING_MATH)

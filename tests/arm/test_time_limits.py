@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import urdf_ik
 from urdf_ik.cli import app
 from urdf_ik.support import watch
+from urdf_ik.verify import completeness, crosscheck, judge
 
 Settings = dict[str, Any]
 
@@ -98,6 +99,23 @@ def test_a_lock_that_was_not_looked_through_has_not_passed(ended_after: Callable
     assert 0 < some.poses < len(lock.poses)
     assert not some.passed and not some.differences
     assert some.verdict().startswith("NOT ENDED") and f"{some.poses} of {len(lock.poses)}" in some.verdict()
+
+
+@pytest.mark.parametrize("how", ["check", "completeness", "judge"])
+def test_a_check_that_was_cut_off_has_not_passed(how: str, ended_after: Callable[[int], Settings]) -> None:
+    """Without a fault it has neither passed nor failed; without a limit it passes."""
+    arm = urdf_ik.load("puma_560")
+    run = {
+        "check": lambda **given: crosscheck.check(arm, n=300, collision=False, **given),
+        "completeness": lambda **given: completeness.compare(arm, n=8, **given),
+        "judge": lambda **given: judge(arm, lambda T: arm.ik(T).to_array(), n=2, **given),
+    }[how]
+    assert run(time_limit=1e6).passed
+    assert run().unlooked == ""
+    some = run(**ended_after(1))
+    assert not some.passed
+    assert some.verdict().startswith("NOT ENDED") and some.unlooked in some.verdict()
+    assert json.loads(some.to_json())["unlooked"] == some.unlooked
 
 
 def test_a_fit_out_of_time_is_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:

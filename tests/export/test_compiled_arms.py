@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import arms_general
 import core_arms
 import jsonschema
 import native_arms
@@ -166,6 +167,29 @@ def test_a_broken_file_is_refused(change: str, tmp_path: Path) -> None:
         urdf_ik.load(file)
     refused = native_arms.refusal(file)
     assert str(file) in refused and DEFECTS[change] in refused
+
+
+@pytest.mark.parametrize(
+    "path", ["solver.counter", "solver.counter.inexact", "solver.variant.axes", "solver.known.poses"]
+)
+def test_a_file_of_another_release_is_refused(path: str, tmp_path: Path) -> None:
+    """What it lacks is named, with the way to it; names that no reader knows are no reason to refuse it."""
+    described = arms_general.calibrated_ur()
+    data: Any = json.loads(urdf_ik.compile(urdf_ik.load(described.urdf, base="base", tip="tool")))
+    file, (*groups, last) = tmp_path / "arm.json", path.split(".")
+    held = data
+    for group in groups:
+        held = held[group]
+    held["invented later"] = 1.0
+    file.write_text(json.dumps(data))
+    assert urdf_ik.load(file).dof == 6
+    native_arms.solved(file, urdf_ik.load(file).fk(np.zeros((1, 6))))
+    del held[last]
+    file.write_text(json.dumps(data))
+    with pytest.raises(UrdfError, match=rf"arm\.json.*{last}.*missing"):
+        urdf_ik.load(file)
+    refused = native_arms.refusal(file)
+    assert str(file) in refused and f"{path}: missing" in refused
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:

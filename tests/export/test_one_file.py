@@ -1,4 +1,4 @@
-"""One arm as one file: compiled with every warning, alone or beside another arm, it gives the bits of the package."""
+"""One arm as one file: compiled with every warning, alone or beside other arms, it gives the bits of the package."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ import os
 import shutil
 import subprocess
 import sys
-from collections import Counter
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from tempfile import mkdtemp
+from typing import NamedTuple
 
 import arms_hollow
 import core_arms
@@ -15,49 +19,54 @@ import native_arms
 import numpy as np
 import pytest
 from command import call
+from core_samples import fresh
 from native_arms import PROGRAMS, WARNINGS, compiler
 from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import _core, export
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.export.solver_text import Node, node_of
 
 Array = NDArray[np.float64]
 
 ROOT = Path(__file__).resolve().parents[2]
-COMPILERS = [
-    compiler("CXX"),
-    pytest.param("clang++", marks=pytest.mark.skipif(shutil.which("clang++") is None, reason="no clang++ installed")),
-]
+CLANG = os.environ.get("URDF_IK_CLANG", "clang++")
+"""Another release: `URDF_IK_CLANG=clang++-19 pytest tests/export/test_one_file.py`."""
+needs_clang = pytest.mark.skipif(shutil.which(CLANG) is None, reason=f"no {CLANG} is installed")
+COMPILERS = [compiler("CXX"), pytest.param(CLANG, marks=needs_clang)]
 ALL = os.environ.get("URDF_IK_FAMILIES") == "all"
 FEW = {"rail_6r", "srs_7r", "mimic of one joint", "hollow wrist"}
-# The flags of the library, without which the compiler fuses other operations.
-FLAGS = ("-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
-LEVEL = {"v2": ("-march=x86-64-v2",), "v3": ("-march=x86-64-v3",), "v4": ("-march=x86-64-v4",)}.get(_core.isa(), ())
-FREESTANDING = ("-ffreestanding", "-fno-exceptions", "-fno-rtti")
-# What a controller's toolchain has: the C library's own names, and the mathematics.
-ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos"}
+# The flags of the library, without which GCC fuses other operations where the processor can.
+FLAGS = ("-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math", "-fno-exceptions")
+FREESTANDING = ("-ffreestanding", "-fno-rtti", "-fno-stack-protector")
+# What a controller has: the C library's own names, and the mathematics of large angles. Compilers call sincos where the
+# C library has it.
+ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos", "sincos", "remainder"}
+
+# Answers at the instruction set that a fresh process is told, which another compiler is compared with.
+_EXPECTED = """
+import sys, numpy as np, test_one_file
+for name, arm in test_one_file.CHOSEN:
+    T, values = test_one_file.targets(arm)
+    s = test_one_file.expected(arm, T, values)
+    given = {} if values is None else {"values": values}
+    np.savez(f"{sys.argv[1]}/{test_one_file.place_of(name)}", T=T, q=s.q, valid=s.valid, info=s._info, **given)
+"""
 
 
-@pytest.mark.parametrize(("name", "beside"), [("zyyzyz_6r", "planar_2r"), ("srs_7r", "positioning_3r")])
-def test_two_arms_in_one_unit_give_the_same_bits(name: str, beside: str, tmp_path: Path) -> None:
-    """Two files in one unit compile without a warning; answers are those of Python, and nothing is allocated."""
-    arm = urdf_ik.load(name)
-    first, second, program = tmp_path / "arm.hpp", tmp_path / "other.hpp", tmp_path / "program"
-    first.write_text(export.cpp(arm, "arm")), second.write_text(export.cpp(urdf_ik.load(beside), "other"))
-    files = (f'-DARM_FILE="{first}"', f'-DOTHER_FILE="{second}"')
-    source = str(PROGRAMS / "one_file.cpp")
-    native_arms.run(compiler("CXX"), "-std=c++20", *FLAGS, *LEVEL, *WARNINGS, *files, source, "-o", str(program))
-    q = np.random.default_rng(0).uniform(-3.0, 3.0, (200, arm.dof))
-    q[:20] = np.round(q[:20] / (np.pi / 2)) * (np.pi / 2)
-    T = arm.fk(q)
-    done = native_arms.run(str(program), given=np.array([len(T), 0], np.int64).tobytes() + T.tobytes())
-    expected = arm.ik(T)
-    found = np.frombuffer(done.stdout, count=expected.q.size).reshape(expected.q.shape)
-    flags = np.frombuffer(done.stdout, np.uint8, expected.valid.size, found.nbytes).reshape(expected.valid.shape)
-    assert (flags == expected._info).all()
-    assert found[expected.valid].tobytes() == expected.q[expected.valid].tobytes()
-    assert done.stderr == b"0 allocations\n"
+class Answers(NamedTuple):
+    """What a unit answers for one of its arms.
+
+    Attributes:
+        q: (m, B, n) joint vectors.
+        flags: (m, B).
+        zero: (4, 4) the tip's pose at zero.
+    """
+
+    q: Array
+    flags: NDArray[np.uint8]
+    zero: Array
 
 
 def targets(arm: urdf_ik.Arm) -> tuple[Array, Array | None]:
@@ -70,16 +79,73 @@ def targets(arm: urdf_ik.Arm) -> tuple[Array, Array | None]:
     return T, None if arm.redundancy is None else np.asarray(arm.solver.redundant_member.value_of(q, T))
 
 
-def _chosen() -> list[tuple[str, urdf_ik.Arm]]:
-    """Two arms of each family where URDF_IK_FAMILIES=all, otherwise one of each way in which a solver is built."""
-    seen: Counter[str] = Counter()
-    chosen = []
-    for name, arm in [*core_arms.every_arm(), *mimics()]:
-        family = arm.solver.require_member().name
-        seen[family] += 1
-        if seen[family] <= 2 and (ALL or name in FEW):
-            chosen.append((name, arm))
-    return chosen
+def expected(arm: urdf_ik.Arm, T: Array, values: Array | None) -> urdf_ik.IKSolutions:
+    """Python's answer to targets."""
+    if values is None:
+        return arm.ik(T)
+    return arm.ik(T, redundancy=values[:, 0] if values.shape[1] == 1 else values)
+
+
+def place_of(name: str) -> str:
+    """The name of a file for an arm."""
+    return "".join(letter if letter.isalnum() else "_" for letter in name)
+
+
+def level_flags(level: str) -> tuple[str, ...]:
+    """The compiler's flag for an instruction set."""
+    return (f"-march=x86-64-{level}",) if level.startswith("v") else ()
+
+
+@cache
+def main_program() -> str:
+    """The object that reads poses and solves, which knows no arm."""
+    out = Path(mkdtemp(prefix="urdf_ik_")) / "main.o"
+    source = str(PROGRAMS / "one_file.cpp")
+    native_arms.run(compiler("CXX"), "-std=c++20", "-O1", *WARNINGS, "-c", source, "-o", str(out))
+    return str(out)
+
+
+def unit_of(arms: list[urdf_ik.Arm], compile_with: str, flags: tuple[str, ...], place: Path) -> Path:
+    """The object of one unit that holds the exported files of arms, compiled with every warning as an error."""
+    included, listed = [], []
+    for k, arm in enumerate(arms):
+        # A header that says it is the system's hides its warnings.
+        text = export.cpp(arm, f"arm_{k}").replace("#pragma GCC system_header", "")
+        (place / f"arm_{k}.hpp").write_text(text)
+        included.append(f'#include "arm_{k}.hpp"\n')
+        listed.append(f"EXPORTED(arm_{k})")
+    source, made = place / "unit.cpp", place / "unit.o"
+    listing = f"extern const Exported exported[] = {{{', '.join(listed)}}};\n"
+    source.write_text(f"{''.join(included)}#include <one_file.hpp>\n{listing}")
+    command = [compile_with, "-std=c++20", *flags, *WARNINGS, f"-I{PROGRAMS}", "-c", str(source), "-o", str(made)]
+    native_arms.run(*command)
+    return made
+
+
+def answers(unit: Path, arms: list[urdf_ik.Arm], asked: list[tuple[Array, Array | None]]) -> list[Answers]:
+    """What the arms of a unit answer to targets; none of them allocates."""
+    program, given = unit.with_name("program"), []
+    native_arms.run(compiler("CXX"), main_program(), str(unit), "-o", str(program))
+    for T, values in asked:
+        given.append(np.array([len(T), values is not None], np.int64).tobytes() + T.tobytes())
+        given.append(b"" if values is None else np.ascontiguousarray(values).tobytes())
+    done = native_arms.run(str(program), given=b"".join(given))
+    assert done.stderr == b"0 allocations\n"
+    found, at = [], 0
+    for arm, (T, _) in zip(arms, asked, strict=True):
+        m, B, n = len(T), len(arm.solver.branches), arm.dof
+        q = np.frombuffer(done.stdout, count=m * B * n, offset=at).reshape(m, B, n)
+        flags = np.frombuffer(done.stdout, np.uint8, m * B, at + q.nbytes).reshape(m, B)
+        at += q.nbytes + flags.nbytes + 128
+        found.append(Answers(q, flags, np.frombuffer(done.stdout, count=16, offset=at - 128).reshape(4, 4)))
+    assert at == len(done.stdout)
+    return found
+
+
+def needed_by(unit: Path) -> set[str]:
+    """The names that a unit leaves to the linker."""
+    listed = subprocess.run(["nm", "-u", str(unit)], capture_output=True, text=True, check=True).stdout.split()
+    return {name for name in listed if name not in ("U", "w")}
 
 
 def mimics() -> list[tuple[str, urdf_ik.Arm]]:
@@ -93,41 +159,98 @@ def mimics() -> list[tuple[str, urdf_ik.Arm]]:
     ]
 
 
-CHOSEN = _chosen()
+def two_of_each_family() -> Iterator[tuple[str, urdf_ik.Arm]]:
+    """Two arms of each family at most."""
+    seen: Counter[str] = Counter()
+    for name, arm in [*core_arms.every_arm(), *mimics()]:
+        family = arm.solver.require_member().name
+        seen[family] += 1
+        if seen[family] <= 2:
+            yield name, arm
 
 
-@pytest.mark.parametrize(("name", "arm"), CHOSEN, ids=[name for name, _ in CHOSEN])
+def solver_text(arm: urdf_ik.Arm) -> str:
+    """The names of the solver's templates, which take most of the time of a unit."""
+    node: Node | None = node_of(arm.solver.require_member().solver.arm, arm.name)
+    texts = []
+    while node is not None:
+        texts.append(node.text)
+        node = node.inner
+    return "\n".join(texts)
+
+
+# All where URDF_IK_FAMILIES=all, otherwise one of each way in which a solver is built.
+CHOSEN = [(name, arm) for name, arm in two_of_each_family() if ALL or name in FEW]
+# Arms that have a solver's templates in common share a unit.
+UNITS: dict[str, list[tuple[str, urdf_ik.Arm]]] = defaultdict(list)
+for each in CHOSEN:
+    UNITS[solver_text(each[1])].append(each)
+each_unit = pytest.mark.parametrize("named", UNITS.values(), ids=[named[0][0] for named in UNITS.values()])
+
+
+@pytest.mark.parametrize(("name", "beside"), [("zyyzyz_6r", "planar_2r"), ("srs_7r", "positioning_3r")])
+def test_arms_of_two_families_in_one_unit_give_the_same_bits(name: str, beside: str, tmp_path: Path) -> None:
+    """With the library's flags answers are those of Python, and nothing is allocated."""
+    arms = [urdf_ik.load(name), urdf_ik.load(beside)]
+    unit = unit_of(arms, compiler("CXX"), (*FLAGS, *level_flags(_core.isa())), tmp_path)
+    asked = [targets(arm) for arm in arms]
+    for arm, given, found in zip(arms, asked, answers(unit, arms, asked), strict=True):
+        same_bits(found, expected(arm, *given))
+
+
+def same_bits(found: Answers, s: urdf_ik.IKSolutions) -> None:
+    """Solutions and flags are equal to the last bit."""
+    assert (found.flags == s._info).all()
+    assert found.q[s.valid].tobytes() == s.q[s.valid].tobytes()
+
+
 @pytest.mark.parametrize("compile_with", COMPILERS)
-def test_each_family_gives_the_same_answers(compile_with: str, name: str, arm: urdf_ik.Arm, tmp_path: Path) -> None:
-    """The library's compiler gives its bits without a warning, another one its counts; nothing is allocated."""
-    header, program = tmp_path / "arm.hpp", tmp_path / "program"
-    header.write_text(export.cpp(arm, "arm"))
-    source, macro = str(PROGRAMS / "one_file.cpp"), f'-DARM_FILE="{header}"'
-    command = (compile_with, "-std=c++20", *LEVEL, *WARNINGS, macro, source)
-    native_arms.run(*command, *FREESTANDING, "-fsyntax-only")
-    # Without exceptions GCC fuses other operations, so that the last digits differ at v3 and v4.
-    level = FLAGS if compile_with == compiler("CXX") else (*FREESTANDING[1:], "-O1", *FLAGS[1:])
-    native_arms.run(*command, *level, "-o", str(program))
-    T, values = targets(arm)
-    free_values = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
-    expected = arm.ik(T, **free_values)
-    given = np.array([len(T), values is not None], np.int64).tobytes() + T.tobytes()
-    given += b"" if values is None else np.ascontiguousarray(values).tobytes()
-    done = native_arms.run(str(program), given=given)
-    found = np.frombuffer(done.stdout, count=expected.q.size).reshape(expected.q.shape)
-    flags = np.frombuffer(done.stdout, np.uint8, expected.valid.size, found.nbytes).reshape(expected.valid.shape)
-    assert done.stderr == b"0 allocations\n"
-    zero = np.frombuffer(done.stdout, count=16, offset=found.nbytes + flags.nbytes).reshape(4, 4)
-    assert np.abs(zero - arm.fk(np.zeros(arm.dof))).max() < 1e-12
-    if compile_with == compiler("CXX"):
-        assert (flags == expected._info).all()
-        assert found[expected.valid].tobytes() == expected.q[expected.valid].tobytes()
-    else:
-        valid = (flags & 1) > 0
-        pose, _ = np.nonzero(valid)
-        assert np.abs(arm.fk(found[valid]) - T[pose]).max() < 1e-9 * max(1.0, arm.chain.size)
-        regular = ~expected.singular.any(axis=-1)
-        assert (valid.sum(axis=-1) == expected.valid.sum(axis=-1))[regular].all()
+def test_files_of_all_families_stand_in_one_unit(compile_with: str, tmp_path: Path) -> None:
+    """Two arms of each family compile side by side, without a warning."""
+    arms = [arm for _, arm in two_of_each_family()]
+    assert len(arms) > 100
+    unit_of(arms, compile_with, ("-fsyntax-only", *FREESTANDING, *level_flags(_core.isa())), tmp_path)
+
+
+@each_unit
+def test_each_family_gives_the_same_bits_freestanding(named: list[tuple[str, urdf_ik.Arm]], tmp_path: Path) -> None:
+    """Without a C++ library, exceptions and run-time types: Python's bits, and only functions of C are left to link."""
+    arms = [arm for _, arm in named]
+    unit = unit_of(arms, compiler("CXX"), (*FLAGS, *FREESTANDING, *level_flags(_core.isa())), tmp_path)
+    assert needed_by(unit) <= ALLOWED
+    asked = [targets(arm) for arm in arms]
+    for arm, given, found in zip(arms, asked, answers(unit, arms, asked), strict=True):
+        same_bits(found, expected(arm, *given))
+        assert np.abs(found.zero - arm.fk(np.zeros(arm.dof))).max() < 1e-12
+
+
+@pytest.fixture(scope="module")
+def of_v2(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of Python's answers at x86-64-v2, which has no operation to fuse: compilers agree to the last bit."""
+    place = tmp_path_factory.mktemp("v2")
+    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    fresh(_EXPECTED, str(place), URDF_IK_ISA="v2", PYTHONPATH=path)
+    return place
+
+
+@pytest.mark.skipif(shutil.which(CLANG) is None, reason=f"no {CLANG} is installed")
+@pytest.mark.skipif(
+    "v2" not in _core.levels(), reason="the core was built without x86-64-v2, which Clang is compared at"
+)
+@each_unit
+def test_each_family_gives_the_same_bits_by_clang(
+    named: list[tuple[str, urdf_ik.Arm]], of_v2: Path, tmp_path: Path
+) -> None:
+    """Freestanding, at x86-64-v2: the bits of the package, and only functions of C are left to link."""
+    arms = [arm for _, arm in named]
+    unit = unit_of(arms, CLANG, ("-O1", *FLAGS[1:], *FREESTANDING, *level_flags("v2")), tmp_path)
+    assert needed_by(unit) <= ALLOWED
+    wanted = [dict(np.load(of_v2 / f"{place_of(name)}.npz")) for name, _ in named]
+    asked = [(each["T"], each.get("values")) for each in wanted]
+    for (name, arm), each, found in zip(named, wanted, answers(unit, arms, asked), strict=True):
+        assert (found.flags == each["info"]).all(), name
+        assert found.q[each["valid"]].tobytes() == each["q"][each["valid"]].tobytes(), name
+        assert np.abs(found.zero - arm.fk(np.zeros(arm.dof))).max() < 1e-12, name
 
 
 @pytest.mark.skipif(
@@ -141,20 +264,6 @@ def test_a_controller_counts_the_same() -> None:
     _, name, _, same, _, stack, _ = (word.strip() for word in row.split("|"))
     assert (name, same) == ("zyyzyz_6r", "30 of 30")
     assert float(stack) < 64.0
-
-
-def test_no_operating_system_is_needed(tmp_path: Path) -> None:
-    """Without a C++ library, exceptions and run-time types, only functions of C are left to the linker."""
-    header, source, unit = tmp_path / "scara.hpp", tmp_path / "unit.cpp", tmp_path / "unit.o"
-    header.write_text(export.cpp(urdf_ik.load("scara_rrpr"), "scara"))
-    source.write_text(
-        '#include "scara.hpp"\nextern "C" int solve(const double* T, double* q, uint8_t* flags) '
-        "{ return scara::ik(T, q, flags); }\n"
-    )
-    free = (*FREESTANDING, "-fno-stack-protector", "-fno-math-errno", "-Os")
-    native_arms.run(compiler("CXX"), "-std=c++20", *free, *WARNINGS, "-c", str(source), "-o", str(unit))
-    listed = subprocess.run(["nm", "-u", str(unit)], capture_output=True, text=True, check=True).stdout.split()
-    assert {name for name in listed if name not in ("U", "w")} <= ALLOWED
 
 
 def test_a_c_program_solves(tmp_path: Path) -> None:

@@ -101,7 +101,7 @@ template <int N> STEP void keep(const Columns<N>& columns, int b, const double (
         if (b == columns.many) return;
     }
     for (int j = 0; j < N; ++j) columns.row(b)[j] = q[j];
-    columns.flags[b] = VALID | marks;
+    columns.flags[b] = std::uint8_t(VALID | marks);
 }
 
 // Joint values closer than this [rad, m] count as equal when columns are sorted, so that rounding does not change the order.

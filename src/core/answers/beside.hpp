@@ -5,8 +5,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// If the Jacobian's smallest singular value is below this, a second solution may be close by (rad, shares of the size).
-inline constexpr double SECOND_NEXT_DOOR = 5e-3;
 // Distances [rad] from a solution near a fold at which Newton's method starts, half a decade apart.
 inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                            3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
@@ -58,12 +56,12 @@ template <class Model> PART bool search_beside_folds(const Model& arm, const Goa
     for (int from = 0; from < columns.many; from += BLOCK) {
         const Block least = least_bounds(arm, goals, columns, from);
         for (int b = from; b < from + BLOCK && b < columns.many; ++b) {
-            if (!columns.valid(b) || least[b - from] > SECOND_NEXT_DOOR) continue;
+            if (!columns.valid(b) || least[b - from] > NEAR_FOLD) continue;
             double q[N];
             for (int j = 0; j < N; ++j) q[j] = columns.row(b)[j];
             const Weakest<N> fold = weakest_at(arm, goal, q);
             if (fold.value <= arm.tolerances.singular) columns.flags[b] |= OTHER;
-            if (fold.value > SECOND_NEXT_DOOR) continue;
+            if (fold.value > NEAR_FOLD) continue;
             near = true;
             search_beside_fold(arm, goal, goals, q, fold, columns);
         }

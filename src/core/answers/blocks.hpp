@@ -131,7 +131,8 @@ STEP void store_rows(const Pack<L, K>* rows, double* to) {
             for (int l = 0; l < L; ++l) put<Write::plain, L>(buffer + COUNT * l + c, r[l]);
         }
         for (int i = 0; i < COUNT * L; i += L) {
-            put<how, L>(to + COUNT * L * k + i, *(const typename Register<L>::unaligned*)(buffer + i));
+            const typename Register<L>::type r = *(const typename Register<L>::unaligned*)(buffer + i);
+            put<how, L>(to + COUNT * L * k + i, r);
         }
     }
 }
@@ -170,7 +171,7 @@ template <int B> STEP void store_flags(const unsigned (&valid)[B], int many, std
         const unsigned all = of_lane(valid, i);
         for (int b = 0; b < B; b += 8) {
             const std::uint64_t bytes = bytes_of(all >> b & 255u);
-            __builtin_memcpy(flags + B * i + b, &bytes, B - b < 8 ? B - b : 8);
+            __builtin_memcpy(flags + B * i + b, &bytes, unsigned(B - b < 8 ? B - b : 8));
         }
     }
 }
@@ -336,7 +337,7 @@ template <class Family> long solve_closed_form(const typename Family::Arm& arm, 
         }
         const int bad = solve_block<Family>(arm, part, how);
         if (bad >= 0) return start + bad;
-        if (many < BLOCK) __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
+        if (many < BLOCK) __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * unsigned(answers * many));
     }
 #if defined(__x86_64__)
     if (how == Write::streaming) _mm_sfence();

@@ -73,9 +73,10 @@ template <class M, class V> STEP Ball<V> select(const M& m, const Ball<V>& a, co
 // |a| with the sign of b, whose ball does not hold zero.
 template <class V> STEP Ball<V> copysign(const Ball<V>& a, const Ball<V>& b) { return {copysign(abs(a.mid), b.mid), a.rad}; }
 
-// The roots of all numbers in the ball that are not negative.
+// The roots of all numbers in the ball that are not negative. A ball that a division has left without bounds stays so: max() is its
+// second argument if either is NaN.
 template <class V> STEP Ball<V> root(const Ball<V>& a) {
-    const V low = root(max(a.least(), V(0.0))), high = root(max(a.greatest(), V(0.0)));
+    const V low = root(max(V(0.0), a.least())), high = root(max(V(0.0), a.greatest()));
     return {0.5 * (high + low), 0.5 * (high - low) + 2.0 * ROUNDED * high};
 }
 

@@ -179,7 +179,7 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
         const auto higher = [&](double rho) { return 0.5 * GROWTH * s * rho * square(a + s * rho); };
         // Any value may be tried: twice what the terms in t alone ask for.
         const double rho = 2.0 * base / slope;
-        const auto outside = [&](double rho) {
+        const auto outside = [&, y_yy = y_yy](double rho) {
             return a + s * rho < LARGEST_BALL && slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(rho));
         };
         if (!outside(rho)) continue;

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <stdexcept>
+#include <utility>
 #if !defined(__cpp_lib_to_chars)
 #include <locale.h>
 #include <stdlib.h>
@@ -107,7 +108,7 @@ private:
             if (next() != '"') fail("a name is missing");
             std::string name = word();
             expect(':');
-            read.members.emplace_back(std::move(name), value(depth + 1));
+            read.members.push_back({std::move(name), value(depth + 1)});
             if (next() != ',') break;
             ++at_;
         }

@@ -57,8 +57,8 @@ def cpp(arm: Arm, name: str | None = None) -> str:
 
     Its namespace is ``name``; `NAME::ik`, `NAME::fk` and the rest stand at the end of the file. Several such files may
     be part of one unit. GCC 12, Clang 15 or later compile it. With ``-O3 -ffp-contract=fast -fno-math-errno
-    -fno-trapping-math`` and no other flag that changes the code, the compiler that built this package gives its answers
-    at the same instruction set, to the last bit.
+    -fno-trapping-math -fno-exceptions``, and with ``-ffreestanding -fno-rtti`` too, the compiler that built this
+    package gives its answers at the same instruction set, to the last bit.
 
     Args:
         arm: as :func:`urdf_ik.load` returns it.

@@ -2,32 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from urdf_ik.interop import other_programs
+from urdf_ik.interop.other_programs import *  # noqa: F403
 
-from urdf_ik.support.lazy import attributes
-
-if TYPE_CHECKING:
-    from urdf_ik.interop.other_programs import (
-        RerunArm,
-        ViserArm,
-        add_to_rerun,
-        add_to_viser,
-        from_joint_state,
-        pink_configuration,
-        to_joint_state,
-    )
-
-__all__ = [
-    "RerunArm",
-    "ViserArm",
-    "add_to_rerun",
-    "add_to_viser",
-    "from_joint_state",
-    "pink_configuration",
-    "to_joint_state",
-]
-
-__getattr__ = attributes(__name__, dict.fromkeys(__all__, "other_programs"))
+__all__ = []
+__all__ += other_programs.__all__
 
 
 def __dir__() -> list[str]:

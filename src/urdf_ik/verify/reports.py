@@ -10,6 +10,16 @@ from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section, json_text, plain
 
 
+def outcome(passed: bool, differs: bool) -> str:
+    """How a check ended: with no fault, with some, or, without one so far, before it had looked at everything.
+
+    Example:
+        >>> outcome(False, False)
+        'NOT ENDED'
+    """
+    return "PASSED" if passed else "FAILED" if differs else "NOT ENDED"
+
+
 class Written:
     """A frozen record that is written as plain values and as JSON."""
 

@@ -115,17 +115,17 @@ template <class V> STEP MiddleTurn<V> middle_turn(const IdealFrames& arm, const 
 }
 
 // Axes x and y of frame 3 seen from frame 5 before and after joint 5 turns.
-template <class V> struct Hand {
+template <class V> struct HandAxes {
     Vec<V> x, y;
 };
-template <class V> STEP Hand<V> hand_at(const IdealFrames& arm, const Turn<V>& t4) {
+template <class V> STEP HandAxes<V> hand_at(const IdealFrames& arm, const Turn<V>& t4) {
     const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], sense = same_sense(arm);
     return {through_joint<V>({V(1.0), V(0.0), V(0.0)}, t4, ca4, sa4),
             through_joint<V>({V(0.0), V(sense * arm.cos_alpha[2]), V(-sense * arm.sin_alpha[2])}, t4, ca4, sa4)};
 }
 
 // The turn psi about the parallel axes by joints 1 to 3 together, from all components of the rotation.
-template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const Hand<V>& hand, const Turn<V>& t5,
+template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const HandAxes<V>& hand, const Turn<V>& t5,
                                              const Turn<V>& t6) {
     Vec<V> x = through_joint(hand.x, t5, arm.cos_alpha[4], arm.sin_alpha[4]),
            y = through_joint(hand.y, t5, arm.cos_alpha[4], arm.sin_alpha[4]);
@@ -144,7 +144,8 @@ template <class V> STEP Plane<V> hand_across(const IdealFrames& arm, const Turn<
     return {arm.a[2] + x, same_sense(arm) * (arm.cos_alpha[2] * y - arm.sin_alpha[2] * (arm.d[2] + d5 * ca4))};
 }
 // The same to the origin of frame 6.
-template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<V>& t4, const Hand<V>& hand, const Turn<V>& t5) {
+template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<V>& t4, const HandAxes<V>& hand,
+                                             const Turn<V>& t5) {
     const Plane<V> f = hand_across(arm, t4);
     return {f.x + arm.a[4] * (t5.c * hand.x.x + t5.s * hand.x.y), f.y + arm.a[4] * (t5.c * hand.y.x + t5.s * hand.y.y)};
 }
@@ -170,7 +171,7 @@ template <LastAxes kind> struct ParallelShoulder {
             const int b = 4 * (k / 2) + k % 2;
             const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, ideal.signs[0][b], ideal.signs[2][b], {});
             const MiddleTurn<Block> middle = middle_turn(ideal, at, ends.t4, ends.t6);
-            const Hand<Block> hand = hand_at(ideal, ends.t4);
+            const HandAxes<Block> hand = hand_at(ideal, ends.t4);
             const Turn<Block> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
             const Plane<Block> u = rest_across<Block>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
             const Block arm6 = at.h.x * at.h.x + at.h.y * at.h.y;
@@ -210,7 +211,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Height<V> at = height_of(ideal, seen);
         const WristEnds<V> ends = wrist_ends<kind, V>(ideal, at, signs.shoulder, signs.wrist, signs.root);
         const MiddleTurn<V> middle = middle_turn(ideal, at, ends.t4, ends.t6);
-        const Hand<V> hand = hand_at(ideal, ends.t4);
+        const HandAxes<V> hand = hand_at(ideal, ends.t4);
         const Turn<V> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
         const Plane<V> u = rest_across<V>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
         const Elbow<V> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
@@ -302,7 +303,7 @@ template <LastAxes kind> struct ParallelShoulder {
     static STEP Left reach_across(const Arm& arm, const Sight& sight, const Settled& at, const Turn<double>& t6) {
         const auto& ideal = arm.ideal;
         const auto& [R, p] = sight.seen;
-        const Hand<double> hand = hand_at(ideal, at.ends.t4);
+        const HandAxes<double> hand = hand_at(ideal, at.ends.t4);
         const bool aligned = at.middle.arm5 < ALMOST_ALIGNED;
         Left out = {angle(at.middle.t5), angle(t6), turn_of_hand(ideal, R, hand, at.middle.t5, t6), {}, true};
         // From axis 1 to axis 3 through the last point that no free joint moves.

@@ -98,6 +98,7 @@ PART Gone go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
     const Places& places = solver.solve();
     out.proven = places.whole;
     for (int c = 0; c < places.count; ++c) {
+<<<<<<< HEAD
         const Placed& place = places.at[c];
         double off[5] = {place.off[0], place.off[1], place.off[2], 0.0, 0.0}, candidate[N];
         gather(arm, way, seen, place.q, q, off);
@@ -106,6 +107,10 @@ PART Gone go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
         for (int k = 0; k < 5; ++k) {
             if (way.joint[k] >= 0) bounds[way.joint[k]] = off[k];
         }
+=======
+        const PlaceTried& place = places.at[c];
+        gather(arm, way, seen, place.q, q);
+>>>>>>> main
         const Origin origin = place.free ? Origin::doubtful : Origin::computed;
         const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
         out.proven = out.proven && is_certain(arm.written, goal, candidate, bounds, q, sigma);

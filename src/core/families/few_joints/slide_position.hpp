@@ -22,7 +22,7 @@ inline constexpr double VANISHING = 1e-12;
 // around the circle.
 inline constexpr double ALL_BUT_FREE = 1e-10;
 // If an unknown's coefficient is below this, the equation is also solved without it.
-inline constexpr double WEAK = 1e-3;
+inline constexpr double WEAK_TERM = 1e-3;
 // A slide further out than this share of the size is a root at infinity.
 inline constexpr double FARTHEST_SLIDE = 1e6;
 
@@ -35,6 +35,7 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
     return {atan2(dot(h, cross(u, v)), dot(u, v)), min(dot(u, u), dot(v, v))};
 }
 
+<<<<<<< HEAD
 // Bounds on errors, lengths as shares of the size: of a point's place, EXACT times 1 + |p|, for the structure of the arm and the
 // rounding of the target; of the equations' coefficients, EQUATION times (1 + |p|^2)^2. The rows are at most 2 long and the links
 // at most 1, so that a coefficient's error is at most 900 such errors of a place for |p| <= 1, and grows with |p|^4.
@@ -43,6 +44,10 @@ inline constexpr double EXACT = 1.1e-13, EQUATION = 1e-10;
 // A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free. off: bounds on the distances of the
 // solution from it, if Places::whole.
 struct Placed {
+=======
+// A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free.
+struct PlaceTried {
+>>>>>>> main
     double q[3];
     unsigned free;
     double off[3];
@@ -50,7 +55,7 @@ struct Placed {
 // Four roots twice where a row is weak, and their two signs. whole: each solution belongs to one of them, within its bounds, and no
 // two to the same.
 struct Places {
-    Placed at[24];
+    PlaceTried at[24];
     int count = 0;
     bool whole = true;
 };
@@ -275,7 +280,7 @@ private:
             }
         }
         for (int k = 0; k < 2; ++k) {
-            if (m[k] <= WEAK * WEAK && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
+            if (m[k] <= WEAK_TERM * WEAK_TERM && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
         }
         // Either both rows or one.
         const double least = min(m[0], m[1]), most = max(m[0], m[1]);
@@ -289,11 +294,15 @@ private:
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]), y = without(z, h2);
             const double foot = value(r.b[1 - k], found.at[i]) / m, rest = dot(y, y) - foot * foot * m;
+<<<<<<< HEAD
             Off off = off_of(t, found.off[i]);
             const double of_foot = slope(r.b[1 - k], found.at[i]) * off.q3 + equation_error;
             const double of_rest = 4.0 * (sqrt(dot(y, y)) * off.point + abs(foot) * of_foot);
             out.whole = out.whole && abs(rest) > of_rest;
             if (rest < -WEAK * span) continue;
+=======
+            if (rest < -WEAK_TERM * span) continue;
+>>>>>>> main
             const double height = sqrt(max(rest, 0.0));
             off.w = of_foot / sqrt(m) + of_rest / max(height, TINY);
             turn_to(z, foot * row + height * side, found.at[i], off);
@@ -328,12 +337,12 @@ private:
                 finish(q2, found.at[i], 0, p1 + point(t, found.at[i]) + q2 * h2);
             }
         }
-        if (abs(slope) >= WEAK) return;
+        if (abs(slope) >= WEAK_TERM) return;
         const Roots found = roots(alone(height), span);
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]);
             const double half = dot(h2, z), rest = half * half - dot(z, z) + square;
-            if (rest < -WEAK * span) continue;
+            if (rest < -WEAK_TERM * span) continue;
             const double root = sqrt(max(rest, 0.0));
             finish(root - half, found.at[i], 0, p1 + z + (root - half) * h2);
             if (rest > 0.0) finish(-root - half, found.at[i], 0, p1 + z - (root + half) * h2);

@@ -51,7 +51,7 @@ STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const dou
 }
 
 // A joint that a position leaves nearly free is tried at values around the circle.
-PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign,
+PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const PlaceTried& place, double sign,
                      const Reference<6>& reference, const Columns<6>& columns) {
     double q[6], off = 0.0;
     bool sure = false;
@@ -75,7 +75,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
     const Places& places = solver.solve();
     bool proven = places.whole && arm.imperfection == 0.0;
     for (int c = 0; c < places.count; ++c) {
-        const Placed& place = places.at[c];
+        const PlaceTried& place = places.at[c];
         for (const double sign : FLIPS) {
             double bounds[6] = {place.off[0], place.off[1], place.off[2]}, candidate[6], off = EXACT;
             for (int k = 0; k < 3; ++k) off += arm.step.slides[k] ? 0.0 : place.off[k];

@@ -347,7 +347,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // Complex solutions of real equations come in pairs, and so real ones do: an odd number lacks one, double roots
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.
-    if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
+    if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? NEAR_FOLD : IN_A_VALLEY, columns);
     if (search.certifies && holds_curve(arm, goal, search)) return Status::continuum;
     return Status::incomplete;
 }

@@ -26,9 +26,9 @@ inline constexpr double ALIGNED = 1e-2;
 inline constexpr int TURNS_TRIED = 8;
 // A margin that is negative at a sample by less than this may be positive between two samples.
 inline constexpr double ALMOST = 1e-2;
-// If the residual is below CORRECTED, the sample is moved in CORRECTIONS rounds to where the arm as written has it.
+// If the residual is below CORRECTED, the sample is moved in CORRECTION_ROUNDS rounds to where the arm as written has it.
 inline constexpr double CORRECTED = 0.05;
-inline constexpr int CORRECTIONS = 4;
+inline constexpr int CORRECTION_ROUNDS = 4;
 // Cosine of the greatest difference of joints 1 to 3 between neighbouring samples of a branch, 0.15 rad. Where W passes close to
 // axis 1, joint 1 turns much faster than joint 5.
 inline constexpr double COS_TURNING = 0.98877;
@@ -126,7 +126,7 @@ struct HollowWrist {
         const Vec<double> W = search.flange + back * search.direction;
         Vec<double> goes = W;
         Sample s = {};
-        for (int round = 0; round < CORRECTIONS; ++round) {
+        for (int round = 0; round < CORRECTION_ROUNDS; ++round) {
             const Vec<double> seen = times(ideal.base_rotation, goes - vec<double>(ideal.base_origin));
             const Place<double> place = bend_elbow<double>(p, seen, face<double>(p, seen, search.front), search.up, {});
             const Rot<double> bent = wrist_rotation({search.level, search.level, search.level}, ideal, place);

@@ -61,7 +61,7 @@ template <int N> static STEP void insert_rows(const GivenJoint& given, const Bat
             double* to = part.q + (n + 1) * row;
             const double value = part.flags[row] & VALID ? values[i] : __builtin_nan("");
             to[first ? 0 : n] = value;
-            __builtin_memcpy(to + first, from, n * sizeof(double));
+            __builtin_memcpy(to + first, from, sizeof(double) * unsigned(n));
         }
     }
 }

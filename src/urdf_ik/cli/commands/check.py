@@ -56,6 +56,7 @@ def command(
         Option("--proof", help="Instead: check the proofs of N random, N nearly singular and N round poses."),
     ] = False,
     collisions: options.Collisions = None,
+    time_limit: options.TimeLimit = None,
     work: StoreOptions,
     chosen: ArmOptions,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -71,6 +72,8 @@ def command(
         raise console.usage("--complete compares solutions and nothing else", "--collisions")
     if proof and (complete or collisions is not None):
         raise console.usage("--proof checks proofs and nothing else", "--proof")
+    if time_limit is not None and (proof or Path(chosen.robot).is_dir()):
+        raise console.usage("poses of one arm are checked up to it; proofs and folders have none", "--time-limit")
     report: surveys.Survey | crosscheck.Report | completeness.Completeness | ProofCheck
     if Path(chosen.robot).is_dir():
         if proof:
@@ -79,23 +82,25 @@ def command(
     else:
         if work != StoreOptions():
             raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
-        report = _proofs(chosen, n, seed) if proof else _report(chosen, n, seed, complete, collisions)
+        report = _proofs(chosen, n, seed) if proof else _report(chosen, n, seed, complete, collisions, time_limit)
     console.write(report.to_json() if printed_as is ReportFormat.JSON else f"{report}\n", None)
     if not report.passed:
         raise typer.Exit(Status.FAILED)
 
 
 def _report(
-    chosen: ArmOptions, n: int, seed: int, complete: bool, collisions: bool | None
+    chosen: ArmOptions, n: int, seed: int, complete: bool, collisions: bool | None, time_limit: float | None
 ) -> crosscheck.Report | completeness.Completeness:
     from urdf_ik.verify import completeness, crosscheck
 
     arm = chosen.load()
     if complete:
         with Progress("comparing poses", "solving in two ways") as progress:
-            return completeness.compare(arm, n=n, seed=seed, progress=progress.tick)
+            return completeness.compare(arm, n=n, seed=seed, time_limit=time_limit, progress=progress.tick)
     with Progress("checking poses", "checking against Pinocchio") as progress:
-        return crosscheck.check(arm, n=n, seed=seed, collision=collisions, progress=progress.tick)
+        return crosscheck.check(
+            arm, n=n, seed=seed, collision=collisions, time_limit=time_limit, progress=progress.tick
+        )
 
 
 def _proofs(chosen: ArmOptions, n: int, seed: int) -> ProofCheck:

@@ -56,6 +56,7 @@ def command(
     seed: options.Seed = 0,
     max_error: MaxError = None,
     within_limits: Within = False,
+    time_limit: options.TimeLimit = None,
     chosen: ArmOptions,
     printed_as: Printed = JudgeFormat.TABLE,
     output: options.Output = None,
@@ -73,7 +74,8 @@ def command(
         with Progress("judging poses", "solving") as progress:
             found = judged(
                 arm, solve, n=n, seed=seed, tolerance=TOLERANCE if max_error is None else max_error,
-                within_limits=within_limits, name=str(getattr(solve, "__name__", solver)), progress=progress.tick,
+                within_limits=within_limits, name=str(getattr(solve, "__name__", solver)), time_limit=time_limit,
+                progress=progress.tick,
             )  # fmt: skip
     finally:
         if isinstance(solve, SolverProcess):

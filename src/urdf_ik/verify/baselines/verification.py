@@ -21,7 +21,7 @@ from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, apart, ignored
 from urdf_ik.verify.change_search import differences, greatest_change, order_of
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
-from urdf_ik.verify.reports import Report
+from urdf_ik.verify.reports import Report, outcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -119,8 +119,7 @@ class Verification(Report):
         count = len(self.differences)
         found = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
         then, now = self.solutions
-        ended = "PASSED" if self.passed else "FAILED" if self.differences else "NOT ENDED"
-        left_out = f"; {self.unlooked}" if self.unlooked else ""
+        ended, left_out = outcome(self.passed, bool(self.differences)), f"; {self.unlooked}" if self.unlooked else ""
         return f"{ended}: {found}; {self.poses} poses, {then} solutions then, {now} now{left_out}"
 
 

@@ -10,16 +10,18 @@ import pinocchio as pin
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.support import inputs
+from urdf_ik.support.watch import Watch
 from urdf_ik.verify.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
 from urdf_ik.verify.completeness.sameness import Sameness, Unmatched, distance_to_singularity, plant
 from urdf_ik.verify.completeness.second_way import SecondWay
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -27,7 +29,7 @@ _CHUNK = 16  # poses at a time
 
 
 def compare(
-    arm: Arm, n: int = 200, seed: int = 0, *, progress: Callable[[int, int], None] | None = None
+    arm: Arm, n: int = 200, seed: int = 0, *, time_limit: float | None = None, progress: Progress | None = None
 ) -> Completeness:
     """Hold an arm's solver against a second way to all solutions.
 
@@ -38,6 +40,7 @@ def compare(
         arm: what :func:`urdf_ik.load` returned; six turning joints.
         n: number of random poses, of those near singularities, and of those at right angles.
         seed: the same seed gives the same report; :func:`replay` gives pose i of it again.
+        time_limit: s after which no more poses are compared; what was left out did not pass.
         progress: called with (poses done, poses).
 
     Returns:
@@ -45,7 +48,7 @@ def compare(
 
     Raises:
         UnsupportedArm: the arm has no solver, or is not one of six turning joints.
-        ArgumentError: n is below 1, or the seed is negative.
+        ArgumentError: n is below 1, the seed is negative, or ``time_limit`` is no number of seconds.
 
     Example:
         >>> import urdf_ik
@@ -55,13 +58,16 @@ def compare(
     """
     inputs.arm(arm)
     n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
-    inputs.callback(progress, "progress")
+    watch, unlooked = Watch(time_limit, progress), ""
     vectors = planted(arm, n, seed)
     sameness = Sameness(arm.chain, Reference(arm.model, arm.base, arm.tip))
     second = SecondWay.of(arm)
     groups: dict[float | None, Group] = {}
     differences: list[Difference] = []
     for start in range(0, 3 * n, _CHUNK):
+        if watch.is_over:
+            unlooked = watch.ended(f"with {start} of {3 * n} poses: the others were")
+            break
         indices = range(start, min(start + _CHUNK, 3 * n))
         T = sameness.reference.pose(vectors[start : indices.stop])
         mine = arm.ik(T)
@@ -74,8 +80,7 @@ def compare(
             names = np.asarray(mine.branches, dtype=object)[valid[i]]
             group.add(int(valid[i].sum()), len(theirs), answer)
             differences += _records(sameness, answer, T[i], vectors[index], index, near, list(names), second)
-        if progress is not None:
-            progress(indices.stop, 3 * n)
+        watch.step(indices.stop, 3 * n)
     return Completeness(
         robot=arm.name,
         base=arm.base,
@@ -88,6 +93,7 @@ def compare(
         second=second.name,
         groups=tuple(groups[key] for key in sorted(groups, key=lambda near: -np.inf if near is None else -near)),
         differences=tuple(differences),
+        unlooked=unlooked,
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from urdf_ik.support.text import Section
 from urdf_ik.verify.crosscheck.properties import EXACT
-from urdf_ik.verify.reports import Report
+from urdf_ik.verify.reports import Report, outcome
 
 if TYPE_CHECKING:
     from urdf_ik.verify.completeness.sameness import Unmatched
@@ -144,6 +144,7 @@ class Completeness(Report):
         second: what it was compared with.
         groups: counts by distance from a singularity, random ones first.
         differences: every one.
+        unlooked: what the time limit left out; '' where every pose was compared.
 
     Example:
         >>> import urdf_ik
@@ -164,6 +165,7 @@ class Completeness(Report):
     second: str
     groups: tuple[Group, ...]
     differences: tuple[Difference, ...]
+    unlooked: str = ""
 
     @property
     def passed(self) -> bool:
@@ -172,7 +174,11 @@ class Completeness(Report):
         It must have every solution that the second way found and every planted joint vector, and what only it has must
         reach the pose under Pinocchio. What the second way missed is reported, but no fault of the solver.
         """
-        return not any(difference.counts for difference in self.differences)
+        return not self._speaks_against and not self.unlooked
+
+    @property
+    def _speaks_against(self) -> bool:
+        return any(difference.counts for difference in self.differences)
 
     def title(self) -> str:
         """The arm, the two ways, and who measured them.
@@ -227,5 +233,5 @@ class Completeness(Report):
         poses = sum(group.poses for group in self.groups)
         missed = [difference.missed_by for difference in self.differences]
         parts = [f"{missed.count(who)} missed by {who}" for who in (SOLVER, SECOND, BOTH) if who in missed]
-        verdict = "PASSED" if self.passed else "FAILED"
-        return f"{verdict}: {poses} poses, {', '.join(parts) or 'no difference'}"
+        ended, left_out = outcome(self.passed, self._speaks_against), f"; {self.unlooked}" if self.unlooked else ""
+        return f"{ended}: {poses} poses, {', '.join(parts) or 'no difference'}{left_out}"

@@ -11,15 +11,16 @@ from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfError
 from urdf_ik.support import inputs
+from urdf_ik.support.watch import Watch
 from urdf_ik.verify.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.verify.crosscheck.report import Report
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -54,7 +55,8 @@ def check(
     collision: bool | None = None,
     *,
     collision_poses: int | None = COLLISION_POSES,
-    progress: Callable[[int, int], None] | None = None,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
 ) -> Report:
     """Hold an arm against Pinocchio's own model of the same URDF.
 
@@ -69,6 +71,7 @@ def check(
         seed: the same seed gives the same report; :func:`replay` gives pose i of it again.
         collision: compare collision, too; None: where the URDF has collision shapes and all of them can be read.
         collision_poses: most joint vectors whose collision is compared; None: all.
+        time_limit: s after which no more poses are checked; what was left out did not pass.
         progress: called with (poses done, n).
 
     Returns:
@@ -76,7 +79,7 @@ def check(
 
     Raises:
         UrdfError: ``collision`` is true, and there are no collision shapes or not all of them can be read.
-        ArgumentError: n is below 1, or the seed is negative.
+        ArgumentError: n is below 1, the seed is negative, or ``time_limit`` is no number of seconds.
 
     Example:
         >>> import urdf_ik
@@ -86,16 +89,19 @@ def check(
     inputs.arm(arm)
     n = inputs.poses(n)
     seed = _seed(seed)
-    inputs.callback(progress, "progress")
+    watch = Watch(time_limit, progress)
     reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
     names = limits(arm, reference)
-    tallies, skipped = [names], []
+    tallies, skipped, unlooked = [names], [], ""
     if tuple(arm.joint_names) != reference.joint_names:
         skipped.append(("all else", "the arm's joints are not Pinocchio's"))
     else:
         kinematics, inverse = Kinematics(arm, reference), Inverse(arm, reference)
         touching, reason = _collision(arm, collision, collision_poses)
         for start in range(0, n, _CHUNK):
+            if watch.is_over:
+                unlooked = watch.ended(f"with {start} of {n} poses: the others were")
+                break
             indices = range(start, min(start + _CHUNK, n))
             Q = np.array([_draw(reference, seed, index) for index in indices])
             T = reference.pose(Q)
@@ -103,8 +109,7 @@ def check(
             solutions = inverse.take(indices, Q, T)
             if touching is not None:
                 touching.take(indices, Q, solutions)
-            if progress is not None:
-                progress(indices.stop, n)
+            watch.step(indices.stop, n)
         tallies += kinematics.tallies + inverse.tallies
         tallies += [] if touching is None else touching.tallies
         skipped += inverse.skipped + ([("collision", reason)] if reason else [])
@@ -118,6 +123,7 @@ def check(
         reference=f"Pinocchio {pin.__version__}",
         rows=tuple(tally.row() for tally in tallies),
         skipped=tuple(skipped),
+        unlooked=unlooked,
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support.text import Section, quoted
 from urdf_ik.verify import reports
+from urdf_ik.verify.reports import outcome
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -83,6 +84,7 @@ class Report(reports.Report):
         reference: name and version of the reference.
         rows: one a property.
         skipped: (property, reason) of what could not be checked.
+        unlooked: what the time limit left out; '' where every pose was checked.
 
     Example:
         >>> import urdf_ik
@@ -101,11 +103,12 @@ class Report(reports.Report):
     reference: str
     rows: tuple[Row, ...]
     skipped: tuple[tuple[str, str], ...] = ()
+    unlooked: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether every property that was checked holds; ``skipped`` says what was not."""
-        return all(row.passed for row in self.rows)
+        """Whether every property that was checked holds for all poses; ``skipped`` says what was not checked."""
+        return not self.failed and not self.unlooked
 
     @property
     def failed(self) -> tuple[Row, ...]:
@@ -240,4 +243,5 @@ class Report(reports.Report):
             'PASSED'
         """
         held = sum(row.passed for row in self.rows)
-        return f"{'PASSED' if self.passed else 'FAILED'}: {held} of {len(self.rows)} properties hold"
+        left_out = f"; {self.unlooked}" if self.unlooked else ""
+        return f"{outcome(self.passed, bool(self.failed))}: {held} of {len(self.rows)} properties hold{left_out}"

@@ -12,6 +12,7 @@ from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 from urdf_ik.support.text import quoted
+from urdf_ik.support.watch import Watch
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.pose_sampling import least_singular_value, near_singularity, round_vectors
 from urdf_ik.verify.completeness.sameness import Sameness
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cell.pinocchio_reference import Reference
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -55,7 +57,8 @@ def judge(
     tolerance: float = TOLERANCE,
     within_limits: bool = False,
     name: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
 ) -> Judgement:
     """Hold a solver to an arm: is each of its solutions one, and does it have all of them, once?
 
@@ -83,6 +86,7 @@ def judge(
         tolerance: error [m; rad] above which a solution is wrong.
         within_limits: the solver returns only solutions inside the joint limits, so no others are expected.
         name: what the report calls it; default: the function's name.
+        time_limit: s after which no more poses are given to the solver; what was left out did not pass.
         progress: called with (poses done, poses).
 
     Returns:
@@ -104,18 +108,22 @@ def judge(
     n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     tolerance = inputs.number(tolerance, "tolerance", low=0.0, high=1.0)
     within_limits = inputs.flag(within_limits, "within_limits")
-    inputs.callback(progress, "progress")
+    watch = Watch(time_limit, progress)
     reference = arms.reference_of(arm)
     judged = _Judged(arm, reference, tolerance, within_limits)
     index = 0
     for kind in KINDS:
+        if watch.is_over:
+            break
         T, q, values = _poses(arm, reference, kind, n, seed)
         for k in range(len(T)):
+            if watch.is_over:
+                break
             made_of = None if q is None else q[k]
             judged.take(kind, index, T[k], made_of, None if values is None else values[k], solve)
             index += 1
-            if progress is not None:
-                progress(index, n * len(KINDS))
+            watch.step(index, n * len(KINDS))
+    poses = n * len(KINDS)
     return Judgement(
         solver=name or str(getattr(solve, "name", "") or getattr(solve, "__name__", type(solve).__name__)),
         robot=arm.name,
@@ -127,6 +135,9 @@ def judge(
         within_limits=within_limits,
         kinds=tuple(Kind(kind, *judged.counts[kind]) for kind in KINDS),
         faults=tuple(judged.faults),
+        unlooked=watch.ended(f"with {index} of {poses} poses: the others were")
+        if index < poses and watch.is_over
+        else "",
     )
 
 

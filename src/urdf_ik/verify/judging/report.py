@@ -7,7 +7,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from urdf_ik.errors import printable
 from urdf_ik.support.text import Section
-from urdf_ik.verify.reports import Report
+from urdf_ik.verify.reports import Report, outcome
 
 WRONG, MISSING, DOUBLED, OUTSIDE, FAILED = "wrong", "missing", "doubled", "outside limits", "failed"
 FAULTS = (WRONG, MISSING, DOUBLED, FAILED)
@@ -83,6 +83,7 @@ class Judgement(Report):
         within_limits: whether the solver had to return only solutions within the joint limits.
         kinds: counts by kind of pose.
         faults: every fault.
+        unlooked: what the time limit left out; '' where every pose was judged.
     """
 
     solver: str
@@ -95,11 +96,12 @@ class Judgement(Report):
     within_limits: bool
     kinds: tuple[Kind, ...]
     faults: tuple[Fault, ...]
+    unlooked: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is wrong, missing or doubled."""
-        return not self.faults
+        """Whether nothing is wrong, missing or doubled at any pose."""
+        return not self.faults and not self.unlooked
 
     def title(self) -> str:
         """Who was judged on what.
@@ -160,7 +162,8 @@ class Judgement(Report):
         counts = [(sum(each.fault == fault for each in self.faults), fault) for fault in (*FAULTS, OUTSIDE)]
         parts = ", ".join(f"{count} {fault}" for count, fault in counts if count)
         poses = sum(kind.poses for kind in self.kinds)
-        return f"{'PASSED' if self.passed else 'FAILED'}: {poses} poses, {parts or 'nothing wrong, missing or doubled'}"
+        ended, left_out = outcome(self.passed, bool(self.faults)), f"; {self.unlooked}" if self.unlooked else ""
+        return f"{ended}: {poses} poses, {parts or 'nothing wrong, missing or doubled'}{left_out}"
 
     def to_junit(self) -> str:
         """JUnit XML: a test suite a kind of pose, a test case a sort of fault.
@@ -183,6 +186,11 @@ class Judgement(Report):
             suites.append(
                 f'<testsuite name={quoteattr(kind.name)} tests="{len(cases)}" failures="{failures}">'
                 f"{''.join(cases)}</testsuite>"
+            )
+        if self.unlooked:
+            suites.append(
+                '<testsuite name="time limit" tests="1" failures="1"><testcase classname="time limit" '
+                f'name="every pose"><failure message={quoteattr(self.unlooked)}></failure></testcase></testsuite>'
             )
         head = '<?xml version="1.0" encoding="utf-8"?>'
         return f"{head}\n<testsuites name={quoteattr(self.title())}>{''.join(suites)}</testsuites>\n"
