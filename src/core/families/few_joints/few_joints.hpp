@@ -36,7 +36,7 @@ STEP Vec<double> place_of(const Goal<double>& goal, const double (&in_tip)[3], d
 template <int N>
 STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& seen, const double (&placed)[3],
                  double (&q)[N], double (&off)[5]) {
-    double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0}, turned = EXACT;
+    double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0}, turned = PLACE_ERROR;
     for (int k = 0; k < 3; ++k) turned += way.step.slides[k] ? 0.0 : off[k];
     if (way.turns) {
         Rot<double> rest = behind(way.step, placed, from_home(seen.R, way.home));
@@ -57,7 +57,7 @@ STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal
 }
 
 // The largest error that rounding, and the tolerance to which a solution is verified, leave of a pose.
-inline constexpr double MISSED = 1e-9;
+inline constexpr double POSE_MISSED = 1e-9;
 
 // Whether it is certain what a candidate stands for: for the one solution q, whose Jacobian's smallest singular value is at least
 // sigma, or, where sigma is infinite, for none. off: bounds on the distances of a solution that it stands for, by joint. A joint
@@ -72,11 +72,11 @@ STEP bool is_certain(const Written<N>& arm, const Goal<double>& goal, const doub
     for (int j = 0; j < N; ++j) {
         const double* t = arm.step[j + 1].t;
         lever += sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]) / arm.size;
-        near = near && abs(gap(arm, j, candidate[j], q[j])) <= off[j] + MISSED;
+        near = near && abs(gap(arm, j, candidate[j], q[j])) <= off[j] + POSE_MISSED;
         square += off[j] * off[j], sum += off[j];
     }
-    if (sigma < __builtin_inf()) return near && N * (lever + 2.0) * (sqrt(square) + MISSED) < sigma;
-    return error_at<N, double>(arm, goal, candidate).size > lever * sum + MISSED;
+    if (sigma < __builtin_inf()) return near && N * (lever + 2.0) * (sqrt(square) + POSE_MISSED) < sigma;
+    return error_at<N, double>(arm, goal, candidate).size > lever * sum + POSE_MISSED;
 }
 
 // What is known after a way has been gone: a joint was nearly free; the solutions are all.
@@ -98,8 +98,7 @@ PART Gone go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
     const Places& places = solver.solve();
     out.proven = places.whole;
     for (int c = 0; c < places.count; ++c) {
-<<<<<<< HEAD
-        const Placed& place = places.at[c];
+        const PlaceTried& place = places.at[c];
         double off[5] = {place.off[0], place.off[1], place.off[2], 0.0, 0.0}, candidate[N];
         gather(arm, way, seen, place.q, q, off);
         double bounds[N] = {};
@@ -107,10 +106,6 @@ PART Gone go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
         for (int k = 0; k < 5; ++k) {
             if (way.joint[k] >= 0) bounds[way.joint[k]] = off[k];
         }
-=======
-        const PlaceTried& place = places.at[c];
-        gather(arm, way, seen, place.q, q);
->>>>>>> main
         const Origin origin = place.free ? Origin::doubtful : Origin::computed;
         const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
         out.proven = out.proven && is_certain(arm.written, goal, candidate, bounds, q, sigma);

@@ -35,19 +35,14 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
     return {atan2(dot(h, cross(u, v)), dot(u, v)), min(dot(u, u), dot(v, v))};
 }
 
-<<<<<<< HEAD
-// Bounds on errors, lengths as shares of the size: of a point's place, EXACT times 1 + |p|, for the structure of the arm and the
-// rounding of the target; of the equations' coefficients, EQUATION times (1 + |p|^2)^2. The rows are at most 2 long and the links
-// at most 1, so that a coefficient's error is at most 900 such errors of a place for |p| <= 1, and grows with |p|^4.
-inline constexpr double EXACT = 1.1e-13, EQUATION = 1e-10;
+// Bounds on errors, lengths as shares of the size: of a point's place, PLACE_ERROR times 1 + |p|, for the structure of the arm and
+// the rounding of the target; of the equations' coefficients, EQUATION_ERROR times (1 + |p|^2)^2. The rows are at most 2 long and
+// the links at most 1, so that a coefficient's error is at most 900 such errors of a place for |p| <= 1, and grows with |p|^4.
+inline constexpr double PLACE_ERROR = 1.1e-13, EQUATION_ERROR = 1e-10;
 
 // A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free. off: bounds on the distances of the
 // solution from it, if Places::whole.
-struct Placed {
-=======
-// A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free.
 struct PlaceTried {
->>>>>>> main
     double q[3];
     unsigned free;
     double off[3];
@@ -88,8 +83,8 @@ public:
           p2(vec<double>(step.point[1])),
           third_slides(step.slides[2]) {
         for (int k = 0; k < 3; ++k) this->ref[k] = ref[k];
-        place_error = EXACT * (1.0 + sqrt(dot(p, p)));
-        equation_error = EQUATION * (1.0 + dot(p, p)) * (1.0 + dot(p, p));
+        place_error = PLACE_ERROR * (1.0 + sqrt(dot(p, p)));
+        equation_error = EQUATION_ERROR * (1.0 + dot(p, p)) * (1.0 + dot(p, p));
     }
 
     PART const Places& solve() {
@@ -151,7 +146,7 @@ private:
     }
     static STEP Equation alone(const Form& a) { return {{a[0], a[1], a[2], 0.0, 0.0}}; }
 
-    // off: as in Placed.
+    // off: as in PlaceTried.
     struct Roots {
         double at[4], off[4] = {};
         int count = 0;
@@ -160,7 +155,7 @@ private:
     STEP bool bound_square(const double (&f)[5], Roots& r) const {
         if (f[2] == 0.0) {
             for (int i = 0; i < r.count; ++i) r.off[i] = equation_error * (1.0 + abs(r.at[i])) / abs(f[1]);
-            return r.count == 1 && abs(f[1]) > WEAK;
+            return r.count == 1 && abs(f[1]) > WEAK_TERM;
         }
         const double square = f[1] * f[1] - 4.0 * f[0] * f[2],
                      error = 4.0 * equation_error * (abs(f[0]) + abs(f[1]) + abs(f[2]) + 1.0);
@@ -168,7 +163,7 @@ private:
             const double x = abs(r.at[i]);
             r.off[i] = 4.0 * equation_error * (1.0 + x + x * x) / sqrt(max(square, TINY));
         }
-        return abs(f[2]) > WEAK && (square > 4.0 * error ? r.count == 2 : square < -error && r.count == 0);
+        return abs(f[2]) > WEAK_TERM && (square > 4.0 * error ? r.count == 2 : square < -error && r.count == 0);
     }
     // Real roots q3. If the equation vanishes, to `scale`, every q3 is a root and the reference is returned. linear: it has no
     // harmonic but the first.
@@ -284,7 +279,7 @@ private:
         }
         // Either both rows or one.
         const double least = min(m[0], m[1]), most = max(m[0], m[1]);
-        out.whole = out.whole && most > WEAK * WEAK && (least > WEAK * WEAK || least <= VANISHING * VANISHING);
+        out.whole = out.whole && most > WEAK_TERM * WEAK_TERM && (least > WEAK_TERM * WEAK_TERM || least <= VANISHING * VANISHING);
     }
     // Row k is weak: its right side alone gives q3, and the other row gives the component of w along it.
     STEP void by_other_row(const Third& t, const Rows& r, int k, double m, double span) {
@@ -294,15 +289,11 @@ private:
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]), y = without(z, h2);
             const double foot = value(r.b[1 - k], found.at[i]) / m, rest = dot(y, y) - foot * foot * m;
-<<<<<<< HEAD
             Off off = off_of(t, found.off[i]);
             const double of_foot = slope(r.b[1 - k], found.at[i]) * off.q3 + equation_error;
             const double of_rest = 4.0 * (sqrt(dot(y, y)) * off.point + abs(foot) * of_foot);
             out.whole = out.whole && abs(rest) > of_rest;
-            if (rest < -WEAK * span) continue;
-=======
             if (rest < -WEAK_TERM * span) continue;
->>>>>>> main
             const double height = sqrt(max(rest, 0.0));
             off.w = of_foot / sqrt(m) + of_rest / max(height, TINY);
             turn_to(z, foot * row + height * side, found.at[i], off);

@@ -77,7 +77,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
     for (int c = 0; c < places.count; ++c) {
         const PlaceTried& place = places.at[c];
         for (const double sign : FLIPS) {
-            double bounds[6] = {place.off[0], place.off[1], place.off[2]}, candidate[6], off = EXACT;
+            double bounds[6] = {place.off[0], place.off[1], place.off[2]}, candidate[6], off = PLACE_ERROR;
             for (int k = 0; k < 3; ++k) off += arm.step.slides[k] ? 0.0 : place.off[k];
             if (!wrist_behind(arm, goal, place.q, sign, reference, q, off, proven)) continue;
             for (int k = 0; k < 3; ++k) bounds[arm.turn[k]] = off;
@@ -97,7 +97,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
 PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
     bool proven = arm.imperfection == 0.0;
     for (const double sign : FLIPS) {
-        double q[6] = {}, off = EXACT;
+        double q[6] = {}, off = PLACE_ERROR;
         if (!turn_wrist(arm, from_home(goal.R, arm.home), sign, reference, q, off, proven)) continue;
         const Posture<6, double> at = place(arm.written, q);
         const Vec<double> rest = goal.p - at.tip.p;
@@ -114,7 +114,7 @@ PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
             if (arm.written.slides[j] && k < 3) q[j] = slid.x[k++];
         }
         const double sigma = polish_and_keep(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
-        proven = proven && off < WEAK && sigma > WEAK && sigma < __builtin_inf();
+        proven = proven && off < WEAK_TERM && sigma > WEAK_TERM && sigma < __builtin_inf();
     }
     return proven;
 }

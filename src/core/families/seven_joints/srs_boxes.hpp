@@ -14,7 +14,7 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // How often the closed form runs on an arm that is not exact. It decides the cost only.
-inline constexpr int BOX_PASSES = 5;
+inline constexpr int BOX_SRS_PASSES = 5;
 
 // The boxes of the eight branches: centres and chords of the joints' arcs, as in Boxes; joints 2, 4 and 6 with their offsets.
 struct SrsBoxes {
@@ -193,7 +193,7 @@ inline Status Srs::status(const SrsArm& arm, const Goal<double>& goal, const See
     }
     SrsBoxes boxes;
     Status status = Status::incomplete;
-    for (int pass = 0; pass < (exact ? 1 : BOX_PASSES) && status == Status::incomplete; ++pass) {
+    for (int pass = 0; pass < (exact ? 1 : BOX_SRS_PASSES) && status == Status::incomplete; ++pass) {
         if (pass) narrow(arm, seen.p, boxes, targets);
         for (int k = 0; k < 3; ++k) boxes.open[k] = boxes.tiny[k] = 0;
         boxes.free = 0;
