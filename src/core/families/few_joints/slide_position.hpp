@@ -47,8 +47,7 @@ struct PlaceTried {
     unsigned free;
     double off[3];
 };
-// Four roots twice where a row is weak, and their two signs. whole: each solution belongs to one of them, within its bounds, and no
-// two to the same.
+// Four roots twice where a row is weak, and their two signs. whole: each solution lies within the bounds of one of them.
 struct Places {
     PlaceTried at[24];
     int count = 0;
@@ -176,9 +175,12 @@ private:
             return r;
         }
         if (!third_slides) {
-            const Quartic circle = linear ? first_harmonic_roots(f[0], f[1], f[2], equation_error)
-                                          : trigonometric_roots({f[0], f[1], f[2], f[3], f[4]}, equation_error);
-            out.whole = out.whole && circle.whole && circle.alone + 1u == 1u << circle.count;
+            // A root of the whole equation is one of the first harmonic and a constant, off by what is left out.
+            const double beyond = max(abs(f[3]), abs(f[4])), left_out = 3.0 * beyond + 5.0 * equation_error;
+            const Quartic circle = linear || beyond < NO_HARMONIC * largest
+                                       ? first_harmonic_roots(f[0], f[1], f[2], linear ? equation_error : left_out)
+                                       : trigonometric_roots({f[0], f[1], f[2], f[3], f[4]}, equation_error);
+            out.whole = out.whole && circle.whole;
             for (int k = 0; k < circle.count; ++k) r.off[k] = 1.1 * circle.radius[k], r.at[r.count++] = angle(circle.root[k]);
             return r;
         }
@@ -292,10 +294,10 @@ private:
             Off off = off_of(t, found.off[i]);
             const double of_foot = slope(r.b[1 - k], found.at[i]) * off.q3 + equation_error;
             const double of_rest = 4.0 * (sqrt(dot(y, y)) * off.point + abs(foot) * of_foot);
-            out.whole = out.whole && abs(rest) > of_rest;
             if (rest < -WEAK_TERM * span) continue;
             const double height = sqrt(max(rest, 0.0));
-            off.w = of_foot / sqrt(m) + of_rest / max(height, TINY);
+            // Where `rest` may be zero the root is at most that of twice its error.
+            off.w = of_foot / sqrt(m) + (rest > of_rest ? of_rest / height : 2.5 * sqrt(of_rest));
             turn_to(z, foot * row + height * side, found.at[i], off);
             if (height > 0.0) turn_to(z, foot * row - height * side, found.at[i], off);
         }
