@@ -40,6 +40,29 @@ def test_a_field_is_never_above_the_distance_and_near_it(name: str) -> None:
     assert (least[within] >= apart[within] - 4.0 * cell).all()
 
 
+def test_a_cloud_that_was_moved_is_where_it_stands_now() -> None:
+    """In a world that has a tree: a shell about the arm that comes to touch it, and is taken away."""
+    arm = urdf_ik.load("ur5")
+    cloud = urdf_ik.Points(2.5 * SHELL, 0.05)
+    away, here = urdf_ik.pose([0.0, 0.0, 0.0]), urdf_ik.pose([2.2, 0.2, 0.0])
+    moved, fresh = urdf_ik.World(), urdf_ik.World()
+    for world in (moved, fresh):
+        for k in range(100):
+            world.add(f"box {k}", urdf_ik.Box(0.05), urdf_ik.pose([3.0, 0.1 * k, 0.0]))
+    moved.add("cloud", cloud, away)
+    model = arm.cell.collisions.in_world(moved)
+    q = RNG.uniform(-np.pi, np.pi, (60, 6))
+    alone = arm.cell.collisions.in_collision(q)
+    assert np.array_equal(model.in_collision(q), alone)
+    moved.move("cloud", here)
+    fresh.add("cloud", cloud, here)
+    hits = model.in_collision(q)
+    assert np.array_equal(hits, arm.cell.collisions.in_world(fresh).in_collision(q))
+    assert (hits & ~alone).sum() > 5
+    moved.remove("cloud")
+    assert np.array_equal(model.in_collision(q), alone)
+
+
 def test_what_touches_a_large_cloud_is_what_touches_its_parts() -> None:
     """Clouds too small to have a field answer the same, for joint vectors and for motions."""
     arm = urdf_ik.load("ur5")

@@ -28,7 +28,13 @@ struct Curve {
             y[k] *= t;
         }
     }
-    // Bounds for |t| <= R: on |y(t)|, and on |y'(t)|.
+    STEP void slope_at(double t, double (&slope)[5]) const {
+        for (int k = 0; k < 5; ++k) {
+            slope[k] = 0.0;
+            for (int n = HIGHEST; n > 1; --n) slope[k] = (slope[k] + n * bend[n][k]) * t;
+        }
+    }
+    // Bounds for |t| <= R: on |y(t)|, |y'(t)| and |y''(t)|.
     STEP double height(double R) const {
         double sum = 0.0;
         for (int n = HIGHEST; n > 1; --n) sum = (sum + bent[n]) * R;
@@ -38,6 +44,11 @@ struct Curve {
         double sum = 0.0;
         for (int n = HIGHEST; n > 1; --n) sum = (sum + n * bent[n]) * R;
         return sum;
+    }
+    STEP double bending(double R) const {
+        double sum = 0.0;
+        for (int n = HIGHEST; n > 2; --n) sum = (sum + n * (n - 1) * bent[n]) * R;
+        return sum + 2.0 * bent[2];
     }
 };
 struct Valley : Curve {

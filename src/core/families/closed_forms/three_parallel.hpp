@@ -193,15 +193,17 @@ template <Hand kind> struct ThreeParallel {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size)};
-        if constexpr (by_signs) first = face(arm, seen.p, signs.shoulder);
-        first.turn = known.met(0, first.turn);
+        Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size), V(0.0)};
+        if constexpr (by_signs) {
+            first = face(arm, seen.p, signs.shoulder);
+            known.face(seen.p, first.k, signs.shoulder, first.turn, first.X);
+        }
         const Seen<V> from = seen_along(arm, seen, first.turn);
         Bend<V> bend = {{V(0.0), V(0.0)}, V(1.0)};
         if constexpr (by_signs) bend = wrist_bend(from.R.z, t, signs.wrist);
         else bend.turn = skew_bend(arm, from.R.z.z, from.p.z);
         bend.turn = known.met(4, bend.turn);
-        const WristTurns<V> turns = known.met(-1, 5, from.R, bend.turn, t, wrist_turns(from.R, bend.turn, t));
+        const WristTurns<V> turns = known.wrist(-1, 5, from.R, bend.turn, t);
         const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
         Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
         e.second = known.met(1, e.second);

@@ -42,7 +42,7 @@ STEP Middle middle_of(const Boxes& boxes, const IdealFrames& ideal, int first) {
 // the velocities that both axes give to it. The second derivative by joints i <= j turns X by one more axis: at most turn_j, and
 // shift_j + turn_j (length_i + length_j + 3 e) for a point.
 Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Turn<Block> (&turn)[6],
-                   const Block (&chord)[6], const Block (&half)[6]) {
+                   const Block (&chord)[6], const Block (&along)[6], const Block (&rest)[6]) {
     Block turned = CORRECTION_ROUNDING;
     for (int j = 0; j < 6; ++j) turned += apart.turn[j + 1] * chord[j];
     Frame<Block> joint_W[6], joint_I[6];
@@ -58,34 +58,43 @@ Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Bl
     Block turned_once = CORRECTION_ROUNDING,
           shifted_once = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
     Block before = 0.0, lever = 0.0;  // of the joints up to j: sums of half, and of half times length
+    Vec<Block> turning = {0.0, 0.0, 0.0}, shifting = turning;
     for (int j = 0; j < 6; ++j) {
         const Vec<Block>&z = joint_I[j].R.z, &other = joint_W[j].R.z;
         const Vec<Block> w = z - through(other);
         const Vec<Block> v = cross(z, middle.p - joint_I[j].p) - through(cross(other, goal.p - joint_W[j].p));
         const double t = apart.turn[j + 1], l = apart.length[j + 1];
+        const Block half = abs(along[j]) + rest[j];
+        turning = turning + along[j] * w, shifting = shifting + along[j] * v;
         // Pairs of joints up to j: each pair of different ones counts twice, with the half of Taylor's formula once.
-        const Block pairs = half[j] * (before + 0.5 * half[j]), levers = half[j] * (lever + l * before + l * half[j]);
-        turned_once += half[j] * (root(dot(w, w)) + CORRECTION_ROUNDING) + t * pairs;
-        shifted_once += half[j] * (root(dot(v, v)) + CORRECTION_ROUNDING * (l + reach)) +
+        const Block pairs = half * (before + 0.5 * half), levers = half * (lever + l * before + l * half);
+        turned_once += rest[j] * root(dot(w, w)) + half * CORRECTION_ROUNDING + t * pairs;
+        shifted_once += rest[j] * root(dot(v, v)) + half * (CORRECTION_ROUNDING * (l + reach)) +
                         (apart.shift[j + 1] + 3.0 * t * reach) * pairs + t * levers;
-        before += half[j], lever += half[j] * l;
+        before += half, lever += half * l;
     }
-    return {middle, INFLATED * min(turned, turned_once), INFLATED * min(shifted, shifted_once)};
+    // A turn by the vector a moves a column by its cross product with a, up to half of a's square.
+    turned_once += 0.5 * dot(turning, turning);
+    const auto crude = !((turned_once < turned) & (shifted_once < shifted));
+    const Block one = select(crude, Block(0.0), Block(1.0));
+    turning = one * turning, shifting = one * shifting;
+    const Seen<Block> moving = {each(middle.R, [&](const Vec<Block>& a) { return cross(turning, a); }), shifting};
+    return {middle, moving, INFLATED * select(crude, turned, turned_once), INFLATED * select(crude, shifted, shifted_once)};
 }
 
 // The next pass for a block of boxes, from the displacements of the joint vectors in each box.
 PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Inclusion& family, int first,
                  Boxes& boxes, unsigned& open) {
     Turn<Block> turn[6];
-    Block chord[6], half[6], total = 0.0;
+    Block chord[6], half[6], along[6], total = 0.0;
     for (int j = 0; j < 6; ++j) {
         const Block c = load<Block>(boxes.c[j] + first), s = load<Block>(boxes.s[j] + first);
         const auto arc = c * c + s * s > Block(0.5);
         turn[j] = {select(arc, c, Block(1.0)), select(arc, s, Block(0.0))};
-        chord[j] = select(arc, load<Block>(boxes.chord[j] + first), Block(2.0)), half[j] = half_angle(chord[j]);
+        chord[j] = select(arc, load<Block>(boxes.chord[j] + first), Block(2.0)), half[j] = half_angle(chord[j]), along[j] = 0.0;
         total += chord[j];
     }
-    const Targets targets = targets_of(arm, apart, goal, turn, chord, half);
+    const Targets targets = targets_of(arm, apart, goal, turn, chord, along, half);
     Boxes next;
     family.include(family.arm, targets.middle, targets.turn, targets.shift, first, next);
     Block left = 0.0;

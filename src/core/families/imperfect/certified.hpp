@@ -7,25 +7,26 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// Targets of the ideal arm for the joint vectors middle + along t, |t| <= 1, in a block of boxes: within `turn` and `shift` of
+// middle + moving t.
+struct Targets {
+    Seen<Block> middle, moving;
+    Block turn, shift;
+};
 // An ideal arm's closed form on balls: include() of answers/inclusion.hpp.
 struct Inclusion {
     const void* arm;
     void (*include)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first, Boxes& to);
-    void (*within)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, const Signs<Block>& signs,
-                   const Arcs<Ball<Block>>& known, BoxBlock& to);
+    void (*within)(const void* arm, const Targets& targets, const Signs<Block>& signs, const Arcs<Block>& known, BoxBlock& to);
     // The joints that others follow from, in the order of the steps: a box is halved along the first one that is wide. It decides
     // the cost only.
     int leading[3];
 };
 
-// The targets of the ideal arm for the joint vectors in a block of boxes: those within `turn` and `shift` of `middle`.
-struct Targets {
-    Seen<Block> middle;
-    Block turn, shift;
-};
-// turn, chord, half: the boxes' arcs, half of each as a chord and as an angle; a whole circle has a chord of 2.
+// The targets of the ideal arm for the joint vectors within `rest` of turn + along t. chord: of half of the whole arcs; a whole
+// circle has a chord of 2.
 Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Turn<Block> (&turn)[6],
-                   const Block (&chord)[6], const Block (&half)[6]);
+                   const Block (&chord)[6], const Block (&along)[6], const Block (&rest)[6]);
 
 // Half the width [rad] of the widest box from which a root can be shown to be alone: the norm of each joint's twist is at least
 // sqrt(2), and S r in certificate/single.hpp at most LARGEST_BALL.

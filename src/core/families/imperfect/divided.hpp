@@ -16,8 +16,10 @@ struct Division {
     const Inclusion& family;
 };
 
-// A box is an arc for each joint and a branch. Its next arcs are those of the ideal arm's closed form, for the displacements of the
-// joint vectors in the box; a turn that the closed form leaves wide is taken from its own arc. A box is decided where
+// A box is an arc for each joint and a branch. It is slanted along one joint: the arcs move with this joint's value. The next arcs
+// are those of the ideal arm's closed form on slanted numbers (arithmetic/slanted.hpp), for the displacements of the joint vectors
+// in the box. A turn that the closed form leaves wide is taken from its own arc; the equation that should give it must then hold,
+// and empties or shortens the box. A box is decided where
 //   it is empty
 //   Newton's method from its middle leads to a certified root, alone in a ball that holds the box
 //   it lies in a region about a root or a pair of roots that holds no other (certificate/cluster.hpp)

@@ -64,9 +64,10 @@ template <class Family> struct Imperfect {
         include<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, first, to);
     }
 
-    static PART void include_boxes(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift,
-                                   const Signs<Block>& signs, const Arcs<Ball<Block>>& known, BoxBlock& to) {
-        include_within<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, signs, known, to);
+    static PART void include_boxes(const void* arm, const Targets& targets, const Signs<Block>& signs, const Arcs<Block>& known,
+                                   BoxBlock& to) {
+        include_within<Family>(*static_cast<const typename Family::Arm*>(arm), targets.middle, targets.moving, targets.turn,
+                               targets.shift, signs, known, to);
     }
 
     static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }

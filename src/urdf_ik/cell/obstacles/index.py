@@ -77,11 +77,13 @@ class _Part(NamedTuple):
         entries: the obstacles.
         holds: (n,) of ``HOLD``.
         slots: name of an obstacle to its first piece and the one behind its last.
+        clouds: those of the obstacles that are clouds of points.
     """
 
     entries: list[Standing]
     holds: NDArray[np.void]
     slots: dict[str, tuple[int, int]]
+    clouds: list[Standing]
 
 
 class ObstacleIndex:
@@ -166,16 +168,15 @@ class ObstacleIndex:
 
     @cached_property
     def clouds(self) -> list[tuple[Standing, range, DistanceField]]:
-        """Clouds of points that have a distance field, with the slots of their pieces."""
+        """Clouds of points that have a distance field, as they stand now, with the slots of their pieces."""
         from urdf_ik.cell.coal_shapes import pieces_of
 
-        every = (*self._fixed.entries, *self._loose.entries)
+        # One that was moved is in the list, and still in the tree where it stood.
+        there = [each for each in self._fixed.clouds if self._present[self._fixed.slots[each.name][0]]]
         found = [
-            (each, self.slots_of(each.name), pieces_of(each.shape).field)
-            for each in every
-            if isinstance(each.shape, Points)
+            (each, self.slots_of(each.name), pieces_of(each.shape).field) for each in (*there, *self._loose.clouds)
         ]
-        return [(each, slots, field) for each, slots, field in found if slots and field is not None]
+        return [(each, slots, field) for each, slots, field in found if field is not None]
 
     def slots_of(self, name: str) -> range:
         """The slots of an obstacle's pieces, empty where there is no such obstacle."""
@@ -310,7 +311,7 @@ def _part(entries: list[Standing]) -> _Part:
             poses[piece] = poses[piece] @ pieces.frame
     _place(out, poses)
     if not own:
-        return _Part(entries, out, {each.name: (i, i + 1) for i, each in enumerate(entries)})
+        return _Part(entries, out, {each.name: (i, i + 1) for i, each in enumerate(entries)}, [])
     return _numbered(entries, out)
 
 
@@ -330,12 +331,13 @@ def _place(holds: NDArray[np.void], poses: Array) -> None:
 def _numbered(entries: list[Standing], holds: NDArray[np.void]) -> _Part:
     """A part of obstacles and holds whose ``entry`` numbers may have gaps, but are in order."""
     if not entries:
-        return _Part([], np.empty(0, dtype=HOLD), {})
+        return _Part([], np.empty(0, dtype=HOLD), {}, [])
     _, number = np.unique(holds["entry"], return_inverse=True)
     holds["entry"] = number
     first = np.searchsorted(number, np.arange(len(entries) + 1)).tolist()
     names = [each.name for each in entries]
-    return _Part(entries, holds, dict(zip(names, zip(first[:-1], first[1:], strict=True), strict=True)))
+    slots = dict(zip(names, zip(first[:-1], first[1:], strict=True), strict=True))
+    return _Part(entries, holds, slots, [each for each in entries if isinstance(each.shape, Points)])
 
 
 def _joined(one: _Part, other: _Part) -> _Part:
