@@ -76,7 +76,8 @@ private:
     }
     STEP void vanish(const V& a) const {
         empty |= bits(abs(a.all.mid) > INFLATED * a.all.rad);
-        const Ball<B> where = -a.at / a.slope;
+        // a(0) + t slope.mid is zero, within the slope's radius.
+        const Ball<B> where = -Ball<B>(a.at.mid, a.at.rad + a.slope.rad) / Ball<B>(a.slope.mid);
         const auto known = where.rad < B(2.0);
         low = max(low, select(known, where.least(), B(-1.0))), high = min(high, select(known, where.greatest(), B(1.0)));
     }

@@ -1,11 +1,12 @@
 // Numbers that change with a parameter t in [-1, 1], with bounds: the steps of the closed forms run on them as they run on balls.
 //
 // A ball (ball.hpp) treats the arguments of an operation as independent, so a result is too wide by a share of its arguments'
-// widths. Here each number holds a(0), its slope (a(t) - a(0)) / t and a(t), each as a ball. Slopes follow from those of the
-// arguments (Krawczyk and Neumaier 1985), for instance
+// widths. Here each number holds a(0), a slope and a(t), each as a ball: a(t) - a(0) is the slope's centre times t, within its
+// radius. Slopes follow from those of the arguments (Krawczyk and Neumaier 1985), for instance
 //   a b:  a(t) b(t) - a(0) b(0) = a(t) (b(t) - b(0)) + (a(t) - a(0)) b(0)
-// and a(t) lies in a(0) + [-1, 1] slope, too, which is too wide by squares of widths only. Whatever else the arguments depend on is
-// the same in a(0) and in a(t).
+// since |t| <= 1: a ball of factors k, times m t within r, is k's centre times m t, within what the product of balls gives. a(t) is
+// within |slope| of a(0), too, which is too wide by squares of widths only. Whatever else the arguments depend on is the same in
+// a(0) and in a(t).
 #pragma once
 
 #include "arithmetic/ball.hpp"
@@ -14,13 +15,15 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 template <class V> struct Slanted {
     using B = Ball<V>;
-    B at, slope, all;  // a(0), (a(t) - a(0)) / t, a(t)
+    B at, slope, all;  // a(0), a(t) - a(0), a(t)
 
     Slanted() = default;
     STEP Slanted(double x) : at(x), slope(0.0), all(x) {}
-    STEP explicit Slanted(const V& exact) : at(exact), slope(0.0), all(exact) {}
+    STEP explicit Slanted(const V& exact)
+        requires(!std::is_same_v<V, double>)
+        : at(exact), slope(0.0), all(exact) {}
     STEP Slanted(const B& fixed) : at(fixed), slope(0.0), all(fixed) {}
-    // Where a slope says no more than `all`, it is one that `all` bounds.
+    // Where a slope says no more than `all`, the change is what `all` bounds.
     STEP Slanted(const B& start, const B& change, const B& range) : at(start), slope(change), all(range) {
         const V most = INFLATED * (at.rad + abs(slope.mid) + slope.rad);
         const auto tighter = most < all.rad;
@@ -69,7 +72,7 @@ template <class V> STEP Slanted<V> abs(const Slanted<V>& a) {
     const V most = abs(a.slope.mid) + a.slope.rad;
     return {abs(a.at), {V(0.0), most}, abs(a.all)};
 }
-// The change of a maximum lies between those of both numbers.
+// A maximum changes by what lies between those of both numbers.
 template <class V> STEP Ball<V> either(const Ball<V>& a, const Ball<V>& b) {
     return {0.5 * (a.mid + b.mid), 0.5 * abs(a.mid - b.mid) + max(a.rad, b.rad)};
 }

@@ -23,3 +23,4 @@ void test_trig();
 void test_polynomials();
 void test_subproblems();
 void test_balls();
+void test_slanted();

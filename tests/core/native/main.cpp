@@ -6,6 +6,7 @@ int main() {
     test_polynomials();
     test_subproblems();
     test_balls();
+    test_slanted();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;
 }
