@@ -41,10 +41,10 @@ def test_a_field_is_never_above_the_distance_and_near_it(name: str) -> None:
 
 
 def test_a_cloud_that_was_moved_is_where_it_stands_now() -> None:
-    """In a world that has a tree: a cloud that comes to the arm, and one that was taken away."""
+    """In a world that has a tree: a shell about the arm that comes to touch it, and is taken away."""
     arm = urdf_ik.load("ur5")
-    cloud = urdf_ik.Points(RNG.uniform(-0.3, 0.3, (PIECE + 1, 3)), 0.01)
-    away, here = urdf_ik.pose([5.0, 0.0, 0.0]), urdf_ik.pose([0.4, 0.2, 0.4])
+    cloud = urdf_ik.Points(2.5 * SHELL, 0.05)
+    away, here = urdf_ik.pose([0.0, 0.0, 0.0]), urdf_ik.pose([2.2, 0.2, 0.0])
     moved, fresh = urdf_ik.World(), urdf_ik.World()
     for world in (moved, fresh):
         for k in range(100):
