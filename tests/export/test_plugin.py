@@ -66,7 +66,7 @@ def run(built: list[str], *arguments: str | Path) -> subprocess.CompletedProcess
     return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
 
 
-@pytest.mark.parametrize("links", [(), ("table", "gripper")], ids=["own links", "fixed links"])
+@pytest.mark.parametrize("links", [(), ("stand-in table", "stand-in gripper")], ids=["own links", "fixed links"])
 @pytest.mark.parametrize(("name", "arm"), ARMS, ids=[name for name, _ in ARMS])
 def test_every_overload_does_as_moveit_says(
     built: list[str], name: str, arm: urdf_ik.Arm, links: tuple[str, ...], tmp_path: Path

@@ -1,5 +1,6 @@
 // Searches as a motion planner does: group ARM.json MODEL.json [BASE TIP] < poses > solutions. MODEL.json is the robot model of the
-// planner; two links that it does not have are fixed to its ends, "table" below the base and "gripper" beyond the tip.
+// planner; two links that it does not have are fixed to its ends, "stand-in table" below the base and "stand-in gripper" beyond the
+// tip.
 // in:  m, poses T (m, 16) of TIP in BASE, seeds (m, joints); out: of each pose the number of solutions, and these
 #include <urdf_ik_group.hpp>
 
@@ -53,8 +54,8 @@ int main(int argc, char** argv) {
         model.fk(in_order.data(), 1, at);
         for (int i = 0; i < 16; ++i) T[i] = i % 5 == 0;
         if (link == model.tip()) std::copy(at, at + 16, T);
-        else if (link == "gripper") multiply(at, FIXED, T);
-        else if (link == "table") std::copy(FIXED, FIXED + 16, T);
+        else if (link == "stand-in gripper") multiply(at, FIXED, T);
+        else if (link == "stand-in table") std::copy(FIXED, FIXED + 16, T);
         else if (link != model.base()) return false;
         return true;
     };

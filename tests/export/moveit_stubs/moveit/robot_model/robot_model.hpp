@@ -30,7 +30,7 @@ public:
     JointModelGroup group;
     const JointModelGroup* getJointModelGroup(const std::string& name) const { return name == "arm" ? &group : nullptr; }
     bool hasLinkModel(const std::string& link) const {
-        return link == arm.base() || link == arm.tip() || link == "table" || link == "gripper";
+        return link == arm.base() || link == arm.tip() || link == "stand-in table" || link == "stand-in gripper";
     }
 };
 using RobotModelConstPtr = std::shared_ptr<const RobotModel>;

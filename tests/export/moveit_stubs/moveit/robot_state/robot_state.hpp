@@ -22,7 +22,8 @@ public:
         table_.T[11] = -0.5;
     }
     const Isometry& getGlobalLinkTransform(const std::string& link) const {
-        return link == "gripper" ? gripper_ : link == "table" ? table_ : link == model_->arm.tip() ? tip_ : base_;
+        if (link == "stand-in gripper") return gripper_;
+        return link == "stand-in table" ? table_ : link == model_->arm.tip() ? tip_ : base_;
     }
 
 private:
