@@ -38,13 +38,6 @@ inline constexpr double BOXED = 1e-3;
 // A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
 // apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
 inline constexpr double FAR_OFF = 4e-3;
-// If the second smallest singular value of the Jacobian is below DOUBLY_WEAK, two joints are nearly free, and PAIRS
-// pairs of their values are tried.
-inline constexpr int PAIRS = 48;
-inline constexpr double DOUBLY_WEAK = 1e-2;
-// A quasirandom sequence of six joint values: joint j advances by this to the power j, as a share of a turn. It is 1 / x with
-// x^7 = x + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
-inline constexpr double IRRATIONAL = 0.8986537126286993;
 
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
@@ -112,7 +105,6 @@ template <class Family> struct Imperfect {
         Status status = complete(arm.elimination, goal, columns);
         if (status == Status::incomplete) {
             if (by_quartic) all_around(arm, goal, seen, columns);
-            if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
             if (keep_curve(arm.family.written, goal, columns)) status = Status::continuum;
         }
         set_status(columns.flags[0], status);
@@ -153,19 +145,20 @@ template <class Family> struct Imperfect {
         }
     };
 
-    // Solves the ideal arm with its nearly free joints at several values; place(k) is the k-th set of joint values. A branch whose
-    // solution is the same for the first `looks` sets does not depend on them and is not solved again.
-    template <class Place>
-    static PART void from_places(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns,
-                                 int places, int looks, const Place& place) {
+    // A joint that the ideal arm leaves free has a few values on the arm as written: it is tried at values around the circle. A
+    // joint that is free on a part of the circle only is put at the nearer end of this part. Three values that do not all lie on
+    // one half of the circle show whether the solution of a branch depends on this joint.
+    static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
         Waiting waiting = {arm, goal, columns, {}, {}};
         double first[6 * 8], room[6 * 8];
         std::uint8_t flags[8];
         const Columns<6> there = {room, flags, 8};
         unsigned fixed = 255;
-        for (int k = 0; k < places; ++k) {
+        for (int k = 0; k < AROUND; ++k) {
+            Reference<6> at = reference_of<6>(nullptr);
+            for (double& each : at.q) each = PI * (2.0 * (5 * k % AROUND) / AROUND - 1.0);
             there.clear();
-            Family::closely(arm.loose, goal, seen, place(k), there, k < looks ? 255u : ~fixed & 255u);
+            Family::closely(arm.loose, goal, seen, at, there, k < 3 ? 255u : ~fixed & 255u);
             for (int b = 0; b < 8; ++b) {
                 bool same = k > 0;
                 for (int j = 0; j < 6; ++j) same = same && there.row(b)[j] == first[6 * b + j];
@@ -175,38 +168,6 @@ template <class Family> struct Imperfect {
             }
         }
         waiting.follow();
-    }
-
-    // A joint that the ideal arm leaves free has a few values on the arm as written: it is tried at values around the circle. A
-    // joint that is free on a part of the circle only is put at the nearer end of this part. Three values that do not all lie on
-    // one half of the circle show whether the solution depends on this joint.
-    static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        from_places(arm, goal, seen, columns, AROUND, 3, [](int k) {
-            Reference<6> at = reference_of<6>(nullptr);
-            for (double& each : at.q) each = PI * (2.0 * (5 * k % AROUND) / AROUND - 1.0);
-            return at;
-        });
-    }
-
-    // Whether the Jacobian nearly loses two ranks at some solution.
-    static PART bool is_doubly_weak(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-        for (int b = 0; b < columns.many; ++b) {
-            if (!columns.valid(b)) continue;
-            double q[6];
-            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-            if (second_weakest_at(arm.family.written, goal, q) < DOUBLY_WEAK) return true;
-        }
-        return false;
-    }
-
-    // The same for two nearly free joints at once: pairs of values, spread evenly by a quasirandom sequence.
-    static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        from_places(arm, goal, seen, columns, PAIRS, PAIRS, [](int k) {
-            Reference<6> at = reference_of<6>(nullptr);
-            double share = 1.0;
-            for (double& each : at.q) each = wrap(2.0 * PI * (share *= IRRATIONAL) * k);
-            return at;
-        });
     }
 };
 
