@@ -16,9 +16,9 @@ inline constexpr int MOST_COARSE_BOXES = 64;
 inline constexpr double COARSE = 5e-4;
 // A box that keeps more than this share of its widths has stopped to shrink.
 inline constexpr double SHRUNK = 0.7;
-// Half the width [rad] of a box below which a region about a singular root is looked for (a look costs as much as many boxes, and
-// most boxes end empty above it), how many regions are kept, and how often none may be found before a pose is left open: none of
-// the 979 poses had more than five looks in vain, and of the 195 three in four had.
+// Half the width [rad] of a box below which a region about a singular root is looked for (most boxes end empty above it), how many
+// regions are kept, and how often none may be found before a pose is left open: one of 1,380 poses that end proven had more than
+// five looks in vain (145), and of those that do not end three in four had.
 inline constexpr double NEAR_A_ROOT = 0.01;
 inline constexpr int REGIONS = 256, LOOKS_IN_VAIN = 8;
 // It is looked for again in boxes narrower by this factor, and a pose is left open where a box of half this width [rad] is.
