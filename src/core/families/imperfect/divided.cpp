@@ -264,7 +264,7 @@ struct Divider {
         Number from[6];
         for (int k = 0; k < 6; ++k) from[k] = q[k];
         Cluster pair;
-        if (cluster_near(of.loop, from, 1, pair) && add_pair_of_roots(pair, each.branch)) return;
+        if (cluster_near(of.loop, from, 1, 2, pair) && add_pair_of_roots(pair, each.branch)) return;
         Region found;
         Local at;
         Valley valley;
