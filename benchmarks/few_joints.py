@@ -65,19 +65,20 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=9)
     options = parser.parse_args()
     rng = np.random.default_rng(0)
-    print(f"{'arm':<6}{'target':<18}{'million/s':>10}{'copying':>9}{'ratio':>7}{'us a call':>11}  goal")
+    print("| arm | target | million poses a second | copying | ratio | us a call | goal |")
+    print("|---|---|---:|---:|---:|---:|---|")
     for kinds, task in (("RR", "planar position"), ("RR", "pose"), ("RRR", "pose"), ("RRPR", "pose"), ("PRRR", "pose")):
         arm = parallel_arm(kinds)
         poses = arm.fk(rng.uniform(-2.5, 2.5, (options.poses, arm.dof)))
         targets = np.ascontiguousarray(arm.solver.control.plane.coordinates(poses)[:, :2]) if task != "pose" else poses
-        solutions = arm.ik(targets, task=task)
+        solver = arm.for_task(task)
+        solutions = solver.ik(targets)
         q, flags = solutions._q, solutions._info
         to_q, to_flags = np.empty_like(q), np.empty_like(flags)
-        # Into arrays that exist, as the copies have them too.
-        solver = arm.for_task(task)
 
-        def solve(core=solver._core, targets=targets, q=q, flags=flags) -> None:
-            core.solve(targets, None, q, flags)
+        # Into arrays that exist, as the copies have them too.
+        def solve(solver=solver, targets=targets, solutions=solutions) -> None:
+            solver.ik(targets, out=solutions)
 
         def copy(q=q, flags=flags, to_q=to_q, to_flags=to_flags) -> None:
             np.copyto(to_q, q)
@@ -91,8 +92,8 @@ def main() -> None:
         copying = 1e-6 * options.poses / best(copy, options.repeats)
         call = 1e6 * best(one, options.repeats) / 200
         goal = min(10.0, 0.7 * copying)
-        print(f"{kinds:<6}{task:<18}{rate:>10.2f}{copying:>9.1f}{rate / copying:>7.2f}{call:>11.2f}  "
-              f"{'reached' if rate >= goal else 'missed'} ({goal:.1f})")  # fmt: skip
+        print(f"| {kinds} | {task} | {rate:.2f} | {copying:.1f} | {rate / copying:.2f} | {call:.2f} "
+              f"| {'reached' if rate >= goal else 'missed'} ({goal:.1f}) |")  # fmt: skip
 
 
 if __name__ == "__main__":

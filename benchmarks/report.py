@@ -53,9 +53,9 @@ TABLES = (
     ),
     Table(
         "General arms, other solvers",
-        "bench.py --md --repeats 2 --poses 20 --robot 'Kinova j2n6s300' 'FANUC CRX-10iA/L'",
+        "bench.py --md --repeats 1 --poses 10 --peer urdf-ik ssik --robot 'Kinova j2n6s300' 'FANUC CRX-10iA/L'",
         None,
-        180.0,
+        240.0,
     ),
     Table("A calibrated arm", "bench.py --md --repeats 7 --robot 'what a calibration costs'", None, 90.0),
     Table("Seven joints, sixteen values", "seven_joints.py --poses 60 --repeats 3", None, 120.0),
@@ -67,18 +67,20 @@ TABLES = (
 )
 
 
+def state() -> str:
+    """What is measured, and how busy the machine is."""
+    git = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=HERE, capture_output=True, text=True, check=False)
+    load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    return f"commit {git.stdout.strip() or 'unknown'}{load}"
+
+
 def machine() -> str:
-    """Where the numbers come from: processor, load, versions."""
+    """Where the numbers come from: processor and versions."""
     info = Path("/proc/cpuinfo")
     names = info.read_text().splitlines() if info.exists() else []
     named = (line.partition(":")[2].strip() for line in names if line.startswith("model name"))
-    git = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=HERE, capture_output=True, text=True, check=False)
-    load = f"load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "pin"))
-    return (
-        f"{next(named, platform.machine())}, {os.cpu_count()} cores, {load}; commit {git.stdout.strip() or 'unknown'}, "
-        f"Python {platform.python_version()}, {packages}"
-    )
+    return f"{next(named, platform.machine())}, {os.cpu_count()} cores, Python {platform.python_version()}, {packages}"
 
 
 def printed(arguments: list[str], most: float) -> str:
@@ -100,7 +102,7 @@ def printed(arguments: list[str], most: float) -> str:
 
 def put(page: Path, title: str, text: str) -> None:
     """Put a table into the page, between the comments with its title."""
-    begin, end = f"% table: {title}\n", f"% end: {title}\n"
+    begin, end = f"<!-- table: {title} -->\n", f"<!-- end: {title} -->\n"
     before, found, rest = page.read_text().partition(begin)
     _, ended, after = rest.partition(end)
     if not found or not ended:
@@ -133,7 +135,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{table.title} ...", file=sys.stderr, flush=True)
         text = printed(given, table.most)
         took = time.monotonic() - began
-        whole = f"`python benchmarks/{command}`, {took:.0f} s\n\n{text}"
+        whole = f"`python benchmarks/{command}` ({took:.0f} s; {state()})\n\n{text}"
         print(f"\n## {table.title}\n\n{whole}", flush=True)
         if options.page:
             put(options.page, table.title, whole)

@@ -30,8 +30,8 @@ def main() -> None:
     parser.add_argument("--alone", action="store_true")
     options = parser.parse_args()
     rng = np.random.default_rng(0)
-    words = "k poses/s; x: times as fast; us: processor time a pose"
-    print(f"{'arm':12} {'poses':>7} {'1 thread':>9} {'2 threads':>9}  {words}")
+    print("| arm | poses | 1 thread [k/s] | 2 threads [k/s] | times as fast | processor time a pose [us] |")
+    print("|---|---:|---:|---:|---:|---:|")
     for robot in ROBOTS:
         if robot.name not in options.robot:
             continue
@@ -41,8 +41,8 @@ def main() -> None:
             wall, cpu = seconds(arm, T, max(5, POSES // batch // 4), options.alone)
             rates = [batch / each / 1e3 for each in wall]
             print(
-                f"{robot.name:12} {batch:7} {rates[0]:9.0f} {rates[1]:9.0f}  x {rates[1] / rates[0]:.2f}"
-                f"  us {1e6 * cpu[0] / batch:.3f} {1e6 * cpu[1] / batch:.3f}"
+                f"| {robot.name} | {batch} | {rates[0]:.0f} | {rates[1]:.0f} | {rates[1] / rates[0]:.2f} "
+                f"| {1e6 * cpu[0] / batch:.3f}, {1e6 * cpu[1] / batch:.3f} |"
             )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -25,8 +26,9 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import _core, export
+from urdf_ik.cmake import core
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.export.solver_text import Node, node_of
+from urdf_ik.export.solver_text import FAMILIES, Node, node_of
 
 Array = NDArray[np.float64]
 
@@ -202,6 +204,18 @@ def same_bits(found: Answers, s: urdf_ik.IKSolutions) -> None:
     """Solutions and flags are equal to the last bit."""
     assert (found.flags == s._info).all()
     assert found.q[s.valid].tobytes() == s.q[s.valid].tobytes()
+
+
+@pytest.mark.parametrize("name", ["spherical_wrist", "three_parallel", "parallel_shoulder", "spherical_middle"])
+def test_the_functions_that_solve_are_those_of_the_core(name: str) -> None:
+    """Each variant of a family is solved in one file by the function that the core's own table has."""
+    text = (core() / "families" / "closed_forms" / f"{name}.cpp").read_text()
+    for alias, full in re.findall(r"using (\w+) = ([^;]+);", text):
+        text = re.sub(rf"\b{alias}\b", full.removesuffix("<kind>"), text)
+    variants = FAMILIES[name.replace("_", " ") + (" axes" if name == "three_parallel" else "")][1]
+    assert len(variants) > 1
+    for function, family in variants.values():
+        assert f"{function}<{family}>" in text
 
 
 @pytest.mark.parametrize("compile_with", COMPILERS)

@@ -157,6 +157,36 @@ def test_singular_poses_are_counted_with_clusters(name: str) -> None:
     assert counted >= 8
 
 
+@pytest.mark.parametrize("quarters", [(-1, -1, 2, 2, 2, 1), (-1, 1, 2, 0, 0, 2), (0, 1, 0, 2, 2, 0)])
+def test_a_cusp_is_counted_as_three(quarters: tuple[int, ...]) -> None:
+    """Three roots fall together; beside the pose three of sixteen leave by the cube root of how far it was moved."""
+    case, q = named("irb140"), 0.5 * np.pi * np.array(quarters)
+    T = case.arm.fk(q)
+    s = case.arm.ik(T)
+    assert s.status == "clustered"
+    assert s.proof.counted == 16
+    three = [each for each in s.proof.clusters if each.count == 3]
+    assert len(three) == 1
+    centre = three[0].centre
+    assert nearest(s.to_array(), centre.real) < 1e-4
+    U, weak, _ = np.linalg.svd(case.arm.jacobian(centre.real))
+    assert weak[-1] < 1e-9
+    away = []
+    for moved in (1e-6, 8e-6):
+        beside = T.copy()
+        beside[:3, 3] += moved * U[:3, -1]
+        beside[:3, :3] = (
+            rotation(U[3:, -1] / np.linalg.norm(U[3:, -1]), np.clongdouble(moved * np.linalg.norm(U[3:, -1]))).real
+            @ T[:3, :3]
+        )
+        proof = case.arm.ik(beside).proof
+        assert proof.counted == len(proof.roots) == 16
+        near = [apart(each, centre) for each in proof.roots if apart(each, centre) < 0.2]
+        assert len(near) == 3
+        away.append(np.mean(near))
+    assert away[1] == pytest.approx(2.0 * away[0], rel=0.05)
+
+
 def singular_vectors(case: Case, rng: np.random.Generator, count: int) -> Array:
     """Joint vectors (count, 6) at which the Jacobian's determinant changes sign, by bisection."""
     found: list[Array] = []

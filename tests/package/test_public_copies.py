@@ -83,7 +83,7 @@ def more_objects(folder: Path) -> Iterator[Any]:
     general = urdf_ik.load(unstructured(1).urdf)
     proven = general.ik(general.fk(Q))
     yield from (proven.proof, check_proof(general, proven))
-    yield Cluster(np.zeros(6, dtype=complex), np.eye(6, dtype=complex), 1e-6, 1e-3, 1)
+    yield Cluster(np.zeros(6, dtype=complex), np.eye(6, dtype=complex), 1e-6, 1e-3, 1, 2)
     geometry = written(two.chain)
     yield from (geometry, *geometry.parameters, Points(np.zeros(3), np.zeros(3), np.array([0.0, 0.0, 1.0])))
     vectors = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))

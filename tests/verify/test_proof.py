@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arms_general import calibrated_ur, crx_like
+from arms_general import calibrated_ur, crx_like, irb140_like, jaco_like
 from cases import described, from_catalogue
 from flint import arb
 
@@ -75,9 +75,7 @@ def test_a_changed_account_is_refused(general: tuple[Loop, np.ndarray, Any], cha
         real[first] = False
     else:
         real[int(np.flatnonzero(~real)[0])] = True
-    changed = SimpleNamespace(
-        roots=roots, inner=inner, real=real, clusters=(), counted=SIXTEEN, expected=SIXTEEN
-    )
+    changed = SimpleNamespace(roots=roots, inner=inner, real=real, clusters=(), counted=SIXTEEN, expected=SIXTEEN)
     assert verdict(loop, solutions, changed) is False
 
 
@@ -137,6 +135,24 @@ def test_a_double_root_is_a_cluster_of_two() -> None:
     assert not isinstance(found, str), found
     assert found.count == 2
     assert found.radius < arb(1e-4)
+
+
+@pytest.mark.parametrize(
+    ("make", "quarters"),
+    [
+        (jaco_like, (0, 1, 2, 2, -1, -1)),
+        (jaco_like, (-1, -1, 2, 2, 2, 1)),
+        (irb140_like, (1, 2, -1, 1, 0, 1)),
+        (irb140_like, (0, -1, -1, 0, 2, 0)),
+    ],
+)
+def test_roots_far_from_real_are_proven_too(make: Any, quarters: tuple[int, ...]) -> None:
+    """Imaginary parts add up to 13 to 17 rad there: rounding in doubles, times their exponential, exceeds the balls."""
+    arm = described(make()).arm
+    s = arm.ik(arm.fk(0.5 * np.pi * np.array(quarters)))
+    assert s.certain
+    assert np.abs(s.proof.roots.imag).sum(axis=1).max() > 13.0
+    assert check_proof(arm, s).accepted
 
 
 def test_the_report_counts_every_pose() -> None:

@@ -67,7 +67,7 @@ static nb::object prove(const PySolver& self, const Seen& T) {
     for (int i = 0; i < proof->clusters; ++i) {
         const ProvenCluster& each = proof->cluster[i];
         clusters.append(nb::make_tuple(array(&each.centre[0][0], {6, 2}), array(&each.directions[0][0][0], {6, 6, 2}), each.across,
-                                       each.along, each.lost));
+                                       each.along, each.lost, each.many));
     }
     nb::dict out;
     out["expected"] = proof->expected.many, out["why"] = int(proof->expected.why), out["status"] = int(proof->status);

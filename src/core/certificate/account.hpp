@@ -22,11 +22,11 @@ struct PairOfRoots {
     double z[6][2], inner, outer;
 };
 
-// A ball with 2^lost roots, counted by multiplicity; see cluster.hpp. Columns of V; the larger ball holds the same roots.
+// A ball with a number of roots, counted by multiplicity; see cluster.hpp. Columns of V; the larger ball holds the same roots.
 struct Cluster {
     Number q[6], direction[6][6];
     double across, along, larger_across, larger_along;
-    int lost;
+    int lost, many;  // ranks, roots
     bool blurred;  // whether the roots are nearer to each other than rounding
     bool apart;    // whether none of them is real
     int starts;    // joint vectors from which Newton's method leads to its real members, to first order
@@ -43,13 +43,14 @@ struct Account {
 
     STEP int counted() const {
         int sum = reals + 2 * pairs;
-        for (int i = 0; i < clusters; ++i) sum += 1 << cluster[i].lost;
+        for (int i = 0; i < clusters; ++i) sum += cluster[i].many;
         return sum;
     }
     STEP bool all() const { return counted() == expected.many && expected.why != Why::unproven; }
 };
 
-// A lower bound on the greatest |difference| of two joints, whole turns aside: for x = |e^(i d) - 1| it is |d| >= x / (1 + x).
+// A lower bound on the greatest |difference| of two joints, whole turns aside: for x = |e^(i d) - 1| it is |d| >= x / (1 + x). The
+// rounding of a conjugate is at most 4 u.
 STEP double apart_at_least(const double (&a)[6][2], const double (&b)[6][2]) {
     double most = 0.0;
     for (int k = 0; k < 6; ++k) {
@@ -58,7 +59,7 @@ STEP double apart_at_least(const double (&a)[6][2], const double (&b)[6][2]) {
         most = max(most, share);
     }
     const double x = sqrt(most);
-    return x / (1.0 + x) * (1.0 - 1e-12);
+    return x / (1.0 + x) * (1.0 - 1e-12) - 1e-15;
 }
 // The conjugate angle has one over the conjugate of e^(i angle).
 STEP void conjugate(const double (&z)[6][2], double (&out)[6][2]) {
@@ -201,7 +202,7 @@ PART void as_data(const Account& account, Proof& out) {
     for (int i = 0; i < account.clusters; ++i) {
         const Cluster& each = account.cluster[i];
         ProvenCluster& to = out.cluster[i];
-        to.across = each.across, to.along = each.along, to.lost = each.lost;
+        to.across = each.across, to.along = each.along, to.lost = each.lost, to.many = each.many;
         for (int k = 0; k < 6; ++k) {
             to.centre[k][0] = each.q[k].re, to.centre[k][1] = each.q[k].im;
             for (int j = 0; j < 6; ++j) {

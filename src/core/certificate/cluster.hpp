@@ -13,13 +13,12 @@
 // the terms in t alone are known up to a higher order, and terms of y(t) join s_t along and |H_yy|.
 // If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
 // right side is convex in |y|: the larger region has no further root.
-// With one t there may be fewer: one root where the term of first order exceeds the others, f's value among them, and none where
-// the value does.
-// T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials.
-// m is the smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted
-// by the root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each
-// monomial of degree r - 1: the product with a unit vector's monomials has the length of the quadrics there. It is zero exactly
-// where they have a common zero.
+// With one t there may be three, where the term of third order exceeds the others on the curve y(t); and fewer: one root where the
+// term of first order exceeds the others, f's value among them, and none where the value does. T_ttt are the terms of third order
+// in t alone, of the output at hand: the coefficients of the product of exponentials. m is the smallest singular value of
+// Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted by the root of the multinomial
+// coefficient so that a unit vector's have length one, and whose rows are each quadric times each monomial of degree r - 1: the
+// product with a unit vector's monomials has the length of the quadrics there. It is zero exactly where they have a common zero.
 #pragma once
 
 #include "certificate/account.hpp"
@@ -109,6 +108,7 @@ inline constexpr double NEARLY_KEPT = 1e-10;
 // The smallest ball that is proven to hold so many roots; along is 0 if none is. largest: the largest one.
 struct Region {
     double across, along, largest_across, largest_along, m;
+    double height, largest_height;  // of the curve that `across` is counted from, in the smallest and the largest ball
     double radius;  // of a ball about the centre that holds the smallest one
     double rest;  // what g_t may differ from its terms up to the second order in t by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
@@ -133,14 +133,15 @@ PART Norms norms_of(const Local& at, int lost) {
             norm_of(at, n, 6, 0, n, 0, n),
             min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
 }
-// valley: with one rank lost; many is then 0, 1 or 2, else 2^lost.
+// valley: with one rank lost; many is then 0 to 3, else 2^lost.
 PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
     const int n = 6 - lost, order = lost == 1 ? many : 2;
     double f_y = 0.0, f_t = 0.0;
     for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
     const double size = sqrt(f_y + f_t);
     const double m = lost > 1 ? least_of_quadrics(at, lost) : order ? valley->least[order] : sqrt(f_t) - at.rounding;
-    Region out = {0.0, 0.0, 0.0, 0.0, m, 0.0, 0.0, false};
+    Region out = {};
+    out.m = m;
     if (!at.near || !(out.m > 0.0)) return out;
     f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
     const auto& [least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t] = norms;
@@ -183,12 +184,12 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
             return a + s * rho < LARGEST_BALL && slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(rho));
         };
         if (!outside(rho)) continue;
-        const double model = out.m * (order == 0 ? 1.0 : order == 1 ? R : R * R);
+        const double model = out.m * (order == 0 ? 1.0 : order == 1 ? R : order == 2 ? R * R : R * R * R);
         const double left = (A_ty + t_ty * R + t_yy * height) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond;
         const double in_t = in_t_alone(others, R, 1) + (order ? f_t : NEARLY_KEPT);
         if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
         if (out.along == 0.0) {
-            out.largest_across = rho, out.largest_along = R;
+            out.largest_across = rho, out.largest_along = R, out.largest_height = height;
             // By halving: any larger one that holds may be taken.
             double wide = LARGEST_CLUSTER;
             for (int halving = 0; halving < 6; ++halving) {
@@ -196,10 +197,11 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
                 (outside(between) ? out.largest_across : wide) = between;
             }
         }
-        out.across = rho, out.along = R, out.radius = sqrt(square(rho + height) + R * R);
+        out.across = rho, out.along = R, out.height = height, out.radius = sqrt(square(rho + height) + R * R);
         out.rest = SLACK_OF_SUMS * (left + in_t_alone(t, R, 3) + at.rounding + ROUNDING_OF_FORMS * s * R * (1.0 + s * R));
     }
-    out.blurred = size <= BLURRED * at.rounding && t[1] * out.along <= BLURRED * at.rounding;
+    out.blurred = max(size, t[1] * out.along) <= BLURRED * at.rounding;
+    if (order == 3) out.blurred &= t[2] * out.along * out.along <= BLURRED * at.rounding;
     return out;
 }
 
@@ -229,8 +231,23 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
     return size;
 }
 
-// A cluster of 2^lost roots near the candidate q. Returns whether one is proven.
-PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Cluster& out) {
+// The same for three roots: to where the curve's term of second order vanishes.
+PART double recentred(const Local& at, const Valley& valley, Number (&q)[6]) {
+    double y[5], t = -valley.value[2] / (3.0 * valley.value[3]);
+    const double size = abs(t);
+    if (!(size < __builtin_inf())) return size;
+    t = copysign(min(size, LONGEST_MOVE), t);
+    valley.at(t, y);
+    for (int j = 0; j < 6; ++j) {
+        Number d = t * at.J.right[5][j];
+        for (int k = 0; k < 5; ++k) d += y[k] * at.J.right[k][j];
+        q[j] = q[j] + d;
+    }
+    return size;
+}
+
+// A cluster of 2^lost roots near the candidate q, or of three where one rank is lost and q is real. Returns whether one is proven.
+PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int many, Cluster& out) {
     Number q[6];
     for (int k = 0; k < 6; ++k) q[k] = from[k];
     const auto moved = [&] {
@@ -257,13 +274,14 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
             continue;
         }
         localise(loop, loop_here, q, at);
-        const double size = lost == 1 ? recentred<1>(at, next) : lost == 2 ? recentred<2>(at, next) : recentred<3>(at, next);
+        Valley line;
+        if (lost == 1) follow_valley(at, many == 3, line);
+        const double size = many == 3   ? recentred(at, line, next)
+                            : lost == 1 ? recentred<1>(at, next)
+                            : lost == 2 ? recentred<2>(at, next)
+                                        : recentred<3>(at, next);
         ball = {};
-        if (size < LARGEST_CLUSTER) {
-            Valley line;
-            if (lost == 1) follow_valley(at, false, line);
-            ball = ball_of(at, lost, norms_of(at, lost), lost == 1 ? &line : nullptr, 1 << lost);
-        }
+        if (size < LARGEST_CLUSTER) { ball = ball_of(at, lost, norms_of(at, lost), lost == 1 ? &line : nullptr, many); }
         if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;
         // Rounding leaves no better centre.
         if (size > last && size < LARGEST_CLUSTER) break;
@@ -273,22 +291,24 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
         for (int k = 0; k < 6; ++k) q[k] = next[k];
         near = false;
     }
-    if (!(ball.along > 0.0)) return false;
+    // Counted from the line, the smaller ball holds the one that is counted from the curve, and lies in the larger one.
+    out.across = ball.across + ball.height, out.larger_across = ball.largest_across - ball.largest_height;
+    if (!(ball.along > 0.0 && out.across <= out.larger_across)) return false;
     for (int k = 0; k < 6; ++k) {
         out.q[k] = at.q[k];
         for (int j = 0; j < 6; ++j) out.direction[k][j] = at.J.right[k][j];
     }
     // The two roots of g_t + A_tt t + H_t,tt t^2 / 2 = 0 lead to two real members.
     const double A = at.A[5][5].re, H = at.H[5][5][5].re, square_root = A * A - 2.0 * H * at.g[5].re;
-    out.starts = lost == 1 && square_root > 0.0 ? 2 : 0;
+    out.starts = many == 2 && square_root > 0.0 ? 2 : 0;
     // On the real line the quadratic stays -square_root / (2 H) away from zero.
-    out.apart = lost == 1 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
+    out.apart = many == 2 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
     for (int i = 0; i < out.starts; ++i) {
         const double t = ((i ? -1.0 : 1.0) * sqrt(square_root) - A) / H;
         for (int k = 0; k < 6; ++k) out.start[i][k] = wrap(wrap(at.q[k].re) + t * at.J.right[5][k].re);
     }
-    out.across = ball.across, out.along = ball.along, out.lost = lost, out.blurred = ball.blurred;
-    out.larger_across = ball.largest_across, out.larger_along = ball.largest_along;
+    out.along = ball.along, out.larger_along = ball.largest_along;
+    out.lost = lost, out.many = many, out.blurred = ball.blurred;
     return true;
 }
 
@@ -304,7 +324,9 @@ PART bool add_cluster_near(const Loop& loop, Account& account, const Number (&fr
     }
     for (int lost = 1; lost <= MOST_LOST; ++lost) {
         Cluster found;
-        if (!cluster_near(loop, q, lost, found)) continue;
+        // Three roots that are farther apart have certificates of their own.
+        const auto as_three = [&] { return lost == 1 && is_real(q) && cluster_near(loop, q, 1, 3, found) && found.blurred; };
+        if (!cluster_near(loop, q, lost, 1 << lost, found) && !as_three()) continue;
         if (!add_cluster(account, found)) return false;
         Cluster other = found;
         for (int k = 0; k < 6; ++k) {

@@ -51,10 +51,11 @@ STEP Block above(const CBlock& a) {
 }
 
 // The loop of one pose: inverse steps, G, two of the steps themselves, l, and the rounding of X's position over M.
-struct Loop {
-    Motion third, second, first, goal, fifth, fourth, ahead[2];
-    double length, rounding;
+template <class M> struct LoopOf {
+    M third, second, first, goal, fifth, fourth, ahead[2];
+    double length = 0.0, rounding = 0.0;
 };
+using Loop = LoopOf<Motion>;
 
 STEP Motion inverse_of(const Motion& m, double inverse_size) {
     Motion out;
@@ -91,9 +92,7 @@ PART Loop loop_of(const Written<6>& arm, const Frame<double>& goal) {
                   {w * G.p.x, w * G.p.y, w * G.p.z}},
                  inverse_of(arm.step[5], w),
                  inverse_of(arm.step[4], w),
-                 {arm.step[4], arm.step[5]},
-                 0.0,
-                 0.0};
+                 {arm.step[4], arm.step[5]}};
     for (Motion& each : loop.ahead) {
         for (double& x : each.t) x *= w;
     }
@@ -120,11 +119,11 @@ template <class V> STEP Six<V> twist_of(const Frame<V>& at) {
 }
 template <class V> STEP Turn<V> back(const Turn<V>& t) { return {t.c, -t.s}; }
 // The frame turned back about its z axis, then moved by a step.
-template <class V> STEP Frame<V> turned_back(const Frame<V>& at, const Turn<V>& t, const Motion& step) {
+template <class V, class M> STEP Frame<V> turned_back(const Frame<V>& at, const Turn<V>& t, const M& step) {
     return beyond(turned(at, back(t)), step);
 }
 
-template <class V> STEP LoopAt<V> loop_at(const Loop& loop, const Turn<V> (&turn)[6]) {
+template <class V, class M> STEP LoopAt<V> loop_at(const LoopOf<M>& loop, const Turn<V> (&turn)[6]) {
     LoopAt<V> out;
     Frame<V> at = constant_frame<V>(loop.third);
     out.twist[2] = twist_of(at);

@@ -5,13 +5,13 @@
 
 namespace urdf_ik {
 
-// Exactly 2^lost roots, counted by multiplicity, with |d| <= across in the first 6 - lost of the orthonormal directions and
+// Exactly `many` roots, counted by multiplicity, with |d| <= across in the first 6 - lost of the orthonormal directions and
 // |d| <= along in the others, d from the centre.
 struct ProvenCluster {
     static constexpr int most = 8;
     double centre[6][2], directions[6][6][2];  // real and imaginary parts; directions by rows
     double across, along;
-    int lost;
+    int lost, many;
 };
 
 struct Proof {

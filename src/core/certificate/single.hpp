@@ -26,6 +26,7 @@ inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
 // One lane per root. holds: whether there is a root within inner, and no other within outer.
 struct Certificate {
     Block eta, E, K, inner, outer;
+    Block error;  // of the loop
     MaskOf<Block> holds;
 };
 
@@ -134,22 +135,28 @@ STEP void decide(Certificate& c, const Block& S, const Block& r) {
     c.holds = (left > Block(0.0)) & (rest > Block(0.0)) & (c.inner <= r) & (S * r <= Block(LARGEST_BALL));
 }
 
+// The rounding of X's rotation and position, and of a twist.
+struct Rounding {
+    Block of_rotation, of_position, of_twist;
+};
+STEP Block rounding_of_twist(const Loop& loop, const Growth& growth) {
+    return ROUNDING_OF_TWIST * growth.side * growth.side * (2.0 * loop.length + 1.0);
+}
+
 // The certificate at a joint vector whose loop is `at`. f: its factors. ball: the bounds hold in it; there is no other root in it
 // where outer is as large.
 template <class V>
-PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal<V>& f, const Growth& growth,
-                         const Block& ball = 0.0) {
+PART Certificate certify(const LoopAt<V>& at, const Orthogonal<V>& f, const Rounding& rounding, const Block& ball = 0.0) {
     const Inverse<V> C = inverse_of(f);
-    const Block l = loop.length, size = sqrt(square_of(at.error));
-    const Block of_rotation = ROUNDING_OF_ROTATION * growth.all, of_position = loop.rounding * growth.all;
-    const Block of_twist = ROUNDING_OF_TWIST * growth.side * growth.side * (2.0 * l + 1.0);
+    Certificate out;
+    const Block size = out.error = sqrt(square_of(at.error));
+    const auto& [of_rotation, of_position, of_twist] = rounding;
     Block S = 0.0, longest_row = 0.0;
     for (int k = 0; k < 6; ++k) {
         Block linear = 0.0, angular = 0.0;
         for (int i = 0; i < 3; ++i) linear += square(at.twist[k][i]), angular += square(at.twist[k][i + 3]);
         S += sqrt(linear + 2.0 * angular) + 2.0 * of_twist;
     }
-    Certificate out;
     out.eta = 0.0, out.E = 0.0;
 #pragma GCC unroll 1
     for (int k = 0; k < 6; ++k) {
@@ -180,6 +187,12 @@ PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal
     }
     out.holds = out.holds & near;
     return out;
+}
+template <class V>
+STEP Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal<V>& f, const Growth& growth,
+                         const Block& ball = 0.0) {
+    const Block rotation = ROUNDING_OF_ROTATION * growth.all, position = loop.rounding * growth.all;
+    return certify(at, f, Rounding{rotation, position, rounding_of_twist(loop, growth)}, ball);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -14,15 +14,16 @@ if TYPE_CHECKING:
 
 _CLOSED, _SINGLY = "solve_closed_form", "solve_singly"
 _FORMS = "families/closed_forms/"
-# Of each family of six joints: the header, and by variant the function and the class that it takes.
-_FAMILIES = {
+# Of each family of six joints: the header, and by variant the function and the class that it takes, as in the table of
+# the .cpp file beside the header.
+FAMILIES = {
     "spherical wrist": (
         f"{_FORMS}spherical_wrist.hpp",
         {
             "2||3": (_CLOSED, "SphericalWrist<Shoulder::parallel_23>"),
             "1x2": (_CLOSED, "SphericalWrist<Shoulder::intersecting_12>"),
             "1||2": (_CLOSED, "SphericalWrist<Shoulder::parallel_12>"),
-            "general": (_CLOSED, "SphericalWrist<Shoulder::general>"),
+            "general": (_SINGLY, "SphericalWrist<Shoulder::general>"),
         },
     ),
     "three parallel axes": (
@@ -111,12 +112,12 @@ def _size(inner: Node) -> str:
 
 def _own(arm: Any, kind: str, name: str) -> tuple[tuple[str, ...], str]:
     """Files and function of a solver that uses no other one."""
-    if kind in _FAMILIES:
-        header, variants = _FAMILIES[kind]
+    if kind in FAMILIES:
+        header, variants = FAMILIES[kind]
         function, family = variants[arm.variant]
         return (header,), f"{function}<{family}>"
     if kind == "imperfect":
-        header, variants = _FAMILIES[arm.family.kind]
+        header, variants = FAMILIES[arm.family.kind]
         family = variants[arm.family.variant][1]
         return ("families/imperfect/imperfect.hpp", header), f"{_SINGLY}<Imperfect<{family}>>"
     if kind == "elimination":

@@ -19,6 +19,7 @@ inline int facts = 0, wrong = 0;
 // Whether two numbers differ by at most `within`; false if one is NaN.
 inline bool near(double a, double b, double within) { return std::fabs(a - b) <= within; }
 
+void test_doubled();
 void test_trig();
 void test_polynomials();
 void test_subproblems();

@@ -2,6 +2,7 @@
 #include "facts.hpp"
 
 int main() {
+    test_doubled();
     test_trig();
     test_polynomials();
     test_subproblems();

@@ -5,12 +5,18 @@
 #include "answers/blocks.hpp"
 #include "answers/on_curve.hpp"
 #include "certificate/cluster.hpp"
+#include "certificate/precise.hpp"
 #include "families/general/elimination_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // Rounds of Newton's method to a complex solution: moved axes are up to 1e-5 off, and convergence is quadratic.
 inline constexpr int ROUNDS_TO_PAIRS = 6;
+// Roots with e^(sum of |imaginary parts|) above FAR_FROM_REAL, whose bound on Newton's step is below CONVERGING [rad], are
+// certified with twice the digits where doubles fail.
+inline constexpr double FAR_FROM_REAL = 100.0, CONVERGING = 0.1;
+// A joint vector to which Newton's method came is tried as a cluster's if the loop's error there is below this.
+inline constexpr double NEAR_A_CLUSTER = 1e-3;
 // Joint vectors this near to each other [rad] lead to the same cluster: only the first is tried.
 inline constexpr double ALIKE = 1e-4;
 
@@ -151,9 +157,22 @@ PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, Sear
 // polished in real numbers, as every solution.
 PART void account_for(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, CBlock (&z)[6], unsigned lanes) {
     Growth growth;
-    const Certificate c = certify_complex(search.loop, z, lanes, ROUNDS_TO_PAIRS, growth);
+    Certificate c = certify_complex(search.loop, z, lanes, ROUNDS_TO_PAIRS, growth);
+    // Far from real rounding alone may fail a certificate.
+    if (const unsigned far = bits((growth.all > Block(FAR_FROM_REAL)) & (c.eta < Block(CONVERGING))) & lanes & ~bits(c.holds)) {
+        Growth own;
+        CBlock at[6];
+        for (int k = 0; k < 6; ++k) at[k] = z[k];
+        const Certificate more = certify_precisely(search.loop, precise_loop(arm.written, goal), at, far, own);
+        const auto better = mask_of(far) & more.holds;
+        for (int k = 0; k < 6; ++k) z[k] = select<Block>(better, at[k], z[k]);
+        c.holds = c.holds | better, c.inner = select(better, more.inner, c.inner), c.outer = select(better, more.outer, c.outer);
+        growth.imaginary = select(better, own.imaginary, growth.imaginary);
+    }
     Candidates starts = {{}, 0};
-    for (unsigned rest = lanes & ~bits(c.holds); rest; rest &= rest - 1) {
+    // Newton's method has come near to multiple roots too: their error is of the order of the distance's square.
+    const auto near = c.error < Block(NEAR_A_CLUSTER);
+    for (unsigned rest = lanes & ~bits(c.holds) & bits(near); rest; rest &= rest - 1) {
         const int l = __builtin_ctz(rest);
         double at[6][2];
         Number q[6];
@@ -241,7 +260,7 @@ PART Status count_clusters(const EliminationArm& arm, const Goal<double>& goal, 
             as_numbers(search.columns.row(b), q);
             inside += is_inside_larger(cluster, q);
         }
-        if (inside != 1 << cluster.lost && !cluster.blurred) return Status::incomplete;
+        if (inside != cluster.many && !cluster.blurred) return Status::incomplete;
     }
     return account.clusters ? Status::clustered : Status::complete;
 }
@@ -321,6 +340,16 @@ PART void mark_singular(const Written<6>& arm, const Goal<double>& goal, const C
     }
 }
 
+// Whether a solution in the columns is within a step along a curve.
+STEP bool is_beside(const Written<6>& arm, const Columns<6>& columns, const double (&q)[6]) {
+    for (int b = 0; b < columns.many; ++b) {
+        double most = 0.0;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm, j, q[j], columns.row(b)[j])));
+        if (columns.valid(b) && most < ALONG_CURVE) return true;
+    }
+    return false;
+}
+
 // Whether a solution lies on a curve of solutions, or what was left where it is almost real, which then becomes a solution.
 PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     if (keep_curve(arm.written, goal, search.columns)) return true;
@@ -328,7 +357,7 @@ PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, Searc
     for (int i = 0; i < search.lefts; ++i) {
         double off = 0.0;
         for (int j = 0; j < 6; ++j) q[j] = wrap(search.left[i][j].re), off = max(off, abs(search.left[i][j].im));
-        if (off > ALMOST_REAL) continue;
+        if (off > ALMOST_REAL || is_beside(arm.written, search.columns, q)) continue;
         if (polish_one<true>(arm.written, goal, q, {40, CONVERGED, LONG_PATIENCE}).error > CONVERGED) continue;
         if (!is_on_curve(arm.written, goal, q)) continue;
         column_of(arm, goal, search, q, 0.0);

@@ -323,15 +323,15 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = account.clusters = 0;
         return Status::complete;
     }
+    if (search.on_curve) {
+        mark_singular(arm.written, goal, columns);
+        return Status::continuum;
+    }
     const Status proven = search.provable ? count_clusters(arm, goal, search) : Status::incomplete;
     account = search.account;
     if (proven != Status::incomplete) {
         keep_accounted(arm, goal, search);
         return proven;
-    }
-    if (search.on_curve) {
-        mark_singular(arm.written, goal, columns);
-        return Status::continuum;
     }
     // If no candidate converged, the best may be a double root. Without the damping HELD, rounding would move the arm
     // along its singular direction.

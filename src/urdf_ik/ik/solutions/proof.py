@@ -38,7 +38,7 @@ class Cluster:
         across: rad.
         along: rad.
         lost: ranks that the Jacobian all but loses there.
-        count: 2 ** lost, the solutions in it, counted by multiplicity.
+        count: the solutions in it, counted by multiplicity: 2 ** lost, or 3 where one rank is lost.
     """
 
     centre: Complex
@@ -46,11 +46,7 @@ class Cluster:
     across: float
     along: float
     lost: int
-
-    @property
-    def count(self) -> int:
-        """The solutions in it, counted by multiplicity."""
-        return 1 << self.lost
+    count: int
 
 
 @dataclass(frozen=True, eq=False, slots=True)

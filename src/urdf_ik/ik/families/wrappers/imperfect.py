@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 # Most boxes that are looked at; of arms that are at least so far off [rad, share of size], whose boxes hardly shrink.
-_BOXES, _COARSE_BOXES, _COARSE = 6000, 64, 5e-4
+_BOXES, _COARSE_BOXES, _COARSE = 8000, 64, 5e-4
 
 # Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
 # they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and

@@ -1,0 +1,127 @@
+// Certificates of roots far from real. With |Im q| up to 10 rad the loop's rounding in doubles exceeds what a certificate allows,
+// so the loop and its twists are computed in numbers of twice the digits.
+//
+// The rotations of the steps and of the target are then those nearest to the stored ones. The bounds of loop.hpp hold with the
+// unit of these numbers. What remains is the rounding of twists to doubles.
+#pragma once
+
+#include "arithmetic/doubled.hpp"
+#include "certificate/single.hpp"
+#include "certificate/svd.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A rigid motion: rotation by rows, translation.
+struct DoubledMotion {
+    Doubled R[3][3], t[3];
+};
+using Precise = Complexes<Doubled>;
+
+// A constant motion as a frame, and the frame after a constant motion.
+template <class V> STEP Frame<V> constant_frame(const DoubledMotion& m) {
+    const auto column = [&](int k) { return Vec<V>{{m.R[0][k], 0.0}, {m.R[1][k], 0.0}, {m.R[2][k], 0.0}}; };
+    return {{column(0), column(1), column(2)}, {{m.t[0], 0.0}, {m.t[1], 0.0}, {m.t[2], 0.0}}};
+}
+STEP Frame<Precise> beyond(const Frame<Precise>& at, const DoubledMotion& m) {
+    const auto combined = [&](const Doubled& a, const Doubled& b, const Doubled& c) {
+        const auto sum = [&](const Precise& x, const Precise& y, const Precise& z) {
+            return Precise{a * x.re + b * y.re + c * z.re, a * x.im + b * y.im + c * z.im};
+        };
+        const auto& [x, y, z] = at.R;
+        return Vec<Precise>{sum(x.x, y.x, z.x), sum(x.y, y.y, z.y), sum(x.z, y.z, z.z)};
+    };
+    return {{combined(m.R[0][0], m.R[1][0], m.R[2][0]), combined(m.R[0][1], m.R[1][1], m.R[2][1]),
+             combined(m.R[0][2], m.R[1][2], m.R[2][2])},
+            at.p + combined(m.t[0], m.t[1], m.t[2])};
+}
+
+// The motion with the rotation nearest to the stored one: one step of Newton's method squares what orthogonality lacks.
+STEP DoubledMotion precise(const Motion& m, double size) {
+    DoubledMotion out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            Doubled sum = 3.0 * Doubled(m.R[i][j]);
+            for (int k = 0; k < 3; ++k) {
+                Doubled square = 0.0;  // of R^T R
+                for (int l = 0; l < 3; ++l) square += Doubled(m.R[l][k]) * Doubled(m.R[l][j]);
+                sum += -(Doubled(m.R[i][k]) * square);
+            }
+            out.R[i][j] = 0.5 * sum;
+        }
+        out.t[i] = Doubled(m.t[i]) / Doubled(size);
+    }
+    return out;
+}
+STEP DoubledMotion inverse_of(const DoubledMotion& m) {
+    DoubledMotion out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[j][i];
+        out.t[i] = -(m.R[0][i] * m.t[0] + m.R[1][i] * m.t[1] + m.R[2][i] * m.t[2]);
+    }
+    return out;
+}
+STEP DoubledMotion after(const DoubledMotion& a, const DoubledMotion& b) {
+    DoubledMotion out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j];
+        out.t[i] = a.t[i] + a.R[i][0] * b.t[0] + a.R[i][1] * b.t[1] + a.R[i][2] * b.t[2];
+    }
+    return out;
+}
+
+using PreciseLoop = LoopOf<DoubledMotion>;
+PART PreciseLoop precise_loop(const Written<6>& arm, const Frame<double>& goal) {
+    DoubledMotion step[7];
+    for (int k = 0; k < 7; ++k) step[k] = precise(arm.step[k], arm.size);
+    const auto& G = goal.R;
+    const Motion target = {{{G.x.x, G.y.x, G.z.x}, {G.x.y, G.y.y, G.z.y}, {G.x.z, G.y.z, G.z.z}}, {goal.p.x, goal.p.y, goal.p.z}};
+    return {inverse_of(step[3]), inverse_of(step[2]),
+            inverse_of(step[1]), after(inverse_of(step[0]), after(precise(target, arm.size), inverse_of(step[6]))),
+            inverse_of(step[5]), inverse_of(step[4]),
+            {step[4], step[5]}};
+}
+
+// The unit of the bounds: that of the numbers, and what one step leaves of rotations that are orthogonal to 3e-14.
+inline constexpr double PRECISE_UNIT = 1e-27;
+static_assert(PRECISE_UNIT > DOUBLED_UNIT + 3e-14 * 3e-14);
+// The ball without another root is looked for up to this radius: larger than the rounding of z, small against the third derivatives
+// of most roots.
+inline constexpr double PRECISE_BALL = 1e-9;
+// Rounds of Newton's method from where doubles converged.
+inline constexpr int PRECISE_ROUNDS = 3;
+
+// Certifies the roots that the lanes in use have converged to; z: e^(i q), which Newton's method moves. loop: in doubles.
+// A ball is half as large as the one without another root, instead of the smallest.
+PART Certificate certify_precisely(const Loop& loop, const PreciseLoop& precise, CBlock (&z)[6], unsigned lanes, Growth& growth) {
+    LoopAt<CBlock> at;
+    Orthogonal<CBlock> f;
+    for (int round = 0;; ++round) {
+        for (int l = 0; l < BLOCK; ++l) {
+            const int from = lanes >> l & 1 ? l : __builtin_ctz(lanes);
+            Turn<Precise> turn[6];
+            for (int k = 0; k < 6; ++k) turn[k] = turn_of(Precise{z[k].re[from], z[k].im[from]});
+            const LoopAt<Precise> here = loop_at(precise, turn);
+            const auto put = [&](CBlock& to, const Precise& a) { to.re.set(l, a.re.hi), to.im.set(l, a.im.hi); };
+            for (int i = 0; i < 6; ++i) {
+                for (int k = 0; k < 6; ++k) put(at.twist[k][i], here.twist[k][i]);
+                put(at.error[i], here.error[i]);
+            }
+            put(at.off, here.off);
+        }
+        make_orthogonal(at.twist, f);
+        if (round == PRECISE_ROUNDS) break;
+        const Six<CBlock> step = newton_step(f, at.error);
+        for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(step[k]);
+    }
+    growth = growth_of(z);
+    Block longest = 0.0;
+    for (const Six<CBlock>& each : at.twist) longest = max(longest, square_of(each));
+    const double small = PRECISE_UNIT / UNIT;
+    const Rounding rounding = {small * ROUNDING_OF_ROTATION * growth.all, small * loop.rounding * growth.all,
+                               2.0 * UNIT * sqrt(longest) + small * rounding_of_twist(loop, growth)};
+    Certificate out = certify(at, f, rounding, PRECISE_BALL);
+    out.inner = max(out.inner, 0.5 * out.outer);
+    return out;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
