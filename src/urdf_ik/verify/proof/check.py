@@ -233,9 +233,9 @@ def _by_account(
         singles.append(found)
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
-        counted: ClusterEnclosure | str = "three solutions in one ball are not counted in ball arithmetic"
-        if each.count == 1 << each.lost:
-            counted = cluster(loop, each.centre, each.lost, each.along, each.across)
+        if each.count != 1 << each.lost:
+            return None, f"cluster {k}: three solutions in one ball are not counted in ball arithmetic"
+        counted = cluster(loop, each.centre, each.lost, each.along, each.across)
         if not isinstance(counted, str):
             clusters.append(counted)
         elif len(members := _members(loop, each)) < each.count:
