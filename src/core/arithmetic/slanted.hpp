@@ -65,8 +65,11 @@ private:
     }
 };
 
+// One of two as it stands: a cosine and a sine whose ranges are one disc must not be narrowed each for itself.
 template <class V> STEP Slanted<V> select(const auto& m, const Slanted<V>& a, const Slanted<V>& b) {
-    return {select(m, a.at, b.at), select(m, a.slope, b.slope), select(m, a.all, b.all)};
+    Slanted<V> out;
+    out.at = select(m, a.at, b.at), out.slope = select(m, a.slope, b.slope), out.all = select(m, a.all, b.all);
+    return out;
 }
 template <class V> STEP Slanted<V> abs(const Slanted<V>& a) {
     const V most = abs(a.slope.mid) + a.slope.rad;

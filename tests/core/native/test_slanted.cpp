@@ -89,6 +89,9 @@ void directions() {
         };
         HOLDS(good(arc.c, c.start / start, c.end / end) && good(arc.s, s.start / start, s.end / end));
         narrow += arc.c.slope.rad < 0.1;
+        // The ranges of both are one disc, also where an arc is chosen among two.
+        const Turn<Number> chosen = {select(true, arc.c, c.number), select(true, arc.s, s.number)};
+        HOLDS(chosen.c.all.rad == chosen.s.all.rad && chosen.c.all.mid == arc.c.all.mid && chosen.s.all.mid == arc.s.all.mid);
     }
     HOLDS(narrow > 1000);
 }

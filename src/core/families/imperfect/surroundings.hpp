@@ -1,0 +1,53 @@
+// Regions along valleys (certificate/valley.hpp) whose roots are known, and how a slanted box of joint values lies to one.
+#pragma once
+
+#include "certificate/cluster.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A root this near to an end of a region [rad] may lie on either side of it.
+inline constexpr double AT_AN_END = 1e-5;
+// A region that holds the roots that were found in it, and no others: within `across` of a piece of a valley, |t| <= along.
+struct Surroundings {
+    double q[6], direction[6][6], across, along;
+    double farthest;  // of each joint from q
+    Curve valley;
+};
+
+// How a box of joint values q + along u, |u| <= 1, within `rest`, lies to the region.
+struct Placed {
+    double across, along;  // the farthest point's distances from the valley and from its middle
+    bool inside;
+};
+STEP Placed placed(const Surroundings& region, const double (&q)[6], const double (&along)[6], const double (&rest)[6]) {
+    double d[6], y[5], slope[5], wide[6], moves[6], t = 0.0, sum = 0.0, bend = 0.0;
+    for (int j = 0; j < 6; ++j) {
+        d[j] = wrap(wrap(q[j] - region.q[j]));
+        if (abs(d[j]) > region.farthest) return {__builtin_inf(), __builtin_inf(), false};
+    }
+    for (int k = 5; k >= 0; --k) {
+        double middle = 0.0;
+        wide[k] = 1e-14, moves[k] = 0.0;
+        for (int j = 0; j < 6; ++j) {
+            middle += region.direction[k][j] * d[j], moves[k] += region.direction[k][j] * along[j];
+            wide[k] += abs(region.direction[k][j]) * rest[j];
+        }
+        if (k < 5) {
+            // The valley's tangent at t takes the part of its motion.
+            sum += square(abs(middle - y[k]) + abs(moves[k] - slope[k] * moves[5]) + wide[k]);
+            continue;
+        }
+        t = middle;
+        const double far = abs(t) + abs(moves[5]) + wide[5];
+        if (far > region.along + AT_AN_END) return {__builtin_inf(), far, false};
+        region.valley.at(t, y), region.valley.slope_at(t, slope);
+        bend = 0.5 * square(moves[5]) * region.valley.bending(far) + wide[5] * region.valley.steepness(far);
+    }
+    const double far = abs(t) + abs(moves[5]) + wide[5], across = sqrt(sum) + bend;
+    return {across, far, far <= region.along && across <= region.across};
+}
+inline constexpr double NOWHERE[6] = {};
+STEP Placed placed(const Surroundings& region, const double (&q)[6]) { return placed(region, q, NOWHERE, NOWHERE); }
+STEP bool holds(const Surroundings& region, const double (&q)[6]) { return placed(region, q).inside; }
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
