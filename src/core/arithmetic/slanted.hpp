@@ -33,15 +33,15 @@ template <class V> struct Slanted {
         slope = {select(known, slope.mid, V(0.0)), select(known, slope.rad, apart)};
     }
 
-    friend STEP Slanted operator+(const Slanted& a, const Slanted& b) { return {a.at + b.at, a.slope + b.slope, a.all + b.all}; }
-    friend STEP Slanted operator-(const Slanted& a, const Slanted& b) { return {a.at - b.at, a.slope - b.slope, a.all - b.all}; }
-    friend STEP Slanted operator*(const Slanted& a, const Slanted& b) {
+    friend PART Slanted operator+(const Slanted& a, const Slanted& b) { return {a.at + b.at, a.slope + b.slope, a.all + b.all}; }
+    friend PART Slanted operator-(const Slanted& a, const Slanted& b) { return {a.at - b.at, a.slope - b.slope, a.all - b.all}; }
+    friend PART Slanted operator*(const Slanted& a, const Slanted& b) {
         return {a.at * b.at, a.all * b.slope + a.slope * b.at, a.all * b.all};
     }
     friend STEP Slanted operator/(const Slanted& a, const Slanted& b) { return a * reciprocal(b); }
     friend STEP Slanted operator+(const Slanted& a, double b) { return {a.at + b, a.slope, a.all + b}; }
     friend STEP Slanted operator-(const Slanted& a, double b) { return {a.at - b, a.slope, a.all - b}; }
-    friend STEP Slanted operator*(const Slanted& a, double b) { return {a.at * b, a.slope * b, a.all * b}; }
+    friend PART Slanted operator*(const Slanted& a, double b) { return {a.at * b, a.slope * b, a.all * b}; }
     friend STEP Slanted operator/(const Slanted& a, double b) { return a * (1.0 / b); }
     friend STEP Slanted operator+(double a, const Slanted& b) { return b + a; }
     friend STEP Slanted operator-(double a, const Slanted& b) { return {a - b.at, -b.slope, a - b.all}; }
@@ -95,7 +95,7 @@ template <class V> STEP Slanted<V> copysign(const Slanted<V>& a, const Slanted<V
 }
 
 // The roots of what is not negative: where a number may be, its slope is left to its range.
-template <class V> STEP Slanted<V> root(const Slanted<V>& a) {
+template <class V> PART Slanted<V> root(const Slanted<V>& a) {
     const Ball<V> start = root(a.at), range = root(a.all), slope = a.slope / (start + range);
     const auto positive = (a.all.least() > V(0.0)) & (a.at.least() > V(0.0));
     return {start, {slope.mid, select(positive, slope.rad, V(__builtin_inf()))}, range};
@@ -105,7 +105,7 @@ template <class V> STEP Slanted<V> margin_root(const Slanted<V>& margin) { retur
 // (c, s) scaled to length 1; c.all and s.all are one disc. From t = 0 on the direction turns by an angle whose sine is
 // x = (c(0) s(t) - s(0) c(t)) / (|.| |.|), up to 90 degrees while the vector moves by less than its length, and it changes by
 // x across itself, less at most x^2 (1 + x^2) / 2 along itself.
-template <class V> STEP Turn<Slanted<V>> unit(const Slanted<V>& c, const Slanted<V>& s) {
+template <class V> PART Turn<Slanted<V>> unit(const Slanted<V>& c, const Slanted<V>& s) {
     using B = Ball<V>;
     const Turn<B> start = unit(c.at, s.at), range = unit(c.all, s.all);
     const B length = root(c.at * c.at + s.at * s.at), lengths = length * root(c.all * c.all + s.all * s.all);

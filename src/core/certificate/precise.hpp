@@ -22,7 +22,7 @@ template <class V> STEP Frame<V> constant_frame(const DoubledMotion& m) {
     const auto column = [&](int k) { return Vec<V>{{m.R[0][k], 0.0}, {m.R[1][k], 0.0}, {m.R[2][k], 0.0}}; };
     return {{column(0), column(1), column(2)}, {{m.t[0], 0.0}, {m.t[1], 0.0}, {m.t[2], 0.0}}};
 }
-STEP Frame<Precise> beyond(const Frame<Precise>& at, const DoubledMotion& m) {
+PART Frame<Precise> beyond(const Frame<Precise>& at, const DoubledMotion& m) {
     const auto combined = [&](const Doubled& a, const Doubled& b, const Doubled& c) {
         const auto sum = [&](const Precise& x, const Precise& y, const Precise& z) {
             return Precise{a * x.re + b * y.re + c * z.re, a * x.im + b * y.im + c * z.im};
@@ -36,7 +36,7 @@ STEP Frame<Precise> beyond(const Frame<Precise>& at, const DoubledMotion& m) {
 }
 
 // The motion with the rotation nearest to the stored one: one step of Newton's method squares what orthogonality lacks.
-STEP DoubledMotion precise(const Motion& m, double size) {
+PART DoubledMotion precise(const Motion& m, double size) {
     DoubledMotion out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
@@ -52,7 +52,7 @@ STEP DoubledMotion precise(const Motion& m, double size) {
     }
     return out;
 }
-STEP DoubledMotion inverse_of(const DoubledMotion& m) {
+PART DoubledMotion inverse_of(const DoubledMotion& m) {
     DoubledMotion out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[j][i];
@@ -60,7 +60,7 @@ STEP DoubledMotion inverse_of(const DoubledMotion& m) {
     }
     return out;
 }
-STEP DoubledMotion after(const DoubledMotion& a, const DoubledMotion& b) {
+PART DoubledMotion after(const DoubledMotion& a, const DoubledMotion& b) {
     DoubledMotion out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out.R[i][j] = a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j];

@@ -39,6 +39,39 @@ inline constexpr double BOXED = 1e-3;
 // apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
 inline constexpr double FAR_OFF = 4e-3;
 
+// Collects candidates until a block is full; Newton's method then runs on all of them side by side.
+struct Waiting {
+    const Written<6>& written;
+    const Goal<double>& goal;
+    const Columns<6>& columns;
+    Block q[6];
+    int marks[BLOCK], filled = 0;
+
+    STEP void add(const double* candidate, int kinds) {
+        for (int j = 0; j < 6; ++j) q[j].set(filled, candidate[j]);
+        marks[filled] = kinds;
+        if (++filled == BLOCK) follow();
+    }
+    PART void follow() {
+        const int many = filled;
+        if (!many) return;
+        for (; filled < BLOCK; ++filled) {
+            for (int j = 0; j < 6; ++j) q[j].set(filled, q[j][0]);
+        }
+        filled = 0;
+        // Most of them may lead to no solution.
+        const Block zero = 0.0;
+        const auto end = polish<true, Written<6>, Block>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE}, zero <= zero);
+        for (int l = 0; l < many; ++l) {
+            double at[6];
+            for (int j = 0; j < 6; ++j) at[j] = q[j][l];
+            if (!(end.error[l] <= CONVERGED) || !is_new(written, goal, columns, at)) continue;
+            urdf_ik::URDF_IK_LEVEL::add(written, goal, columns, 0, at,
+                                        end.least[l] < NEAR_FOLD ? singular_marks(written, goal, at, marks[l]) : 0);
+        }
+    }
+};
+
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
@@ -110,47 +143,12 @@ template <class Family> struct Imperfect {
         set_status(columns.flags[0], status);
     }
 
-    // Collects candidates until a block is full; Newton's method then runs on all of them side by side.
-    struct Waiting {
-        const Arm& arm;
-        const Goal<double>& goal;
-        const Columns<6>& columns;
-        Block q[6];
-        int marks[BLOCK], filled = 0;
-
-        STEP void add(const double* candidate, int kinds) {
-            for (int j = 0; j < 6; ++j) q[j].set(filled, candidate[j]);
-            marks[filled] = kinds;
-            if (++filled == BLOCK) follow();
-        }
-        PART void follow() {
-            const Written<6>& written = arm.family.written;
-            const int many = filled;
-            if (!many) return;
-            for (; filled < BLOCK; ++filled) {
-                for (int j = 0; j < 6; ++j) q[j].set(filled, q[j][0]);
-            }
-            filled = 0;
-            // Most of them may lead to no solution.
-            const Block zero = 0.0;
-            const auto end =
-                polish<true, Written<6>, Block>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE}, zero <= zero);
-            for (int l = 0; l < many; ++l) {
-                double at[6];
-                for (int j = 0; j < 6; ++j) at[j] = q[j][l];
-                if (!(end.error[l] <= CONVERGED) || !is_new(written, goal, columns, at)) continue;
-                urdf_ik::URDF_IK_LEVEL::add(written, goal, columns, 0, at,
-                                            end.least[l] < NEAR_FOLD ? singular_marks(written, goal, at, marks[l]) : 0);
-            }
-        }
-    };
-
     // A joint that the ideal arm leaves free has a few values on the arm as written: the ideal arm is solved with its nearly free
     // joints at values around the circle. A joint that is free on a part of the circle only is put at the nearer end of this part.
     // A branch whose solution is the same for three values that do not all lie on one half of the circle does not depend on them
     // and is not solved again.
     static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        Waiting waiting = {arm, goal, columns, {}, {}};
+        Waiting waiting = {arm.family.written, goal, columns, {}, {}};
         double first[6 * 8], room[6 * 8];
         std::uint8_t flags[8];
         const Columns<6> there = {room, flags, 8};

@@ -76,7 +76,7 @@ def without_boxes(arm: Any) -> Any:
 
     Example:
         >>> import urdf_ik
-        >>> arm = urdf_ik.load("ur5e").solver.member.solver.arm
+        >>> arm = urdf_ik.load("zyyzyz_6r").solver.member.solver.arm
         >>> without_boxes(arm) is arm
         True
     """
