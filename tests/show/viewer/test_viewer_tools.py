@@ -177,13 +177,17 @@ def test_the_distance_of_two_frames_stands_in_the_page(shown: Shown) -> None:
     shown.folder("Measure")
     shown.choose("From", arm.base)
     shown.choose("To", arm.tip)
-    for scale in (1.0, 0.5):
+
+    def moved(scale: float) -> None:
         T = arm.fk(scale * Q)
         shown.viewer.move_target(T)
         shown.page.get_by_text(f"{np.linalg.norm(T[:3, 3]):.4f} m").wait_for()
-        if scale == 1.0:
-            # The line is drawn in one of the frames that follow the text.
-            shown.wait(lambda: pink(shown.pixels()) > before + 300, "a line is drawn")
+
+    def is_drawn() -> bool:
+        # Each round draws the line anew, to another length.
+        return all((moved(scale), pink(shown.pixels()) > before + 300)[1] for scale in (0.5, 1.0))
+
+    shown.wait(is_drawn, "a line is drawn")
 
 
 def test_the_camera_comes_back_to_arm_and_table_by_a_key(browser: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import threading
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik.errors import UrdfIkError
@@ -254,6 +256,33 @@ def test_a_measure_is_that_of_the_two_frames(viewer: Viewer, arm: urdf_ik.Arm) -
         assert f"x {x:.4f}, y {y:.4f}, z {z:.4f} m" in words
         np.testing.assert_allclose(measure.line.points[0], [np.zeros(3), T[:3, 3]], atol=1e-6)
     by_reader(measure.ends[1], "-")
+    assert not measure.line.visible and not measure.words.content
+
+
+def test_the_last_choice_of_a_measure_is_the_one_that_is_shown(
+    viewer: Viewer, arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A page's answers run side by side: one that was held up half way does not write over what was chosen after it."""
+    measure, held, going_on = viewer.work.measure, threading.Event(), threading.Event()
+    places = arm.link_poses
+    by_reader(measure.ends[0], arm.base)
+
+    def slow(q: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        held.set()
+        assert going_on.wait(30.0)
+        return places(q)
+
+    monkeypatch.setattr(type(arm), "link_poses", lambda _, q: slow(q))
+    # A value that is set calls the functions that hear of it.
+    chosen = threading.Thread(target=setattr, args=(measure.ends[1], "value", arm.tip))
+    unchosen = threading.Thread(target=setattr, args=(measure.ends[1], "value", "-"))
+    chosen.start()
+    assert held.wait(30.0)
+    unchosen.start()
+    unchosen.join(0.3)  # as far as it comes while the other one is held up
+    going_on.set()
+    for thread in (chosen, unchosen):
+        thread.join(30.0)
     assert not measure.line.visible and not measure.words.content
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,8 @@ class Measure:
         """Add the widgets and the line."""
         self._arm = arm
         self._state: State | None = None
+        # The page's callbacks run in threads side by side: what is written last must be the last choice.
+        self._writing = threading.Lock()
         self.folder = gui.add_folder("Measure", expand_by_default=False, order=6e8)
         with self.folder:
             frames = (NOTHING, TARGET, *arm.model.links)
@@ -58,15 +61,16 @@ class Measure:
         self.line.remove()
 
     def _write(self) -> None:
-        names = [end.value for end in self.ends]
-        if self._state is None or NOTHING in names:
-            self.line.visible, self.words.content = False, ""
-            return
-        frames = {TARGET: self._state.target, **self._arm.link_poses(self._state.q)}
-        start, end = (frames[name] for name in names)
-        self.line.points = np.stack([start[:3, 3], end[:3, 3]])[None].astype(np.float32)
-        self.line.visible = True
-        self.words.content = between(start, end, names[0])
+        with self._writing:
+            names, state = [end.value for end in self.ends], self._state
+            if state is None or NOTHING in names:
+                self.line.visible, self.words.content = False, ""
+                return
+            frames = {TARGET: state.target, **self._arm.link_poses(state.q)}
+            start, end = (frames[name] for name in names)
+            self.line.points = np.stack([start[:3, 3], end[:3, 3]])[None].astype(np.float32)
+            self.line.visible = True
+            self.words.content = between(start, end, names[0])
 
 
 def between(start: Array, end: Array, name: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import UrdfIkError
@@ -48,6 +49,7 @@ class WorkPanel:
         self._arm, self._change, self._say = arm, change, say
         self._postures = states.postures(arm)
         self._state: State | None = None
+        self._writing = threading.Lock()  # the page's callbacks run in threads side by side
         self.folder = gui.add_folder("Paste, copy, postures", expand_by_default=False, order=5e8)
         with self.folder:
             self.text = gui.add_text(
@@ -81,9 +83,10 @@ class WorkPanel:
             key.remove()
 
     def _write(self) -> None:
-        if self._state is not None:
-            text = typed_text.written(self._state.q, self._state.target, self.form.value)
-            self.copied.content = f"```\n{text}\n```"
+        with self._writing:
+            if (state := self._state) is not None:
+                text = typed_text.written(state.q, state.target, self.form.value)
+                self.copied.content = f"```\n{text}\n```"
 
     def _typed(self, event: Any) -> None:
         if event.client_id is None or not self.text.value.strip():
