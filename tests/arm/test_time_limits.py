@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,9 @@ from typer.testing import CliRunner
 
 import urdf_ik
 from urdf_ik.cli import app
+from urdf_ik.model import catalogue
 from urdf_ik.support import watch
-from urdf_ik.verify import completeness, crosscheck, judge
+from urdf_ik.verify import check_proof, completeness, crosscheck, judge, surveys
 
 Settings = dict[str, Any]
 
@@ -101,7 +103,7 @@ def test_a_lock_that_was_not_looked_through_has_not_passed(ended_after: Callable
     assert some.verdict().startswith("NOT ENDED") and f"{some.poses} of {len(lock.poses)}" in some.verdict()
 
 
-@pytest.mark.parametrize("how", ["check", "completeness", "judge"])
+@pytest.mark.parametrize("how", ["check", "completeness", "judge", "proofs", "survey"])
 def test_a_check_that_was_cut_off_has_not_passed(how: str, ended_after: Callable[[int], Settings]) -> None:
     """Without a fault it has neither passed nor failed; without a limit it passes."""
     arm = urdf_ik.load("puma_560")
@@ -109,6 +111,8 @@ def test_a_check_that_was_cut_off_has_not_passed(how: str, ended_after: Callable
         "check": lambda **given: crosscheck.check(arm, n=300, collision=False, **given),
         "completeness": lambda **given: completeness.compare(arm, n=8, **given),
         "judge": lambda **given: judge(arm, lambda T: arm.ik(T).to_array(), n=2, **given),
+        "proofs": lambda **given: check_proof(arm, arm.ik(arm.fk(vectors(arm, 2))), **given),
+        "survey": lambda **given: surveys.survey([catalogue.resolve("puma_560").path] * 2, n=2, **given),
     }[how]
     assert run(time_limit=1e6).passed
     assert run().unlooked == ""
@@ -116,6 +120,43 @@ def test_a_check_that_was_cut_off_has_not_passed(how: str, ended_after: Callable
     assert not some.passed
     assert some.verdict().startswith("NOT ENDED") and some.unlooked in some.verdict()
     assert json.loads(some.to_json())["unlooked"] == some.unlooked
+
+
+def test_a_store_of_a_survey_holds_what_was_in_time(ended_after: Callable[[int], Settings], tmp_path: Path) -> None:
+    """The first arms are kept, and the same call without a limit goes on; the arms are those of one run."""
+    files = [catalogue.resolve(name).path for name in ("planar_2r", "puma_560", "zyyzyz_6r")]
+    some = surveys.survey(files, n=2, store=tmp_path / "night", **ended_after(2))
+    assert len(some.arms) == 1 and not some.passed and "1 of 3 files" in some.verdict()
+    said: list[int] = []
+    every = surveys.survey(files, n=2, store=tmp_path / "night", progress=lambda done, total: said.append(done))
+    assert said == [1, 2, 3] and every.passed and every == surveys.survey(files, n=2)
+    assert some.arms == every.arms[:1]
+
+
+def test_an_arm_whose_check_was_cut_off_has_not_passed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The time passes during the first arm's check: its row says so, and the second arm is not looked at."""
+    ticks = iter(range(10**6))
+    monkeypatch.setattr(watch, "monotonic", lambda: float(next(ticks)))
+    files = [catalogue.resolve("planar_2r").path] * 2
+    some = surveys.survey(files, n=2000, time_limit=6.0)
+    assert [each.result for each in some.arms] == [surveys.NOT_ENDED] and "not looked at" in some.arms[0].words
+    assert some.verdict().startswith("NOT ENDED") and "1 of 2 files" in some.verdict()
+
+
+def test_a_lock_that_was_cut_short_says_so(ended_after: Callable[[int], Settings]) -> None:
+    """The poses of the user come first; the lock keeps what was left out, and whoever verifies it is told."""
+    arm = urdf_ik.load("planar_2r")
+    own = arm.fk(vectors(arm, 3))
+    whole = urdf_ik.freeze(arm, own, time_limit=1e6)
+    assert whole == urdf_ik.freeze(arm, own) and whole.unlooked == "" and "unlooked" not in whole.to_text()
+    some = urdf_ik.freeze(arm, own, **ended_after(2))
+    kinds = [pose.kind for pose in some.poses]
+    assert kinds.count("own") == 3 and 3 < len(kinds) < len(whole.poses)
+    assert set(some.poses) <= set(whole.poses)
+    assert f"{len(kinds)} of {len(whole.poses)} poses" in some.unlooked and some.unlooked in repr(some)
+    again = type(some).from_text(some.to_text())
+    assert again == some
+    assert any(some.unlooked in note for note in again.verify(arm).notes)
 
 
 def test_a_fit_out_of_time_is_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,6 +197,15 @@ def test_the_commands_take_a_time_limit(tmp_path: Path) -> None:
     command = ["compare", "ur5", "ur10", "-n", "2", "--poses", str(poses), "--time-limit", "0", "--json"]
     found = json.loads(CliRunner().invoke(app, command).stdout)
     assert "0 of 1 poses" in found["poses"]["unlooked"]
+    done = CliRunner().invoke(app, ["freeze", "planar_2r", str(lock), "--time-limit", "0"])
+    assert done.exit_code == 1 and "0 of 50 poses" in done.stdout
+    for more in (["--proof", "-n", "1"], ["-n", "2"], ["--complete", "-n", "1"]):
+        done = CliRunner().invoke(app, ["check", "puma_560", *more, "--time-limit", "0"])
+        assert done.exit_code == 1 and "NOT ENDED" in done.stdout
+    (tmp_path / "lab").mkdir()
+    shutil.copy(catalogue.resolve("planar_2r").path, tmp_path / "lab" / "arm.urdf")
+    done = CliRunner().invoke(app, ["check", str(tmp_path / "lab"), "--time-limit", "0"])
+    assert done.exit_code == 1 and "0 of 1 files" in done.stdout
 
 
 @pytest.mark.parametrize(("setting", "value"), [("time_limit", -1.0), ("time_limit", "soon"), ("progress", 3)])
@@ -171,6 +221,9 @@ def test_settings_that_make_no_sense_are_refused(setting: str, value: object) ->
         lambda: urdf_ik.compare_many([arm], T, **wrong),
         lambda: lock.verify(urdf_ik.load("planar_2r"), **wrong),
         lambda: urdf_ik.calibrate(arm, q, T, **wrong),
+        lambda: urdf_ik.freeze(arm, **wrong),
+        lambda: check_proof(arm, arm.ik(T), **wrong),
+        lambda: surveys.survey([catalogue.resolve("planar_2r").path], **wrong),
     ]
     for call in calls:
         with pytest.raises(urdf_ik.ArgumentError, match=setting):

@@ -145,21 +145,45 @@ def test_filters_keep_what_they_say() -> None:
     inside = kept("--within-limits")
     assert inside == [[one for one in pose if one["within_limits"]] for pose in everything]
     assert inside != everything
-    nearest = kept("--nearest", TYPED)
-    for pose, chosen in zip(everything, nearest, strict=True):
+    for pose, chosen in zip(everything, kept("--nearest", TYPED), strict=True):
         distance = [np.linalg.norm((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) for one in pose]
-        assert chosen == [pose[int(np.argmin(distance))]]
+        assert_nearest(pose, chosen, distance)
     within = kept("--nearest", TYPED, "--metric", "max", "--max-step", "1.2")
     assert 0 < sum(map(len, within)) < len(within)
     for pose, chosen in zip(everything, within, strict=True):
         distance = [np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi).max() for one in pose]
-        assert chosen == ([pose[int(np.argmin(distance))]] if min(distance) <= 1.2 else [])
+        if min(distance) <= 1.2:
+            assert_nearest(pose, chosen, distance)
+        else:
+            assert chosen == []
     speeds = urdf_ik.load(ARM).solver.velocity_limits
     for pose, chosen in zip(everything, kept("--nearest", TYPED, "--metric", "time"), strict=True):
         seconds = [(np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) / speeds).max() for one in pose]
-        assert chosen == [pose[int(np.argmin(seconds))]]
+        assert_nearest(pose, chosen, seconds)
     best = kept("--best", "limits")
     assert [len(pose) for pose in best] == [int(any(one["within_limits"] for one in pose)) for pose in everything]
+
+
+def assert_nearest(pose: list[Any], chosen: list[Any], distances: list[float]) -> None:
+    """The nearest solution is the one that was kept, with its distance and that of each joint."""
+    best = int(np.argmin(distances))
+    (one,) = chosen
+    assert {key: value for key, value in one.items() if key not in ("distance", "difference")} == pose[best]
+    assert one["distance"] == pytest.approx(distances[best], abs=1e-12)
+    assert np.abs((np.array(one["q"]) - one["difference"] - Q + np.pi) % (2 * np.pi) - np.pi).max() < 1e-12
+
+
+def test_the_distance_to_the_reference_is_printed() -> None:
+    """Below the solution, in the unit that was asked for, with the joint that has the longest way."""
+    q, here = "0.1,-1,1,0.2,0.3,0", "0,-1,1,0,0,0"
+    printed = succeed("ik", "ur5", "--q", q, "--nearest", here)
+    assert f"from --nearest: {np.sqrt(0.01 + 0.04 + 0.09):.4g} rad (l2); farthest joint: q5, 0.3 rad" in printed
+    q_deg, here_deg = "10,-60,60,10,20,0", "0,-60,60,0,0,0"
+    printed = succeed("ik", "ur5", "--q", q_deg, "--nearest", here_deg, "--degrees", "--metric", "max")
+    assert "from --nearest: 20 deg (max); farthest joint: q5, 20 deg" in printed
+    rows = succeed("ik", "ur5", "--q", q, "--nearest", here, "-f", "csv").splitlines()
+    column = rows[0].split(",").index("distance")
+    assert float(rows[1].split(",")[column]) == pytest.approx(np.sqrt(0.14))
 
 
 def test_turns_add_images_inside_the_limits() -> None:

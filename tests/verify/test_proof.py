@@ -12,7 +12,7 @@ from cases import described, from_catalogue
 from flint import arb
 
 import urdf_ik
-from urdf_ik.errors import UnsupportedArm
+from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.verify import check_proof
 from urdf_ik.verify.proof.check import SIXTEEN, examine
 from urdf_ik.verify.proof.loop import Loop, exact
@@ -153,6 +153,16 @@ def test_roots_far_from_real_are_proven_too(make: Any, quarters: tuple[int, ...]
     assert s.certain
     assert np.abs(s.proof.roots.imag).sum(axis=1).max() > 13.0
     assert check_proof(arm, s).accepted
+
+
+def test_filtered_answers_and_those_of_another_arm_are_refused() -> None:
+    """What a filter left out is no solution that is missing."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    s = arm.ik(arm.fk(Q))
+    with pytest.raises(ArgumentError, match="filtered"):
+        check_proof(arm, s.within_limits())
+    with pytest.raises(ArgumentError, match="another arm"):
+        check_proof(urdf_ik.load("puma_560"), s)
 
 
 def test_the_report_counts_every_pose() -> None:

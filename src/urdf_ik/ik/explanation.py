@@ -41,7 +41,7 @@ def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")
         >>> arm.explain(urdf_ik.pose([0.0, 0.0, 4.0]))
-        'wrist centre 2.8 m from the shoulder (axis 2), reach 2.1 m'
+        'wrist centre 2.8 m from the shoulder (axis 2), reach 2.1 m: 0.7 m too far'
         >>> arm.explain(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
         ''
     """

@@ -1,6 +1,6 @@
 """Check an arm against Pinocchio: kinematics, every solution of random poses, collision.
 
-The status is 1 when a check failed.
+The status is 1 when a check failed, or when the time limit left something out.
 
 With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method from random
 starts where the solver uses the elimination itself, answer the same poses, random ones and some 1e-1 to 1e-8 rad from a
@@ -72,17 +72,18 @@ def command(
         raise console.usage("--complete compares solutions and nothing else", "--collisions")
     if proof and (complete or collisions is not None):
         raise console.usage("--proof checks proofs and nothing else", "--proof")
-    if time_limit is not None and (proof or Path(chosen.robot).is_dir()):
-        raise console.usage("poses of one arm are checked up to it; proofs and folders have none", "--time-limit")
     report: surveys.Survey | crosscheck.Report | completeness.Completeness | ProofCheck
     if Path(chosen.robot).is_dir():
         if proof:
             raise console.usage("proofs are checked one arm at a time, and this is a folder", "--proof")
-        report = _survey(chosen, n, seed, complete, collisions, work)
+        report = _survey(chosen, n, seed, complete, collisions, work, time_limit)
     else:
         if work != StoreOptions():
             raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
-        report = _proofs(chosen, n, seed) if proof else _report(chosen, n, seed, complete, collisions, time_limit)
+        if proof:
+            report = _proofs(chosen, n, seed, time_limit)
+        else:
+            report = _report(chosen, n, seed, complete, collisions, time_limit)
     console.write(report.to_json() if printed_as is ReportFormat.JSON else f"{report}\n", None)
     if not report.passed:
         raise typer.Exit(Status.FAILED)
@@ -103,18 +104,24 @@ def _report(
         )
 
 
-def _proofs(chosen: ArmOptions, n: int, seed: int) -> ProofCheck:
+def _proofs(chosen: ArmOptions, n: int, seed: int, time_limit: float | None) -> ProofCheck:
     from urdf_ik.verify import check_proof
     from urdf_ik.verify.completeness import planted
 
     arm = chosen.load()
     solutions = arm.ik(arm.fk(planted(arm, n, seed)))
     with Progress("checking proofs", "checking in ball arithmetic") as progress:
-        return check_proof(arm, solutions, progress=progress.tick)
+        return check_proof(arm, solutions, time_limit=time_limit, progress=progress.tick)
 
 
 def _survey(
-    chosen: ArmOptions, n: int, seed: int, complete: bool, collisions: bool | None, work: StoreOptions
+    chosen: ArmOptions,
+    n: int,
+    seed: int,
+    complete: bool,
+    collisions: bool | None,
+    work: StoreOptions,
+    time_limit: float | None,
 ) -> surveys.Survey:
     from urdf_ik.verify import surveys
 
@@ -132,5 +139,6 @@ def _survey(
             mesh_roots=chosen.mesh_root or (),
             store=work.store,
             client=client,
+            time_limit=time_limit,
             progress=progress.tick,
         )

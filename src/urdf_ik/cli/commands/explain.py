@@ -85,7 +85,7 @@ def command(
     angles = angles_of(arm, degrees)
     asked = "pose" if task is None else task.value.replace("-", " ")
     target = targets.spread(arm, targets.target(arm, typed, None, seed, angles, asked), redundancy, angles)
-    wanted = targets.of_task(arm, target.poses, asked)
+    wanted = target.poses if asked == "pose" else targets.of_task(arm, target.poses, asked)
     arm = arm.for_task(asked)
     found = [
         explained(arm, k, wanted[k], None if target.redundancy is None else target.redundancy[k], obstacles, angles)

@@ -192,6 +192,9 @@ def command(
             world=obstacles,
             tick=progress.tick,
         )
+    if (reference := choice.reference(arm, angles)) is not None:
+        far = checked.distances_from(answer.solutions, reference, choice.metric.value, angles)
+        answer = replace(answer, distances=far)
     if chosen_format is Format.TABLE:
         console.write(tables.text_of(answer, angles, target.note, to_file=output is not None), output)
     else:

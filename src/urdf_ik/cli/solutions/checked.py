@@ -13,6 +13,7 @@ from urdf_ik.cell.pinocchio import missing as without_pinocchio
 from urdf_ik.cli import console
 from urdf_ik.cli.solutions import redundancy as parameters
 from urdf_ik.ik.solutions import IKSolutions, Singular
+from urdf_ik.ik.solutions.distances import measure
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
@@ -24,6 +25,36 @@ if TYPE_CHECKING:
 
 # Solutions that Pinocchio measures between two reports of progress.
 _BATCH = 512
+
+
+@dataclass(frozen=True)
+class Distances:
+    """How far solutions are from a joint vector, in the units that are shown.
+
+    Attributes:
+        metric: the distance's name.
+        each: (N, B) the distance, NaN where there is no solution.
+        joints: (N, B, n) the difference of each joint.
+        unit: of the distance; 'rad and m' where joints of both kinds count in it.
+    """
+
+    metric: str
+    each: NDArray[np.float64]
+    joints: NDArray[np.float64]
+    unit: str
+
+
+def distances_from(solutions: IKSolutions, q_ref: NDArray[np.float64], metric: str, angles: Angles) -> Distances:
+    """The distances of solutions from a joint vector."""
+    apart = solutions.difference(q_ref)
+    each = np.where(solutions.valid, measure(solutions.solver, metric, None, None).distance(apart), np.nan)
+    if metric == "time":
+        unit = "s"
+    elif angles.turning.all():
+        each, unit = angles.angle(each), angles.unit
+    else:
+        unit = "rad and m" if angles.turning.any() else "m"
+    return Distances(metric, each, angles.shown(apart), unit)
 
 
 @dataclass(frozen=True)
@@ -43,6 +74,7 @@ class CheckedSolutions:
         unmeasured: reason why the errors could not be measured, '' where they were or need not be.
         position_error: (N, B) m, as Pinocchio measures it, NaN where there is no solution.
         rotation_error: (N, B) rad, likewise.
+        distances: from the joint vector that the solutions were chosen by; None where there was none.
     """
 
     arm: Arm
@@ -57,6 +89,7 @@ class CheckedSolutions:
     position_error: NDArray[np.float64] | None
     rotation_error: NDArray[np.float64] | None
     unmeasured: str = ""
+    distances: Distances | None = None
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
@@ -175,6 +208,7 @@ def as_csv(answer: CheckedSolutions, angles: Angles) -> str:
     header += parameters.headings(answer.arm)
     header += [] if answer.free is None else ["collision_free"]
     header += [] if answer.position_error is None else ["position_error", "rotation_error"]
+    header += [] if answer.distances is None else ["distance"]
     return console.csv_text([*header, "singular", "branch"], _csv_rows(answer, angles))
 
 
@@ -197,6 +231,8 @@ def as_npz(answer: CheckedSolutions, angles: Angles) -> bytes:
     if answer.position_error is not None and answer.rotation_error is not None:
         arrays["position_error"] = answer.position_error
         arrays["rotation_error"] = angles.angle(answer.rotation_error)
+    if answer.distances is not None:
+        arrays["distance"], arrays["difference"] = answer.distances.each, answer.distances.joints
     return console.npz_bytes(arrays)
 
 
@@ -223,6 +259,8 @@ def _solution(answer: CheckedSolutions, angles: Angles, i: int, b: int) -> dict[
             "position": answer.position_error[i, b],
             "rotation": angles.angle(answer.rotation_error[i, b]),
         }
+    if answer.distances is not None:
+        out["distance"], out["difference"] = answer.distances.each[i, b], answer.distances.joints[i, b]
     return out
 
 
@@ -236,4 +274,5 @@ def _csv_rows(answer: CheckedSolutions, angles: Angles) -> Iterator[list[Any]]:
                 row.append(int(answer.free[i, b]))
             if answer.position_error is not None and answer.rotation_error is not None:
                 row += [float(answer.position_error[i, b]), float(angles.angle(answer.rotation_error[i, b]))]
+            row += [] if answer.distances is None else [float(answer.distances.each[i, b])]
             yield [*row, " ".join(flags(answer.singular[i, b])), answer.names[i, b]]

@@ -71,10 +71,24 @@ def solutions_of(answer: CheckedSolutions, angles: Angles, pose: int) -> list[Ta
     pairs = [(k, answer.hits.get((pose, int(b)), ())) for k, b in enumerate(places)]
     hits = [f"{k + 1} hits: {', '.join(f'{one} - {other}' for one, other in some)}" for k, some in pairs if some]
     notes: list[Table | str] = ["", *hits] if hits else []
+    if answer.distances is not None:
+        notes += ["", *(_distance_line(answer, angles, pose, int(b)) for b in places)]
     if tables.fits(both):
         return [both, *notes]
     numbered = [[str(k + 1), *row] for k, row in enumerate(checks)]
     return [tables.grid(value_header, values, left=names), "", tables.grid(["#", *check_header], numbered), *notes]
+
+
+def _distance_line(answer: CheckedSolutions, angles: Angles, pose: int, column: int) -> str:
+    """How far a solution is from the reference, and the joint that has the longest way."""
+    assert answer.distances is not None
+    far, apart = answer.distances, np.abs(answer.distances.joints[pose, column])
+    k = int(np.argmax(apart))
+    unit = angles.unit if angles.turning[k] else "m"
+    return (
+        f"from --nearest: {far.each[pose, column]:.4g} {far.unit} ({far.metric}); farthest joint: q{k + 1}, "
+        f"{apart[k]:.4g} {unit}"
+    )
 
 
 def legend(answer: CheckedSolutions, angles: Angles) -> str:
@@ -102,6 +116,10 @@ def summary(answer: CheckedSolutions, angles: Angles) -> list[Table | str]:
         lines.append(
             f"worst error as Pinocchio measures it: {position:.1e} m, {angles.angle(rotation):.1e} {angles.unit}"
         )
+    if answer.distances is not None and total:
+        far, unit = answer.distances.each, answer.distances.unit
+        where = np.unravel_index(int(np.nanargmax(far)), far.shape)[0]
+        lines.append(f"farthest from --nearest ({answer.distances.metric}): {np.nanmax(far):.4g} {unit}, pose {where}")
     if solved < len(counts):
         first = int(np.flatnonzero(counts == 0)[0])
         lines.append(f"first pose without a solution: {first}: {checked.explanation(answer, first)}")

@@ -13,6 +13,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import hollow_wrist
+from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Driven, driven
 from urdf_ik.kinematics.chain import is_redundant
@@ -160,6 +161,6 @@ def _out_of_reach(chain: CoupledChain, point: Array) -> str:
     """Why a target at ``point`` (3,) [m] has no solution."""
     far = float(np.linalg.norm(point - chain.points[0]))
     if far > chain.size and not chain.axes.prismatic.any():
-        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
+        return beyond_links("the tip", far, chain.size)
     joints = f"{chain.n} independent joint{'s' if chain.n > 1 else ''}"
     return f"{joints} ({', '.join(chain.joint_names)}) cannot bring the tip there{_searched_within_limits(chain)}"

@@ -7,19 +7,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import Aim
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
 
 
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
@@ -33,7 +29,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         method=family.steps,
         branches=family.branches,
         solver=Solver(elimination_arm(chain)),
-        explain=lambda T: _explain(chain, T[:3, 3]),
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
     )
 
 
@@ -48,10 +44,3 @@ FAMILY = Family(
     matches=lambda structure, chain: structure.is_6r,
     prepare=_prepare,
 )
-
-
-def _explain(chain: Chain, point: Array) -> str:
-    far = float(np.linalg.norm(point - chain.points[0]))
-    if far > chain.size:
-        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
-    return "no joint angles bring the tip there: all complex solutions were followed, and none of them is real"

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -158,15 +158,17 @@ def _explain(ideal: IdealFrames, solver: Solver, rotation: Array, point: Array) 
         far, reach = compared(abs(level), links)
         return (
             f"along axes 1 to 3, axis 6 would have to be {far} m from axis 4, and the links between them reach no "
-            f"further than {reach} m in the wanted direction"
+            f"further than {reach} m in the wanted direction{too_far(abs(level), 0.0, links)}"
         )
     distances = distances_of(solver, rotation, point)
     if len(distances) and distances.min() > longest:
         far, reach = compared(distances.min(), longest)
-        return f"axis 3 would have to be {far} m or more from axis 1, reach {reach} m"
+        off = too_far(distances.min(), shortest, longest)
+        return f"axis 3 would have to be {far} m or more from axis 1, reach {reach} m{off}"
     if len(distances) and distances.max() < shortest:
         near, folded = compared(distances.max(), shortest)
-        return f"axis 3 would be {near} m or less from axis 1, the folded links' {folded} m away"
+        off = too_far(distances.max(), shortest, longest)
+        return f"axis 3 would be {near} m or less from axis 1, the folded links' {folded} m away{off}"
     if len(distances):
         return (
             f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
+from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -140,7 +140,10 @@ def _explain(arm: SphericalMiddleArm, rotation: Array, point: Array) -> str:
         low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
         if not low <= wanted <= high:
             at, least, most = compared(wanted, low, high)
-            return f"{name} is {at} m from where axes 5 and 6 meet, and joint 1 can bring it {least} to {most} m near"
+            off = too_far(wanted, low, high)
+            return (
+                f"{name} is {at} m from where axes 5 and 6 meet, and joint 1 can bring it {least} to {most} m near{off}"
+            )
     if arm.variant == "5||6":
         axis = rotation[:, 2]
         level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
@@ -154,5 +157,5 @@ def _explain(arm: SphericalMiddleArm, rotation: Array, point: Array) -> str:
             )
     far = float(np.linalg.norm(point))
     if far > 2.0 * size:
-        return f"axis 6 is {far:.6g} m from axis 1, and all links together measure {size:.6g} m"
+        return beyond_links("axis 6", far, size)
     return f"no turns of joints 1, 5 and 6 bring {name} to one place and leave axes 2 to 4 their turn"

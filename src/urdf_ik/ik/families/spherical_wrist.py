@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
+from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
@@ -239,17 +239,22 @@ def _explain(arm: SphericalWristArm, rotation: Array, point: Array) -> str:
         radius = math.hypot(point[0], point[1])
         if radius < abs(side):
             near, off = compared(radius, abs(side))
-            return f"the wrist centre is {near} m from axis 1, and joints 2 and 3 cannot bring it closer than {off} m"
+            return (
+                f"the wrist centre is {near} m from axis 1, and joints 2 and 3 cannot bring it closer than {off} m"
+                f"{too_far(radius, abs(side), math.inf)}"
+            )
         ahead = math.sqrt(radius**2 - side**2)
         reach = [math.hypot(sign * ahead - a[0], up) for sign in (1.0, -1.0)]
         longest = a[1] + rho
         shortest = abs(a[1] - rho)
         if min(reach) > longest:
             far, most = compared(min(reach), longest)
-            return f"wrist centre {far} m from the shoulder (axis 2), reach {most} m"
+            off = too_far(min(reach), shortest, longest)
+            return f"wrist centre {far} m from the shoulder (axis 2), reach {most} m{off}"
         if max(reach) < shortest:
             near, folded = compared(max(reach), shortest)
-            return f"wrist centre {near} m from the shoulder (axis 2), closer than the folded arm's {folded} m"
+            off = too_far(max(reach), shortest, longest)
+            return f"wrist centre {near} m from the shoulder (axis 2), closer than the folded arm's {folded} m{off}"
     elif shoulder in ("1x2", "1||2"):
         square = float(point @ point) if shoulder == "1x2" else ca * point[2]
         if abs(square * swing + shift) > 1.0:
@@ -257,10 +262,13 @@ def _explain(arm: SphericalWristArm, rotation: Array, point: Array) -> str:
             if shoulder == "1x2":
                 low, high = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
                 at, least, most = compared(math.sqrt(square), low, high)
-                return f"wrist centre {at} m from the shoulder (where axes 1 and 2 meet), reach {least} to {most} m"
+                off = too_far(math.sqrt(square), low, high)
+                return (
+                    f"wrist centre {at} m from the shoulder (where axes 1 and 2 meet), reach {least} to {most} m{off}"
+                )
             at, least, most = compared(square, low, high)
             return f"wrist centre at {at} m along axis 1, which joint 3 moves from {least} to {most} m"
     distance = float(np.linalg.norm(point))
     if distance > 2.0 * size:
-        return f"the wrist centre is {distance:.6g} m from axis 1, and all links together measure {size:.6g} m"
+        return beyond_links("the wrist centre", distance, size)
     return "no angles of the first three joints bring the wrist centre there and leave the wrist its turn"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.explanations import compared
+from urdf_ik.ik.families.parts.explanations import compared, too_far
 from urdf_ik.ik.families.parts.family import Family, RedundantMember, in_words
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.ideal import Ends, snapped
@@ -244,8 +244,9 @@ def _explain(arm: SrsArm, T: Array, value: float) -> str:
     longest, shortest = math.hypot(a + b, c), math.hypot(a - b, c)
     if far > longest:
         at, reach = compared(far, longest)
-        return f"wrist centre {at} m from the shoulder, reach {reach} m"
+        return f"wrist centre {at} m from the shoulder, reach {reach} m{too_far(far, shortest, longest)}"
     if far < shortest:
         at, folded = compared(far, shortest)
-        return f"wrist centre {at} m from the shoulder, closer than the folded arm's {folded} m"
+        off = too_far(far, shortest, longest)
+        return f"wrist centre {at} m from the shoulder, closer than the folded arm's {folded} m{off}"
     return f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -135,14 +135,16 @@ def _explain(arm: ThreeParallelArm, solver: Solver, crossing: bool, rotation: Ar
             near, off = compared(radius, abs(side))
             return (
                 f"the point where axes 5 and 6 meet is {near} m from axis 1, and the arm's sideways offset keeps it "
-                f"{off} m away"
+                f"{off} m away{too_far(radius, abs(side), math.inf)}"
             )
     distances = distances_of(solver, rotation, point)
     longest, shortest = upper + lower, abs(upper - lower)
     if len(distances) and distances.min() > longest:
         far, reach = compared(distances.min(), longest)
-        return f"axis 4 would have to be {far} m or more from axis 2, reach {reach} m"
+        off = too_far(distances.min(), shortest, longest)
+        return f"axis 4 would have to be {far} m or more from axis 2, reach {reach} m{off}"
     if len(distances) and distances.max() < shortest:
         near, folded = compared(distances.max(), shortest)
-        return f"axis 4 would be {near} m or less from axis 2, the folded links' {folded} m away"
+        off = too_far(distances.max(), shortest, longest)
+        return f"axis 4 would be {near} m or less from axis 2, the folded links' {folded} m away{off}"
     return "no turn of joint 1 gives the last axis both its direction and its height along axes 2 to 4"

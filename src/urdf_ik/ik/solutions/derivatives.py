@@ -174,7 +174,7 @@ def swivel_points(solver: Solver) -> Points | None:
 
     Example:
         >>> import urdf_ik
-        >>> swivel_points(urdf_ik.load("srs_7r").solver).shoulder.round(6).tolist()
+        >>> (swivel_points(urdf_ik.load("srs_7r").solver).shoulder.round(6) + 0.0).tolist()
         [0.0, 0.0, 0.36]
     """
     swivelling = any(each.kind == SWIVEL for each in solver.parameters)

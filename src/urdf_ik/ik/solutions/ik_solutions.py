@@ -175,6 +175,28 @@ class IKSolutions(DifferentiableSolutions):
             away = np.where(near, away, np.inf)
         return kept._picked(distances.least_columns(away, n), "nearest")
 
+    def difference(self, q_ref: ArrayLike) -> Array:
+        """How far each solution is from a joint vector, joint by joint, as :meth:`nearest` takes it.
+
+        Args:
+            q_ref: (n,) or one for each pose (..., n), rad or m.
+
+        Returns:
+            (..., B, n) rad or m, NaN where there is no solution.
+
+        Raises:
+            ArgumentError: ``q_ref`` does not fit the arm, or is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> s = arm.ik(arm.fk([0.5, -1.0])).nearest([0.4, -1.0])
+            >>> s.difference([0.4, -1.0]).round(6).tolist()
+            [[0.1, 0.0]]
+        """
+        reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
+        return self._apart(reference, on_circle=True)
+
     def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
         """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
 
@@ -326,7 +348,7 @@ class IKSolutions(DifferentiableSolutions):
             >>> import urdf_ik
             >>> arm = urdf_ik.load("planar_2r")
             >>> print(arm.ik([0.3, 0.0], task="planar position").explain())
-            the tip is 0.3 m from axis 1, reach 0.196 m
+            the tip is 0.3 m from axis 1, reach 0.196 m: 0.104 m too far
         """
         if not self.shape:
             return explanations.explanation(self)

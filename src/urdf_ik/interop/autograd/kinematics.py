@@ -76,7 +76,7 @@ def swivel_points(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChai
         >>> import urdf_ik
         >>> from urdf_ik.kinematics.derivatives import written
         >>> geometry = written(urdf_ik.load("srs_7r").chain)
-        >>> swivel_points(np, np.asarray, geometry, geometry.values).shoulder.round(6).tolist()
+        >>> (swivel_points(np, np.asarray, geometry, geometry.values).shoulder.round(6) + 0.0).tolist()
         [0.0, 0.0, 0.36]
     """
     columns = range(geometry.dof)

@@ -49,7 +49,10 @@ class Baseline(Recorded):
     def __repr__(self) -> str:
         found = sum(len(pose.answers) for pose in self.poses)
         contacts = f", contacts {self.contacts}" if self.contacts else ""
-        return f"<Baseline of {printable(self.arm.title)}: {len(self.poses)} poses, {found} solutions{contacts}>"
+        left_out = f", {self.unlooked}" if self.unlooked else ""
+        return (
+            f"<Baseline of {printable(self.arm.title)}: {len(self.poses)} poses, {found} solutions{contacts}{left_out}>"
+        )
 
     def verify(
         self,
@@ -107,7 +110,7 @@ class Baseline(Recorded):
             "planted": [plain({"T": each.T, "kind": each.kind, "q": each.q}) for each in self.planted],
             "poses": [_pose_dict(each) for each in self.poses],
             "version": VERSION,
-        }
+        } | ({"unlooked": self.unlooked} if self.unlooked else {})
         return _lines(listed) + "\n"
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -207,7 +210,7 @@ def _read(data: dict[str, Any]) -> Baseline:
     )
     contacts = "" if data["contacts"] == "checked" else str(data["contacts"])
     made_by = tuple(sorted((str(name), str(value)) for name, value in data["made_by"].items()))
-    return Baseline(arm, planted, tuple(poses), contacts, made_by)
+    return Baseline(arm, planted, tuple(poses), contacts, made_by, str(data.get("unlooked", "")))
 
 
 def _row(values: Any, width: int) -> Row:

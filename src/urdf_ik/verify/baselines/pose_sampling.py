@@ -34,6 +34,9 @@ pose decides how many solutions it has, and another processor may round in anoth
 TOUCHING = 1e-6
 """Distance [m] below which nobody can tell whether two shapes touch."""
 
+AT_ONCE = 8
+"""Poses that are solved before the time is looked at."""
+
 _TRIES, _ROUNDS = 64, 12
 
 

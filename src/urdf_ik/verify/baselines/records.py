@@ -89,6 +89,7 @@ class Recorded:
         poses: poses with every solution; () where no solver takes the arm.
         contacts: '' where contacts were checked, else why not.
         made_by: versions of the packages that computed it.
+        unlooked: what a time limit left out when it was made; '' where nothing was.
     """
 
     arm: Description
@@ -96,6 +97,7 @@ class Recorded:
     poses: tuple[Pose, ...]
     contacts: str = ""
     made_by: tuple[tuple[str, str], ...] = ()
+    unlooked: str = ""
 
 
 def answer_rows(q: Array) -> tuple[Row, ...]:

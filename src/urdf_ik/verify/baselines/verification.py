@@ -15,7 +15,7 @@ from urdf_ik.support.angles import shortest
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.support.watch import Watch
 from urdf_ik.verify import arms
-from urdf_ik.verify.baselines.pose_sampling import answered, least_singular_value
+from urdf_ik.verify.baselines.pose_sampling import AT_ONCE, answered, least_singular_value
 from urdf_ik.verify.baselines.records import Answer, Pose, Recorded
 from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, apart, ignored, moved, summed
 from urdf_ik.verify.change_search import differences, greatest_change, order_of
@@ -48,8 +48,6 @@ FOLD = 1e-12
 """Square of the smallest singular value below which rounding of the pose decides whether a solution is there."""
 
 _MOST_PLACES = 6
-_AT_ONCE = 8
-"""Poses that are solved before the time is looked at."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,6 +138,8 @@ def verify(
     then, now = baseline.arm, described(arm)
     found = list(differences(then, now, tolerance))
     notes = _notes(then, now)
+    if baseline.unlooked:
+        notes.append(f"making the lock was {baseline.unlooked}")
     today: dict[int, Pose] = {}
     if then.dof != now.dof or then.sliding != now.sliding:
         notes.append("forward kinematics and solutions were not compared: the joints are others")
@@ -232,10 +232,10 @@ def _answers(
             # A pose that was not solved is as it was.
             out |= {index: baseline.poses[index] for index in indices}
             continue
-        for start in range(0, len(indices), _AT_ONCE):
+        for start in range(0, len(indices), AT_ONCE):
             if watch.is_over:
                 break
-            some = indices[start : start + _AT_ONCE]
+            some = indices[start : start + AT_ONCE]
             for index, pose in zip(some, _solved(baseline, arm, some, with_values, shapes), strict=True):
                 answers = tuple(replace(each, q=tuple(each.q[k] for k in order)) for each in pose.answers)
                 out[index] = replace(pose, kind=baseline.poses[index].kind, answers=answers)

@@ -121,7 +121,8 @@ def check(
         n=n,
         seed=seed,
         reference=f"Pinocchio {pin.__version__}",
-        rows=tuple(tally.row() for tally in tallies),
+        # What time left nothing to compare of is no failure.
+        rows=tuple(tally.row() for tally in tallies if tally.checked or not unlooked),
         skipped=tuple(skipped),
         unlooked=unlooked,
     )

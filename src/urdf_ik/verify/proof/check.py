@@ -9,7 +9,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.support import inputs
-from urdf_ik.verify.reports import Report
+from urdf_ik.support.watch import Watch
+from urdf_ik.verify.reports import Report, outcome
 
 try:
     from flint import acb, arb
@@ -22,12 +23,14 @@ from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enc
 from urdf_ik.verify.proof.search import outside, search
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
     from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.support.watch import Progress
 
     Array = NDArray[np.float64]
 
@@ -61,11 +64,12 @@ class ProofCheck(Report):
 
     Attributes:
         robot: the arm's name.
-        poses: how many answers there were.
+        poses: how many answers were looked at.
         unproven: how many of them do not claim to hold every solution; nothing is checked there.
         accepted: how many of the others are proven here, too.
         open: those that this check can neither prove nor disprove, each with the reason.
         refused: those that are wrong.
+        unlooked: what the time limit left out; '' where every answer was looked at.
     """
 
     robot: str
@@ -74,11 +78,12 @@ class ProofCheck(Report):
     accepted: int
     open: tuple[Refusal, ...]
     refused: tuple[Refusal, ...]
+    unlooked: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether no answer was refused."""
-        return not self.refused
+        """Whether no answer was refused, and none was left out for want of time."""
+        return not self.refused and not self.unlooked
 
     def title(self) -> str:
         """The arm and the number of poses.
@@ -118,14 +123,17 @@ class ProofCheck(Report):
             >>> check_proof(arm, arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))).verdict()
             'PASSED'
         """
-        return "PASSED" if self.passed else f"FAILED: {len(self.refused)} answers claim more than holds"
+        count = len(self.refused)
+        wrong = f"{count} answer{' claims' if count == 1 else 's claim'} more than holds" if count else ""
+        parts = "; ".join(part for part in (wrong, self.unlooked) if part)
+        return outcome(self.passed, bool(count)) + (f": {parts}" if parts else "")
 
     def _marked(self) -> list[tuple[str, Refusal]]:
         return [("refused", r) for r in self.refused] + [("open", r) for r in self.open]
 
 
 def check_proof(
-    arm: Arm, solutions: IKSolutions, *, progress: Callable[[int, int], None] | None = None
+    arm: Arm, solutions: IKSolutions, *, time_limit: float | None = None, progress: Progress | None = None
 ) -> ProofCheck:
     """Check every answer that claims to be complete, with no code of the solver.
 
@@ -138,13 +146,15 @@ def check_proof(
     Args:
         arm: what :func:`urdf_ik.load` returned; six turning joints.
         solutions: what ``arm.ik`` returned, unfiltered.
+        time_limit: s after which no more answers are checked; what was left out did not pass.
         progress: called with (poses done, poses).
 
     Returns:
-        The report; ``report.passed`` says whether no answer was refused.
+        The report; ``report.passed`` says whether no answer was refused or left out.
 
     Raises:
-        ArgumentError: the solutions are of another arm, or some of them were filtered out.
+        ArgumentError: the solutions are of another arm, some of them were filtered out, or ``time_limit`` is no number
+            of seconds.
         UnsupportedArm: the arm does not have six turning joints.
 
     Example:
@@ -155,17 +165,22 @@ def check_proof(
         (True, 1)
     """
     inputs.arm(arm)
-    inputs.callback(progress, "progress")
-    if solutions.solver.chain is not arm.chain and solutions.solver.chain != arm.chain:
+    watch = Watch(time_limit, progress)
+    if not _same_axes(solutions.solver.chain, arm.chain):
         raise ArgumentError("the solutions are of another arm")
+    if solutions.filters:
+        how = ", ".join(solutions.filters)
+        raise ArgumentError(f"the solutions were filtered ({how}); give all that arm.ik returned")
     T = np.asarray(solutions.poses).reshape(-1, 4, 4)
     count = len(T)
     statuses = np.asarray(solutions.status).reshape(-1)
     q = np.asarray(solutions.q).reshape(count, -1, arm.dof)
     valid = np.asarray(solutions.valid).reshape(count, -1)
     unproven, accepted = 0, 0
-    open_, refused = [], []
+    open_, refused, looked_at = [], [], 0
     for i in range(count):
+        if watch.is_over:
+            break
         status = str(statuses[i])
         if status not in ("complete", "clustered"):
             unproven += 1
@@ -182,9 +197,18 @@ def check_proof(
                 accepted += 1
             else:
                 refused.append(Refusal(i, status, reason))
-        if progress is not None:
-            progress(i + 1, count)
-    return ProofCheck(arm.name, count, unproven, accepted, tuple(open_), tuple(refused))
+        looked_at = i + 1
+        watch.step(looked_at, count)
+    unlooked = "" if looked_at == count else watch.ended(f"with {looked_at} of {count} poses: the others were")
+    return ProofCheck(arm.name, looked_at, unproven, accepted, tuple(open_), tuple(refused), unlooked)
+
+
+def _same_axes(a: Chain, b: Chain) -> bool:
+    """Whether two chains have the same screw axes, to the last bit."""
+    return a is b or all(
+        np.array_equal(one, other)
+        for one, other in ((a.H, b.H), (a.P, b.P), (a.R_tip, b.R_tip), (a.prismatic, b.prismatic))
+    )
 
 
 def examine(

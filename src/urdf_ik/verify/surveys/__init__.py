@@ -14,7 +14,18 @@ The checks are those of :mod:`urdf_ik.verify.crosscheck`, or with ``complete=Tru
 
 from __future__ import annotations
 
-from urdf_ik.verify.surveys.report import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
+from urdf_ik.verify.surveys.report import FAILED, NOT_AN_ARM, NOT_CHECKED, NOT_ENDED, PASSED, REFUSED, Checked, Survey
 from urdf_ik.verify.surveys.survey import survey, urdf_files
 
-__all__ = ["Checked", "FAILED", "NOT_AN_ARM", "NOT_CHECKED", "PASSED", "REFUSED", "Survey", "survey", "urdf_files"]
+__all__ = [
+    "Checked",
+    "FAILED",
+    "NOT_AN_ARM",
+    "NOT_CHECKED",
+    "NOT_ENDED",
+    "PASSED",
+    "REFUSED",
+    "Survey",
+    "survey",
+    "urdf_files",
+]

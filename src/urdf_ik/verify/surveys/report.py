@@ -7,7 +7,7 @@ from typing import Any
 
 from urdf_ik.errors import printable
 from urdf_ik.support.text import Section
-from urdf_ik.verify.reports import Report
+from urdf_ik.verify.reports import Report, outcome
 
 PASSED = "passed"
 """Result of a file: every property holds."""
@@ -19,7 +19,9 @@ NOT_CHECKED = "not checked"
 """Result of a file: no check is for such an arm."""
 NOT_AN_ARM = "not an arm"
 """Result of a file: no chain of joints is in it, as in a URDF of obstacles."""
-RESULTS = (PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM)
+NOT_ENDED = "not ended"
+"""Result of a file: the time limit passed during its check, which had found no fault."""
+RESULTS = (PASSED, FAILED, REFUSED, NOT_ENDED, NOT_CHECKED, NOT_AN_ARM)
 
 _HEADER = ("file", "joints", "family", "found", "result")
 
@@ -30,14 +32,14 @@ class Checked:
 
     Attributes:
         file: its name, as given.
-        result: ``PASSED``, ``FAILED``, ``REFUSED``, ``NOT_CHECKED`` or ``NOT_AN_ARM``.
+        result: one of ``RESULTS``.
         robot: the robot's name; '' for a file that cannot be read, as are base, tip and family.
         base: base link.
         tip: tip link.
         joints: number of joints from base to tip.
         family: the family that solves the arm.
         found: the figure that the check ends with.
-        words: what failed, or why the arm was not checked; '' for an arm that passed.
+        words: what failed, was left out, or why the arm was not checked; '' for an arm that passed.
         report: the whole report as plain values, or None.
     """
 
@@ -69,7 +71,8 @@ class Survey(Report):
 
     Attributes:
         question: what was asked of each, as JSON can hold it.
-        arms: one a file, in the order given.
+        arms: one a file that was looked at, in the order given.
+        unlooked: what the time limit left out; '' where every file was looked at.
 
     Example:
         >>> from urdf_ik.model import catalogue
@@ -81,11 +84,13 @@ class Survey(Report):
 
     question: dict[str, Any]
     arms: tuple[Checked, ...]
+    unlooked: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether no arm failed and no file was refused; what no check is for, and what is no arm, does not count."""
-        return all(each.result in (PASSED, NOT_CHECKED, NOT_AN_ARM) for each in self.arms)
+        """Whether nothing failed, was refused or left out; what no check is for, and what is no arm, does not count."""
+        good = all(each.result in (PASSED, NOT_CHECKED, NOT_AN_ARM) for each in self.arms)
+        return good and not self.unlooked
 
     def count(self, result: str) -> int:
         """Number of arms with that result.
@@ -97,7 +102,7 @@ class Survey(Report):
         return sum(each.result == result for each in self.arms)
 
     def verdict(self) -> str:
-        """The last line: how many passed, failed, were refused, not checked or no arm.
+        """The last line: how many passed, failed, were refused, not ended, not checked or no arm.
 
         Example:
             >>> Survey({}, (Checked("a.urdf", PASSED), Checked("b.urdf", REFUSED, words="empty"))).verdict()
@@ -105,7 +110,8 @@ class Survey(Report):
         """
         counts = [(self.count(result), result.lower()) for result in RESULTS]
         parts = ", ".join(f"{count} {word}" for count, word in counts if count)
-        return f"{'PASSED' if self.passed else 'FAILED'}: {self.title()}: {parts}"
+        ended = outcome(self.passed, bool(self.count(FAILED) or self.count(REFUSED)))
+        return f"{ended}: {self.title()}: " + "; ".join(part for part in (parts, self.unlooked) if part)
 
     def title(self) -> str:
         """The number of files.

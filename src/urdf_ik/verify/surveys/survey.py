@@ -18,9 +18,19 @@ from urdf_ik.model.xml import MAX_BYTES
 from urdf_ik.support import files as files_guard
 from urdf_ik.support import inputs
 from urdf_ik.support.text import json_text
+from urdf_ik.support.watch import TimeIsUp, Watch
 from urdf_ik.verify.completeness import Completeness, compare
 from urdf_ik.verify.crosscheck import Report, check
-from urdf_ik.verify.surveys.report import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
+from urdf_ik.verify.surveys.report import (
+    FAILED,
+    NOT_AN_ARM,
+    NOT_CHECKED,
+    NOT_ENDED,
+    PASSED,
+    REFUSED,
+    Checked,
+    Survey,
+)
 
 FORMAT, VERSION = "urdf-ik survey", 1
 ENDINGS = (".urdf", ".urdf.gz")
@@ -70,6 +80,7 @@ def survey(
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     store: str | os.PathLike[str] | None = None,
     client: Any = None,
+    time_limit: float | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Survey:
     """Check every arm of a folder, or of a list of files, against Pinocchio, or for solutions that its solver lacks.
@@ -88,6 +99,8 @@ def survey(
         mesh_roots: folders in which meshes and ROS packages are looked for.
         store: folder to keep each arm's report in: killed, the same call goes on where it stopped.
         client: a ``distributed.Client`` whose workers check the arms of a store, one a task; they read the same paths.
+        time_limit: s after which no more is checked; what was left out did not pass. With a store every arm is checked
+            to its end, and the same call goes on.
         progress: called with the number of arms behind us, and of all.
 
     Raises:
@@ -111,7 +124,7 @@ def survey(
         paths, root = tuple(inputs.path(each, "a path of files") for each in held), None
     complete = inputs.flag(complete, "complete")
     collision = None if collision is None else inputs.flag(collision, "collision")
-    inputs.callback(progress, "progress")
+    watch = Watch(time_limit, progress)
     folders = [mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots
     folders = [
         inputs.path(each, "a folder of mesh_roots") for each in inputs.items(folders, "mesh_roots", "paths of folders")
@@ -131,17 +144,28 @@ def survey(
     )  # fmt: skip
     question = job.described()
     if store is None:
-        arms = []
-        for chunk in range(len(paths)):
-            arms.append(job.checked(chunk))
-            if progress is not None:
-                progress(chunk + 1, len(paths))
-        return Survey(question, tuple(arms))
+        arms: list[Checked] = []
+        while len(arms) < len(paths) and not watch.is_over:
+            arms.append(job.checked(len(arms), watch.left))
+            watch.step(len(arms), len(paths))
+        return Survey(question, tuple(arms), _left_out(len(arms), len(paths), watch))
+
+    def tick(done: int, total: int) -> None:
+        watch.step(done, total)
+        if done < total:
+            watch.check()
+
     with Folder(store, question, len(paths)) as kept:
-        run(job, kept, client=client, progress=progress)
-        kept.finish()
+        try:
+            run(job, kept, client=client, progress=tick)
+        except TimeIsUp:
+            done = sorted(set(range(len(paths))) - set(kept.pending()))
+        else:
+            kept.finish()
+            done = list(range(len(paths)))
     folder = Path(store)
-    return Survey(question, tuple(_kept(folder / _place(chunk)) for chunk in range(len(paths))))
+    checked = tuple(_kept(folder / _place(chunk)) for chunk in done)
+    return Survey(question, checked, _left_out(len(checked), len(paths), watch))
 
 
 @dataclass(frozen=True)
@@ -186,8 +210,8 @@ class Checking:
             "instructions": versions()["instructions"],
         }
 
-    def checked(self, chunk: int) -> Checked:
-        """The row of a file."""
+    def checked(self, chunk: int, time_limit: float | None = None) -> Checked:
+        """The row of a file, checked for so many seconds."""
         name = self.names[chunk]
         try:
             arm = load(self.paths[chunk], self.base, self.tip, mesh_roots=self.mesh_roots)
@@ -195,7 +219,7 @@ class Checking:
             without = isinstance(error, ChainError) and self._has_no_chain(chunk)
             return Checked(name, NOT_AN_ARM if without else REFUSED, words=str(error))
         try:
-            done = self._complete(arm) if self.complete else self._check(arm)
+            done = self._complete(arm, time_limit) if self.complete else self._check(arm, time_limit)
         except UrdfIkError as error:
             result = NOT_CHECKED if isinstance(error, UnsupportedArm) else REFUSED
             done = {"result": result, "words": str(error)}
@@ -209,23 +233,32 @@ class Checking:
         except UrdfIkError:
             return False
 
-    def _check(self, arm: Arm) -> dict[str, Any]:
-        found = check(arm, n=self.n, seed=self.seed, collision=self.collision)
+    def _check(self, arm: Arm, time_limit: float | None) -> dict[str, Any]:
+        found = check(arm, n=self.n, seed=self.seed, collision=self.collision, time_limit=time_limit)
+        wrong = "; ".join(f"{row.name}: {row.place() or 'nowhere in particular'}" for row in found.failed)
         return {
-            "result": PASSED if found.passed else FAILED,
+            "result": _result(found, bool(found.failed)),
             "found": _worst(found),
-            "words": "; ".join(f"{row.name}: {row.place() or 'nowhere in particular'}" for row in found.failed),
+            "words": "; ".join(part for part in (wrong, found.unlooked) if part),
             "report": found.to_dict(),
         }
 
-    def _complete(self, arm: Arm) -> dict[str, Any]:
-        found: Completeness = compare(arm, n=self.n, seed=self.seed)
+    def _complete(self, arm: Arm, time_limit: float | None) -> dict[str, Any]:
+        found: Completeness = compare(arm, n=self.n, seed=self.seed, time_limit=time_limit)
         return {
-            "result": PASSED if found.passed else FAILED,
+            "result": _result(found, any(difference.counts for difference in found.differences)),
             "found": f"{sum(group.solver for group in found.groups)} solutions",
-            "words": "" if not found.differences else found.verdict(),
+            "words": "" if not found.differences and not found.unlooked else found.verdict(),
             "report": found.to_dict(),
         }
+
+
+def _result(found: Report | Completeness, wrong: bool) -> str:
+    return PASSED if found.passed else FAILED if wrong else NOT_ENDED
+
+
+def _left_out(done: int, total: int, watch: Watch) -> str:
+    return "" if done == total else watch.ended(f"with {done} of {total} files: the others were")
 
 
 def _worst(found: Report) -> str:

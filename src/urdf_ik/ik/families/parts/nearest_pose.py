@@ -1,4 +1,4 @@
-"""Why an arm with few joints does not reach a target: the error of the nearest pose that a search finds."""
+"""Why an arm does not reach a target: the error of the nearest pose that a search finds."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.written import Aim
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def off_by(chain: Chain, aim: Aim, rotation: Array, point: Array) -> str:
     """
     far = float(np.linalg.norm(point - chain.points[0]))
     if far > chain.size and not chain.prismatic.any():
-        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
+        return beyond_links("the tip", far, chain.size)
     target = np.eye(4)
     target[:3, :3], target[:3, 3] = rotation, point
     e = _least(chain, aim, target)
