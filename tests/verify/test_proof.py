@@ -111,11 +111,9 @@ def test_an_empty_answer_is_accepted_only_out_of_reach() -> None:
     assert verdict(Loop.of(arm.chain, T), none, None) is True
 
 
-def test_a_double_root_is_a_cluster_of_two() -> None:
-    """At a fold two roots are nearer than rounding: no box holds one of them, and a polydisc holds exactly two."""
-    arm = described(crx_like()).arm
+def at_a_fold(arm: urdf_ik.Arm) -> np.ndarray:
+    """A joint vector at which the determinant of the Jacobian is zero, to rounding."""
     q = Q.copy()
-    low, high = -0.5, 1.0  # of joint 3, between which the determinant changes its sign
     values = np.linspace(-np.pi, np.pi, 65)
     dets = []
     for value in values:
@@ -129,12 +127,35 @@ def test_a_double_root_is_a_cluster_of_two() -> None:
             low = q[2]
         else:
             high = q[2]
+    return q
+
+
+def test_a_double_root_is_a_cluster_of_two() -> None:
+    """At a fold two roots are nearer than rounding: no box holds one of them, and a polydisc holds exactly two."""
+    arm = described(crx_like()).arm
+    q = at_a_fold(arm)
     loop = Loop.of(arm.chain, arm.fk(q))
     assert isinstance(single_root(loop, exact(q)), str)
     found = cluster(loop, q.astype(complex), 1, 1e-5, 1e-8)
     assert not isinstance(found, str), found
     assert found.count == 2
     assert found.radius < arb(1e-4)
+
+
+def test_an_answer_without_its_double_solution_is_not_accepted() -> None:
+    """Without the solution at the fold it is left open: rounding of the pose decides whether that is there."""
+    arm = described(crx_like()).arm
+    q = at_a_fold(arm)
+    T = arm.fk(q)
+    s = arm.ik(T)
+    loop = Loop.of(arm.chain, T)
+    solutions = s.q[s.valid]
+    apart = np.abs((solutions - q + np.pi) % (2 * np.pi) - np.pi).max(axis=1)
+    assert s.status == "clustered" and s.proof.clusters and (apart < 1e-5).any()
+    whole = examine(loop, solutions, s.proof, np.random.default_rng(0), clustered=True)
+    assert whole[0] is True, whole
+    less = examine(loop, solutions[apart >= 1e-5], s.proof, np.random.default_rng(0), clustered=True)
+    assert less[0] is None and "no solution stands for it" in less[1]
 
 
 @pytest.mark.parametrize(

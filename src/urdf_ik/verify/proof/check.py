@@ -348,7 +348,8 @@ def _answered(
     """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one.
 
     A solution that keeps the pose, but is near no real root, leaves a clustered answer open: another rounding of the
-    pose may have it. Of any other answer it is refused.
+    pose may have it. Of any other answer it is refused. So does a cluster around real numbers without a solution: its
+    roots may be real.
     """
     near: list[list[int]] = [[] for _ in singles]
     undecided = ""
@@ -366,6 +367,10 @@ def _answered(
             if not answer.clustered or not largest(loop.residual(loop.values(here))) < _SAME_POSE:
                 return False, f"solution {n} is near no real root"
             undecided = f"solution {n} keeps the pose, and is near no real root"
+    for k, group in enumerate(clusters):
+        stands = any(group.distance(exact(q)) < group.radius + _SOLUTION for q in answer.solutions)
+        if not stands and not any(abs(c.imag) > group.radius for c in group.centre):
+            undecided = f"cluster {k} may be real, and no solution stands for it"
     answered = [root for root, answers in zip(singles, near, strict=True) if answers]
     for root, answers in zip(singles, near, strict=True):
         if len(answers) > 1:

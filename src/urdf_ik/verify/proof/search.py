@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import acb
+from flint import acb, arb
 
 from urdf_ik.verify.proof.loop import ORDER, Loop, exact
 from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, single_root
@@ -67,7 +67,8 @@ def search(loop: Loop, starts: NDArray[np.float64], number: int, rng: np.random.
 
 def outside(one: Enclosure, group: ClusterEnclosure) -> bool:
     """Whether the box and the polydisc have no point in common."""
-    return bool(group.distance(one.centre) > group.radius + 3 * one.radius)
+    corner = arb(12).sqrt() * one.radius  # six complex coordinates, each in a square
+    return bool(group.distance(one.centre) > group.radius + corner)
 
 
 def _clusters(loop: Loop, crowded: list[Complex]) -> list[ClusterEnclosure]:
