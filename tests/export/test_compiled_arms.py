@@ -103,6 +103,7 @@ def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: u
         assert np.array_equal(native.images[i, : len(images)], np.array(images[:4]).reshape(-1, arm.dof))
 
 
+@pytest.mark.skipif(len(_core.levels()) < 2, reason="the core was built for one instruction set")
 def test_the_text_is_the_same_from_every_instruction_set() -> None:
     """Each instruction set compiles every arm to the same text."""
     texts = {level: fresh(_HASHES, URDF_IK_ISA=level, PYTHONPATH=os.pathsep.join(sys.path)) for level in _core.levels()}
@@ -221,7 +222,7 @@ def test_a_changed_urdf_is_noticed(tmp_path: Path) -> None:
 def test_arms_that_cannot_be_compiled_are_refused() -> None:
     """A joint given in the middle and targets that are no poses are refused with the reason."""
     srs = urdf_ik.load("srs_7r")
-    with pytest.raises(UnsupportedArm, match="only|first or last joint"):
+    with pytest.raises(UnsupportedArm, match="first or last joint is given"):
         urdf_ik.compile(srs.with_redundancy(srs.joint_names[2]))
     with pytest.raises(UnsupportedArm, match="only one for poses"):
         urdf_ik.compile(urdf_ik.load("planar_2r").for_task("planar position"))

@@ -299,11 +299,34 @@ def test_a_c_program_solves(tmp_path: Path) -> None:
     assert native_arms.run(str(tmp_path / "program")).stdout.decode() == f"{count} joint_2\n"
 
 
+def test_a_link_cannot_leave_the_comment_at_the_top(tmp_path: Path) -> None:
+    """Names of links and robots are any text: they make no code, and a header from them compiles."""
+    text = urdf_ik.load("planar_2r").model.xml.decode().replace("base_link", "*/ int evil; /*\n*/ #error ??/ \\")
+    for header in (export.cpp(urdf_ik.load(text), "two"), export.c(urdf_ik.load(text), "two")):
+        assert "evil" in header.split("*/", 1)[0]
+        (tmp_path / "two.hpp").write_text(header)
+        (tmp_path / "unit.cpp").write_text('#define TWO_IMPLEMENTATION\n#include "two.hpp"\nint evil;\n')
+        unit = str(tmp_path / "unit.cpp")
+        native_arms.run(compiler("CXX"), "-std=c++20", "-fsyntax-only", *WARNINGS, unit)
+
+
+@pytest.mark.parametrize(
+    ("robot", "made"),
+    [("my  arm", "my_arm"), ("a-_b", "a_b"), ("int", "arm_int"), ("7 axes", "arm_7_axes"), ("\u00fc", "arm")],
+)
+def test_a_name_is_made_of_any_robots_name(robot: str, made: str) -> None:
+    """Whatever the robot is called, its namespace is a name in C++."""
+    text = re.sub(r'(<robot[^>]*name=)"[^"]*"', rf'\1"{robot}"', urdf_ik.load("planar_2r").model.xml.decode())
+    assert f"namespace {made} {{" in export.cpp(urdf_ik.load(text))
+
+
 def test_what_cannot_be_exported_is_refused() -> None:
     """A name that is none in C++, a task that is not of poses, and a command that asks for no file."""
     arm = urdf_ik.load("planar_2r")
     with pytest.raises(ArgumentError, match="name='2r' given"):
         export.cpp(arm, "2r")
+    with pytest.raises(ArgumentError, match="name='double' given, a word of the language"):
+        export.c(arm, "double")
     with pytest.raises(UnsupportedArm, match="the task"):
         export.cpp(arm.for_task("planar position"))
     assert call("export", "planar_2r").exit_code == 2

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import keyword
 import re
 import struct
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik import __version__
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.export.compilation import compile
 from urdf_ik.export.solver_text import Node, inlined, macros, node_of, struct_of
 from urdf_ik.support import inputs
@@ -19,6 +18,17 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
 
 _SPACE = f"urdf_ik_{__version__.replace('.', '_')}"
+
+# Of C++20 and of C; the name is a namespace, and begins the names of C's functions.
+_WORDS = """
+alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t class co_await
+co_return co_yield compl concept const const_cast consteval constexpr constinit continue decltype default delete do
+double dynamic_cast else enum explicit export extern false float for friend goto if inline int long mutable namespace
+new noexcept not not_eq nullptr operator or or_eq private protected public register reinterpret_cast requires restrict
+return short signed sizeof static static_assert static_cast std struct switch template this thread_local throw true
+try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
+"""
+_KEYWORDS = frozenset(_WORDS.split())
 
 # GCC's AVX-512 headers use undefined registers on purpose, and it sees such uses where it inlines.
 _QUIET = """\
@@ -144,13 +154,17 @@ const char* {name}_joint_name(int joint) {{ return {name}::joint_names[joint]; }
 
 def _name(arm: Arm, name: str | None) -> str:
     inputs.arm(arm)
-    made = re.sub(r"\W", "_", arm.name, flags=re.ASCII) if name is None else name
-    made = f"arm_{made}" if name is None and not re.match(r"[A-Za-z]", made) else made
-    if not re.fullmatch(r"[A-Za-z]\w*", made, re.ASCII) or keyword.iskeyword(made) or "__" in made:
+    if name is None:
+        # Two underscores in a row belong to the compiler.
+        made = re.sub(r"[\W_]+", "_", arm.name, flags=re.ASCII)
+        return made if re.match(r"[A-Za-z]", made) and made not in _KEYWORDS else f"arm_{made.strip('_')}".rstrip("_")
+    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or "__" in name:
         raise ArgumentError(
-            f"name={quoted(made)} given; letters, digits and single underscores are needed, such as my_arm"
+            f"name={quoted(name)} given; letters, digits and single underscores are needed, such as my_arm"
         )
-    return made
+    if name in _KEYWORDS:
+        raise ArgumentError(f"name={quoted(name)} given, a word of the language; take another, such as my_{name}")
+    return name
 
 
 def _head(arm: Arm, document: dict[str, Any], what: str) -> str:
@@ -159,8 +173,11 @@ def _head(arm: Arm, document: dict[str, Any], what: str) -> str:
         "forms, with or without modification, are permitted provided that this notice, the list of conditions and the\n"
         "disclaimer of https://opensource.org/license/bsd-3-clause are kept. It is provided as is, without warranty."
     )
+    # A link's name is any text, which must not end the comment, nor seem to begin another.
+    about = escaped(f"{what}{document['family']}, {document['base']} to {document['tip']}")
+    about = re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", about)
     return (
-        f"/* {what}{document['family']}, {document['base']} to {document['tip']}.\n"
+        f"/* {about}.\n"
         f"   Made by urdf-ik {__version__} from a URDF with the SHA-256 {document['urdf']['sha256']}. Do not edit.\n\n"
         f"{licence} */"
     )
