@@ -13,9 +13,8 @@
 // the terms in t alone are known up to a higher order, and terms of y(t) join s_t along and |H_yy|.
 // If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
 // right side is convex in |y|: the larger region has no further root.
-// With one t there may be three, where the term of third order exceeds the others on the curve y(t); and fewer: one root where the
-// term of first order exceeds the others, f's value among them, and none where the value does. T_ttt are the terms of third order
-// in t alone, of the output at hand: the coefficients of the product of exponentials. m is the smallest singular value of
+// With one t there may be three, where the term of third order exceeds the others on the curve y(t). T_ttt are the terms of third
+// order in t alone, of the output at hand: the coefficients of the product of exponentials. m is the smallest singular value of
 // Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted by the root of the multinomial
 // coefficient so that a unit vector's have length one, and whose rows are each quadric times each monomial of degree r - 1: the
 // product with a unit vector's monomials has the length of the quadrics there. It is zero exactly where they have a common zero.
@@ -103,13 +102,10 @@ PART double least_of_quadrics(const Local& at, int lost) {
     return max(out.s[14] - 18.0 * off, 0.0);
 }
 
-// A ball without roots, or with two that are not real, is left open where a joint vector in it may keep the pose to this.
-inline constexpr double NEARLY_KEPT = 1e-10;
 // The smallest ball that is proven to hold so many roots; along is 0 if none is. largest: the largest one.
 struct Region {
     double across, along, largest_across, largest_along, m;
     double height, largest_height;  // of the curve that `across` is counted from, in the smallest and the largest ball
-    double radius;  // of a ball about the centre that holds the smallest one
     double rest;  // what g_t may differ from its terms up to the second order in t by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
 };
@@ -133,13 +129,13 @@ PART Norms norms_of(const Local& at, int lost) {
             norm_of(at, n, 6, 0, n, 0, n),
             min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
 }
-// valley: with one rank lost; many is then 0 to 3, else 2^lost.
+// valley: with one rank lost; many is then 2 or 3, else 2^lost.
 PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
     const int n = 6 - lost, order = lost == 1 ? many : 2;
     double f_y = 0.0, f_t = 0.0;
     for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
     const double size = sqrt(f_y + f_t);
-    const double m = lost > 1 ? least_of_quadrics(at, lost) : order ? valley->least[order] : sqrt(f_t) - at.rounding;
+    const double m = lost > 1 ? least_of_quadrics(at, lost) : valley->least[order];
     Region out = {};
     out.m = m;
     if (!at.near || !(out.m > 0.0)) return out;
@@ -184,9 +180,9 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
             return a + s * rho < LARGEST_BALL && slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(rho));
         };
         if (!outside(rho)) continue;
-        const double model = out.m * (order == 0 ? 1.0 : order == 1 ? R : order == 2 ? R * R : R * R * R);
+        const double model = out.m * (order == 2 ? R * R : R * R * R);
         const double left = (A_ty + t_ty * R + t_yy * height) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond;
-        const double in_t = in_t_alone(others, R, 1) + (order ? f_t : NEARLY_KEPT);
+        const double in_t = in_t_alone(others, R, 1) + f_t;
         if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
         if (out.along == 0.0) {
             out.largest_across = rho, out.largest_along = R, out.largest_height = height;
@@ -197,7 +193,7 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
                 (outside(between) ? out.largest_across : wide) = between;
             }
         }
-        out.across = rho, out.along = R, out.height = height, out.radius = sqrt(square(rho + height) + R * R);
+        out.across = rho, out.along = R, out.height = height;
         out.rest = SLACK_OF_SUMS * (left + in_t_alone(t, R, 3) + at.rounding + ROUNDING_OF_FORMS * s * R * (1.0 + s * R));
     }
     out.blurred = max(size, t[1] * out.along) <= BLURRED * at.rounding;

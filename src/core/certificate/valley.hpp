@@ -12,6 +12,8 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 inline constexpr int HIGHEST = 8;
+// A joint vector that keeps the pose to this without being a solution may stand for one.
+inline constexpr double NEARLY_KEPT = 1e-10;
 // Rounding of a coefficient, relative to the same coefficient of the factors' norms: six products of sums of up to HIGHEST
 // products, 11 u each, of factors from up to HIGHEST products.
 inline constexpr double ROUNDING_OF_SERIES = 200.0 * UNIT;

@@ -25,3 +25,4 @@ void test_polynomials();
 void test_subproblems();
 void test_balls();
 void test_slanted();
+void test_along_valley();

@@ -8,6 +8,7 @@ int main() {
     test_subproblems();
     test_balls();
     test_slanted();
+    test_along_valley();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;
 }

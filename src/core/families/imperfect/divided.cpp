@@ -63,15 +63,15 @@ struct Divider {
         return is_in_region(q, each.along, each.rest);
     }
 
-    Surroundings& keep_region(const Number (&q)[6], const Number (&direction)[6][6], double across, double along,
-                              const Curve& valley) {
+    Surroundings& keep_region(const Local& at, const Valley& valley, double across, double low, double high) {
         Surroundings& to = region[regions++ % REGIONS];
         for (int k = 0; k < 6; ++k) {
-            to.q[k] = wrap(wrap(q[k].re));
-            for (int j = 0; j < 6; ++j) to.direction[k][j] = direction[k][j].re;
+            to.q[k] = wrap(wrap(at.q[k].re));
+            for (int j = 0; j < 6; ++j) to.direction[k][j] = at.J.right[k][j].re;
         }
-        to.across = across, to.along = along, to.valley = valley;
-        to.farthest = INFLATED * (along + across + valley.height(along)) + AT_AN_END;
+        to.across = across, to.low = low, to.high = high, to.valley = valley;
+        const double along = max(-low, high);
+        to.farthest = INFLATED * (along + across + valley.height(along));
         return to;
     }
     // Whether joint vectors lie in a region; its roots are known.
@@ -80,22 +80,6 @@ struct Divider {
             if (placed(region[i], q, along, rest).inside) return true;
         }
         return false;
-    }
-
-    // The numbers at a real joint vector, and the valley through it.
-    void look_at(const double (&q)[6], Local& at, Valley& valley) const {
-        Number from[6];
-        for (int k = 0; k < 6; ++k) from[k] = q[k];
-        const LoopAt<Number> here = loop_at(of.loop, from);
-        decompose(here, at.J);
-        localise(of.loop, here, from, at);
-        follow_valley(at, true, valley);
-    }
-    // A region with one root near q, which keeps the pose. Returns whether there is one.
-    bool one_root(const double (&q)[6], Region& found, Local& at, Valley& valley) const {
-        look_at(q, at, valley);
-        found = ball_of(at, 1, norms_of(at, 1), &valley, 1);
-        return found.along > 0.0;
     }
 
     // The point of the valley that is next to q, by the derivative there. Returns whether there is one.
@@ -115,82 +99,48 @@ struct Divider {
         return false;
     }
 
-    // Whether a region about the valley next to the box's middle holds the box, and its roots are known: none, one, or two. A
-    // region that does not hold the box stays for parts of it.
-    bool on_valley(const Box& each, const double (&start)[6]) {
+    // Whether a region about the valley next to a joint vector is found, whose roots are known. It may not hold the joint vector.
+    bool on_valley(const double (&start)[6], int branch) {
         double q[6];
         for (int j = 0; j < 6; ++j) q[j] = start[j];
         if (!step_to_valley(q)) return false;
+        Number from[6];
+        for (int k = 0; k < 6; ++k) from[k] = q[k];
+        const LoopAt<Number> here = loop_at(of.loop, from);
         Local at;
         Valley valley;
-        look_at(q, at, valley);
-        const Norms norms = norms_of(at, 1);
-        for (int many = 0; many <= 2; ++many) {
-            const Region found = ball_of(at, 1, norms, &valley, many);
-            if (!(found.along > 0.0)) continue;
-            const Surroundings& all = keep_region(at.q, at.J.right, found.largest_across, found.largest_along, valley);
-            if (!has_roots(all, valley, many, each.branch)) --regions;
-            else if (placed(all, start, each.along, each.rest).inside) return true;
-        }
+        decompose(here, at.J), localise(of.loop, here, from, at), follow_valley(at, true, valley);
+        AlongValley bounds;
+        Crossings found;
+        if (!along_valley(at, norms_of(at, 1), valley, bounds) || !crossings_of(valley, bounds, at.rounding, found)) return false;
+        const Surroundings& all = keep_region(at, valley, bounds.across, found.low, found.high);
+        if (has_roots(all, found, branch)) return true;
+        --regions;
         return false;
     }
 
-    // Finds the roots in a region that holds so many. Returns false where they are not found, or where one that is known lies too
-    // near to the region's ends to tell whether it is one of them.
-    bool has_roots(const Surroundings& all, const Valley& valley, int many, int branch) {
-        int inside = 0;
-        Surroundings longer = all;
-        longer.along *= 2.0, longer.farthest *= 3.0;
-        for (int i = 0; i < out.many; ++i) {
-            const Placed at = placed(longer, out.root[i].q);
-            if (!(at.across <= all.across)) continue;
-            if (is_at_an_end(all, valley, at)) return false;
-            inside += at.along < all.along;
-        }
-        if (inside >= many) return inside == many;
-        double q[2][6], slope;
-        Region found[2];
-        Local at;
-        Valley other;
-        for (int i = 0; i < many; ++i) {
-            // From the roots of the terms up to the second order.
-            const double a = valley.value[2], b = 0.5 * valley.value[1], c = valley.value[0], square_root = b * b - a * c;
-            double t = many == 1 ? -c / valley.value[1] : ((i ? -1.0 : 1.0) * sqrt(max(square_root, 0.0)) - b) / a;
-            for (int round = 0; round < 8; ++round) {
-                const double value = valley.output(t, slope);
-                t = max(min(t - value / slope, all.along), -all.along);
-            }
+    // Finds the roots in a region. Returns false where one is not found.
+    bool has_roots(const Surroundings& all, const Crossings& found, int branch) {
+        double q[Crossings::most][6];
+        for (int i = 0; i < found.many; ++i) {
+            const Crossing& each = found.at[i];
             double y[5];
-            valley.at(t, y);
+            all.valley.at(each.t, y);
             for (int j = 0; j < 6; ++j) {
-                double sum = all.q[j] + t * all.direction[5][j];
+                double sum = all.q[j] + each.t * all.direction[5][j];
                 for (int k = 0; k < 5; ++k) sum += y[k] * all.direction[k][j];
                 q[i][j] = wrap(wrap(sum));
             }
-            const Course course = {12, FINISHED, 12};
-            if (!(polish_one<false>(of.written, of.goal, q[i], course).error <= CONVERGED)) return false;
+            const double error = each.single
+                                     ? polish_one<false>(of.written, of.goal, q[i], {12, FINISHED, 12}).error
+                                     : polish_one<true>(of.written, of.goal, q[i], {8, FINISHED, LONG_PATIENCE, HELD}).error;
             const Placed where = placed(all, q[i]);
-            if (!where.inside || is_at_an_end(all, valley, where)) return false;
-            if (many == 2 && !one_root(q[i], found[i], at, other)) return false;
+            if (!(error <= (each.single ? CONVERGED : of.written.tolerances.reach))) return false;
+            if (!where.inside || where.along < each.low || where.along > each.high) return false;
         }
-        if (many == 2 && !are_apart(q, found)) return false;
         forget_in(all);
-        for (int i = 0; i < many; ++i) keep_root(q[i], branch);
+        for (int i = 0; i < found.many; ++i) keep_root(q[i], branch), blurred |= !found.at[i].single;
         return true;
-    }
-    // Whether a root may lie on either side of the region's end: its place along the valley is as accurate as its error over the
-    // slope there.
-    static bool is_at_an_end(const Surroundings& all, const Valley& valley, const Placed& root) {
-        double slope, other;
-        valley.output(root.along, slope), valley.output(-root.along, other);
-        return abs(root.along - all.along) * min(abs(slope), abs(other)) < 2.0 * CONVERGED ||
-               abs(root.along - all.along) < AT_AN_END;
-    }
-    // Whether two roots, each alone in a region about it, are two.
-    static bool are_apart(const double (&q)[2][6], const Region (&found)[2]) {
-        double between = 0.0;
-        for (int j = 0; j < 6; ++j) between += square(wrap(wrap(q[0][j] - q[1][j])));
-        return sqrt(between) > found[0].radius + found[1].radius + 1e-14;
     }
     void keep_root(const double (&q)[6], int branch) { lost |= !out.add(q, 0.0, branch, true); }
     void forget_in(const Surroundings& all) {
@@ -201,66 +151,17 @@ struct Divider {
         out.many = kept;
     }
 
-    // Looks for a region about a singular root, or a pair of them, near the box.
+    // Looks for a region near the box: about the valley next to its middle, or about where Newton's method leads to.
     void look_near(const Box& each) {
         double q[6], start[6];
         values_of(each, start);
-        if (on_valley(each, start)) return;
+        if (on_valley(start, each.branch)) return;
         for (int j = 0; j < 6; ++j) q[j] = start[j];
-        const double error = polish_one<true>(of.written, of.goal, q, {40, FINISHED, LONG_PATIENCE}).error;
+        polish_one<true>(of.written, of.goal, q, {40, FINISHED, LONG_PATIENCE});
         double far = 0.0;
         for (int j = 0; j < 6; ++j) far = max(far, abs(wrap(wrap(q[j] - start[j]))));
-        if (far > 0.2) return;
-        if (is_in_region(q)) return;
-        Number from[6];
-        for (int k = 0; k < 6; ++k) from[k] = q[k];
-        Cluster pair;
-        if (cluster_near(of.loop, from, 1, 2, pair) && add_pair_of_roots(pair, each.branch)) return;
-        Region found;
-        Local at;
-        Valley valley;
-        if (error <= CONVERGED && one_root(q, found, at, valley)) {
-            const Surroundings& all = keep_region(at.q, at.J.right, found.largest_across, found.largest_along, valley);
-            if (!has_roots(all, valley, 1, each.branch)) --regions;
-        }
-    }
-
-    // Two roots: both are found, or none is real, or they stand as one. Returns false where none of this is certain.
-    bool add_pair_of_roots(const Cluster& pair, int branch) {
-        const Surroundings& all = keep_region(pair.q, pair.direction, pair.larger_across, pair.larger_along, {});
-        if (has_pair(pair, all, branch)) return true;
-        --regions;
-        return false;
-    }
-    bool has_pair(const Cluster& pair, const Surroundings& all, int branch) {
-        double q[2][6];
-        int good = 0;
-        Region found[2];
-        Local at;
-        Valley valley;
-        for (int i = 0; i < pair.starts; ++i) {
-            for (int j = 0; j < 6; ++j) q[good][j] = pair.start[i][j];
-            const Course course = {12, FINISHED, 12};
-            if (polish_one<false>(of.written, of.goal, q[good], course).error > CONVERGED) continue;
-            if (!holds(all, q[good]) || !one_root(q[good], found[good], at, valley)) continue;
-            ++good;
-        }
-        const bool both = good == 2 && are_apart(q, found);
-        if (!both && !pair.blurred && !pair.apart) return false;
-        forget_in(all);
-        if (both) {
-            for (int i = 0; i < 2; ++i) keep_root(q[i], branch);
-            return true;
-        }
-        if (pair.apart) return true;
-        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
-        double centre[6];
-        for (int k = 0; k < 6; ++k) centre[k] = all.q[k];
-        if (polish_one<true>(of.written, of.goal, centre, held).error <= of.written.tolerances.reach) {
-            keep_root(centre, branch), blurred = true;
-            return true;
-        }
-        return false;
+        if (far > 0.2 || is_in_region(q)) return;
+        on_valley(q, each.branch);
     }
 
     // The joint along which a box is halved.

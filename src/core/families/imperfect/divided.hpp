@@ -22,7 +22,7 @@ struct Division {
 // and empties or shortens the box. A box is decided where
 //   it is empty
 //   Newton's method from its middle leads to a certified root, alone in a ball that holds the box
-//   it lies in a region about a root or a pair of roots that holds no other (certificate/cluster.hpp)
+//   it lies in a region along a valley whose roots are counted and known (certificate/along_valley.hpp)
 // A box that no longer shrinks is halved along the joint that moves the displacement most. open: the branches whose boxes are not
 // decided. Adds the roots, and sets the status if every box is decided.
 void divide(const Division& of, const Boxes& boxes, unsigned open, Certified& out);

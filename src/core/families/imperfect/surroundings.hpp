@@ -1,22 +1,20 @@
 // Regions along valleys (certificate/valley.hpp) whose roots are known, and how a slanted box of joint values lies to one.
 #pragma once
 
-#include "certificate/cluster.hpp"
+#include "certificate/along_valley.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A root this near to an end of a region [rad] may lie on either side of it.
-inline constexpr double AT_AN_END = 1e-5;
-// A region that holds the roots that were found in it, and no others: within `across` of a piece of a valley, |t| <= along.
+// A region that holds the roots that were found in it, and no others: within `across` of a piece of a valley, low <= t <= high.
 struct Surroundings {
-    double q[6], direction[6][6], across, along;
+    double q[6], direction[6][6], across, low, high;
     double farthest;  // of each joint from q
     Curve valley;
 };
 
 // How a box of joint values q + along u, |u| <= 1, within `rest`, lies to the region.
 struct Placed {
-    double across, along;  // the farthest point's distances from the valley and from its middle
+    double across, along;  // the farthest point's distance from the valley, and where the box's middle lies along it
     bool inside;
 };
 STEP Placed placed(const Surroundings& region, const double (&q)[6], const double (&along)[6], const double (&rest)[6]) {
@@ -38,13 +36,13 @@ STEP Placed placed(const Surroundings& region, const double (&q)[6], const doubl
             continue;
         }
         t = middle;
-        const double far = abs(t) + abs(moves[5]) + wide[5];
-        if (far > region.along + AT_AN_END) return {__builtin_inf(), far, false};
+        const double reach = abs(moves[5]) + wide[5], far = abs(t) + reach;
+        if (t - reach < region.low || t + reach > region.high) return {__builtin_inf(), t, false};
         region.valley.at(t, y), region.valley.slope_at(t, slope);
         bend = 0.5 * square(moves[5]) * region.valley.bending(far) + wide[5] * region.valley.steepness(far);
     }
-    const double far = abs(t) + abs(moves[5]) + wide[5], across = sqrt(sum) + bend;
-    return {across, far, far <= region.along && across <= region.across};
+    const double across = sqrt(sum) + bend;
+    return {across, t, across <= region.across};
 }
 inline constexpr double NOWHERE[6] = {};
 STEP Placed placed(const Surroundings& region, const double (&q)[6]) { return placed(region, q, NOWHERE, NOWHERE); }
