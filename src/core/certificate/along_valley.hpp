@@ -25,6 +25,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // A root this near to an end of a piece [rad] may lie on either side of it.
 inline constexpr double AT_AN_END = 1e-5;
+// Boxes for which a piece is looked for are narrower than this [rad]; a piece that is wider is not better, one that is longer is.
+inline constexpr double WIDE_ENOUGH = 0.01;
 // Radii, each this share of the one before; they decide how tight the bounds are.
 inline constexpr double NEXT_RADIUS = 0.75;
 // Pieces that are looked at, and the least half width [rad] of one; they decide the cost only.
@@ -79,7 +81,8 @@ PART bool along_valley(const Local& at, const Norms& norms, const Valley& valley
         out.error[out.many++] =
             SLACK_OF_SUMS * ((A_ty + t_ty * R + t_yy * height) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond + rounding);
         // The largest radius has no derivative.
-        if (out.many > 1 && across * R > best) best = across * R, out.across = across, out.along = R;
+        const double of_use = R * min(across, WIDE_ENOUGH);
+        if (out.many > 1 && of_use > best) best = of_use, out.across = across, out.along = R;
     }
     return best > 0.0;
 }
