@@ -3,8 +3,8 @@
     python tools/cortex_m7.py [--poses 100] [--optimise=-O2] [ARM ...]
 
 A third of the poses is random, a third has joints at multiples of 45 degrees, a third is singular. The status is 1
-where a count differs from that of this machine. Debian's packages are gcc-arm-none-eabi, libnewlib-arm-none-eabi and
-qemu-system-arm.
+where a count differs from that of this machine. Debian's packages are gcc-arm-none-eabi, libnewlib-arm-none-eabi,
+libstdc++-arm-none-eabi-newlib (headers) and qemu-system-arm.
 """
 
 from __future__ import annotations
@@ -74,7 +74,8 @@ def main() -> None:
     parser.add_argument("--optimise", default="-O2")
     given = parser.parse_args()
     if missing := [program for program in (COMPILER, EMULATOR) if shutil.which(program) is None]:
-        sys.exit(f"{' and '.join(missing)} not found; Debian: gcc-arm-none-eabi libnewlib-arm-none-eabi {EMULATOR}")
+        sys.exit(f"{' and '.join(missing)} not found; Debian: gcc-arm-none-eabi libnewlib-arm-none-eabi "
+            f"libstdc++-arm-none-eabi-newlib {EMULATOR}")
     print("| arm | code and constants [kB] | poses with the same count | solutions | stack [kB] |")
     print("|---|---|---|---|---|")
     differ = False

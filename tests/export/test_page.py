@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.export import html
-from urdf_ik.export.page import WEB
+from urdf_ik.export.page import WEB, _bodies
 
 Array = NDArray[np.float64]
 
@@ -208,6 +209,14 @@ def test_the_page_is_small_and_its_shapes_are_as_few_as_asked_for() -> None:
     arm = urdf_ik.load("zyyzyz_6r")
     assert len(html(arm).encode()) < 4_000_000
     assert len(html(arm, faces=300)) < len(html(arm))
+
+
+@pytest.mark.parametrize("faces", [300, 3000])
+def test_shapes_have_as_few_triangles_as_asked_for(faces: int) -> None:
+    """Of an arm whose meshes have more."""
+    arm = urdf_ik.load("ur5")
+    some, many = ([len(b64decode(body["faces"])) // 12 for body in _bodies(arm, most)] for most in (faces, 12_000))
+    assert all(some) and sum(some) <= faces < sum(many) <= 12_000
 
 
 def test_what_a_page_is_not_made_of(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -40,7 +40,7 @@ def html(arm: Arm, *, faces: int = FACES, q: ArrayLike | None = None) -> str:
 
     Args:
         arm: as :func:`urdf_ik.load` returns it.
-        faces: triangles of all shapes together at most; shapes are simplified until they are that few.
+        faces: triangles of all shapes together at most, but for 12 that a shape may keep; they are simplified.
         q: (n,) rad or m, where the arm stands first. Default: where a pose has many solutions.
 
     Raises:

@@ -58,7 +58,8 @@ def command(
 
     chosen.apart_from(given)
     if (lock_file is None) == (output is None):
-        problem = "name the lock file once" if output else "name the lock file, such as arm.lock.json"
+        wanted_form = f"urdf-ik freeze {chosen.robot} arm.lock.json"
+        problem = "name the lock file once" if output else f"name the lock file: {wanted_form} (--lock holds a joint)"
         raise console.usage(problem, "LOCK")
     output = output or lock_file
     assert output is not None
