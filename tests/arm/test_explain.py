@@ -6,6 +6,7 @@ import math
 import re
 from typing import Any
 
+import core_arms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -141,6 +142,22 @@ def test_explain_every_family(kind: str) -> None:
     assert max(numbers_in(case.arm.ik(far).explain())) > 10.0
     assert case.arm.ik(case.oracle.pose(Q)).explain() == ""
     assert case.arm.explain(case.oracle.pose(Q)) == ""
+
+
+@pytest.mark.parametrize(("name", "seen_from"), [("2p3p4-0", "base"), ("2x3x4-0", "base"), ("2x3x4+reversed-0", "tip")])
+def test_where_no_length_fails_the_nearest_pose_is_told(name: str, seen_from: str) -> None:
+    """In the axes of a link that is named: of an arm that is solved from tip to base, the tip's."""
+    arm = dict(core_arms.every_arm())[name]
+    rng = np.random.default_rng(2)
+    told = 0
+    for _ in range(30):
+        target = arm.fk(rng.uniform(-3.0, 3.0, 6))
+        target[:3, 3] *= rng.uniform(0.5, 1.0) * arm.chain.size / np.linalg.norm(target[:3, 3])
+        solutions = arm.ik(target)
+        if not solutions.count and "nearest that was found" in (text := solutions.explain()):
+            told += 1
+            assert text.endswith(f" of {getattr(arm, seen_from)!r}")
+    assert told
 
 
 @pytest.mark.parametrize("make", [crx_like, jaco_like])

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -19,6 +19,7 @@ from urdf_ik.ik.families.parts.ideal import (
     imperfection,
     straightened,
 )
+from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
         error=error,
         solver=solver,
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(ideal, solver, rotation, point)),
+        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(ideal, solver, rotation, point)),
     )
 
 
@@ -174,4 +175,4 @@ def _explain(ideal: IdealFrames, solver: Solver, rotation: Array, point: Array) 
             f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "
             f"reach {shortest:.6g} to {longest:.6g} m"
         )
-    return "no turns of joints 4 and 6 give the last axis both its direction and its height along axes 1 to 3"
+    return ""

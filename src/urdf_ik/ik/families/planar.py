@@ -10,9 +10,10 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import few_joints
-from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1, too_far
+from urdf_ik.ik.families.parts.explanations import compared, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import Ends
+from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.kinematics.chain import kinds_of
 from urdf_ik.kinematics.chain.plane import axes_across
@@ -88,7 +89,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         method=f"Closed form: {slide}elbow by the law of cosines{last}",
         branches=_ELBOW,
         solver=Solver(arm),
-        explain=seen_in_frame_1(arm.ideal, lambda rotation, point: _explain(chain, arm, rotation, point)),
+        explain=seen_in_frame_1(chain, arm.ideal, lambda rotation, point: _explain(chain, arm, rotation, point)),
     )
 
 

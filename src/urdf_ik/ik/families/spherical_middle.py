@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
+from urdf_ik.ik.families.parts.explanations import beyond_links, compared, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -19,6 +19,7 @@ from urdf_ik.ik.families.parts.ideal import (
     imperfection,
     straightened,
 )
+from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
         error=error,
         solver=Solver(arm),
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(arm, rotation, point)),
+        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(arm, rotation, point)),
     )
 
 
@@ -158,4 +159,4 @@ def _explain(arm: SphericalMiddleArm, rotation: Array, point: Array) -> str:
     far = float(np.linalg.norm(point))
     if far > 2.0 * size:
         return beyond_links("axis 6", far, size)
-    return f"no turns of joints 1, 5 and 6 bring {name} to one place and leave axes 2 to 4 their turn"
+    return ""

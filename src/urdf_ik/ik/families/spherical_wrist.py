@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
+from urdf_ik.ik.families.parts.explanations import beyond_links, compared, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
@@ -21,6 +21,7 @@ from urdf_ik.ik.families.parts.ideal import (
     imperfection,
     mean_direction,
 )
+from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.support.tolerances import DEFAULT
 
@@ -120,7 +121,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
         error=error,
         solver=Solver(arm),
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(arm, rotation, point)),
+        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(arm, rotation, point)),
     )
 
 
@@ -271,4 +272,4 @@ def _explain(arm: SphericalWristArm, rotation: Array, point: Array) -> str:
     distance = float(np.linalg.norm(point))
     if distance > 2.0 * size:
         return beyond_links("the wrist centre", distance, size)
-    return "no angles of the first three joints bring the wrist centre there and leave the wrist its turn"
+    return ""

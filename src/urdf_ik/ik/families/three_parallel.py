@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -19,6 +19,7 @@ from urdf_ik.ik.families.parts.ideal import (
     imperfection,
     mean_direction,
 )
+from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         imperfection=(parallel.imperfection if parallel else 0.0, distance),
         error=error,
         solver=solver,
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(arm, solver, crossing, rotation, point)),
+        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(arm, solver, crossing, rotation, point)),
     )
 
 
@@ -147,4 +148,4 @@ def _explain(arm: ThreeParallelArm, solver: Solver, crossing: bool, rotation: Ar
         near, folded = compared(distances.max(), shortest)
         off = too_far(distances.max(), shortest, longest)
         return f"axis 4 would be {near} m or less from axis 2, the folded links' {folded} m away{off}"
-    return "no turn of joint 1 gives the last axis both its direction and its height along axes 2 to 4"
+    return ""

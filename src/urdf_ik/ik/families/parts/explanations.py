@@ -1,4 +1,4 @@
-"""What explanations of unreachable poses share: lengths in words, poses as an ideal arm's first frame sees them."""
+"""What explanations of unreachable poses share: lengths in words."""
 
 from __future__ import annotations
 
@@ -7,25 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from urdf_ik._core import Solver
-    from urdf_ik.ik.families.parts.ideal import Ends
 
     Array = NDArray[np.float64]
-
-
-def seen_in_frame_1(ends: Ends, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
-    """``FamilyMember.explain`` for a function of the rotation (3, 3) and solved point (3,) in the ideal frame 1."""
-
-    def explain_pose(T: Array) -> str:
-        R, base = T[:3, :3], ends.base_rotation
-        point = base @ (R @ ends.tool_point + T[:3, 3] - ends.base_origin)
-        return explain(base @ R @ ends.tool_rotation, point)
-
-    return explain_pose
 
 
 def compared(*lengths: float) -> tuple[str, ...]:

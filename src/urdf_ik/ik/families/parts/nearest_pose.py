@@ -8,10 +8,14 @@ import numpy as np
 
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.written import Aim
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
+    from urdf_ik.ik.families.parts.ideal import Ends
     from urdf_ik.kinematics.chain import Chain
 
     Array = NDArray[np.float64]
@@ -20,6 +24,20 @@ _STARTS, _ROUNDS = 32, 40
 _AXES = "xyz"
 # A part of an error below this [rad, share of size] is not mentioned beside a larger one.
 _SILENT = 1e-6
+
+
+def seen_in_frame_1(chain: Chain, ends: Ends, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
+    """``FamilyMember.explain`` for a function of the rotation (3, 3) and solved point (3,) in the ideal frame 1.
+
+    Where that names no length, the text is the error of the nearest pose.
+    """
+
+    def explain_pose(T: Array) -> str:
+        R, base = T[:3, :3], ends.base_rotation
+        point = base @ (R @ ends.tool_point + T[:3, 3] - ends.base_origin)
+        return explain(base @ R @ ends.tool_rotation, point) or off_by(chain, Aim(), R, T[:3, 3])
+
+    return explain_pose
 
 
 def off_by(chain: Chain, aim: Aim, rotation: Array, point: Array) -> str:
@@ -39,12 +57,14 @@ def off_by(chain: Chain, aim: Aim, rotation: Array, point: Array) -> str:
     e = _least(chain, aim, target)
     worst = np.abs(e).max()
     parts = [
-        f"{abs(part[k]) * unit:.3g} {name} the base's {_AXES[k]}"
+        f"{abs(part[k]) * unit:.3g} {name} {_AXES[k]}"
         for part, unit, name in ((e[:3], chain.size, "m along"), (e[3:], 1.0, "rad about"))
         if abs(part[k := int(np.argmax(np.abs(part)))]) > min(_SILENT, 0.5 * worst)
     ]
     joints = f"{chain.n} joint{'s' if chain.n > 1 else ''}"
-    return f"{joints} cannot bring the tip there: the nearest that was found is off by {' and '.join(parts)}"
+    # By the links' names: of a chain from tip to base these are the other way round.
+    off = f"{' and '.join(parts)} of {quoted(chain.base)}"
+    return f"{joints} cannot bring {quoted(chain.tip)} there: the nearest that was found is off by {off}"
 
 
 def _least(chain: Chain, aim: Aim, target: Array) -> Array:
