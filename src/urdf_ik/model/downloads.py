@@ -117,10 +117,10 @@ def fetch(model: str, instead: str) -> Model:
         with contextlib.redirect_stdout(sys.stderr):
             module = import_module(f"robot_descriptions.{model}")
     except Exception as error:  # git's own errors, and those of an installation without git
-        said = " ".join(str(getattr(error, "stderr", "") or error).split())
+        said = " ".join(str(getattr(error, "stderr", "") or error).split()).removeprefix("stderr: ")
         raise ArgumentError(
-            f"{quoted(model)} is a model of robot_descriptions, which downloads it when it is first asked for, and "
-            f"cannot: {said[:300]}; without a network: {instead}"
+            f"{quoted(model)} is not on this machine, and robot_descriptions could not download it: {said[:300]}; "
+            f"without a network: {instead}"
         ) from None
     for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
         if path := getattr(module, attribute, None):
