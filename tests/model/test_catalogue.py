@@ -147,7 +147,7 @@ def test_a_described_robot_is_downloaded_once(described: Path, monkeypatch: pyte
 def test_what_cannot_be_downloaded_says_so(described: Path) -> None:
     """Without the repository the message says what was tried; the short name leads to the same model."""
     for name in ("ur10e", "ur10e_description"):
-        with pytest.raises(ArgumentError, match=r"'ur10e_description' is not on this .*could not download it.* here: ur10"):
+        with pytest.raises(ArgumentError, match=r"'ur10e_description' is not .*could not download it.* here: ur10"):
             urdf_ik.load(name)
     assert not catalogue.is_here("ur10e")
 
