@@ -138,17 +138,25 @@ struct Divider {
             if (!(error <= (each.single ? CONVERGED : of.written.tolerances.reach))) return false;
             if (!where.inside || where.along < each.low || where.along > each.high) return false;
         }
-        forget_in(all);
+        if (!forget_in(all, found)) return false;
         for (int i = 0; i < found.many; ++i) keep_root(q[i], branch), blurred |= !found.at[i].single;
         return true;
     }
     void keep_root(const double (&q)[6], int branch) { lost |= !out.add(q, 0.0, branch, true); }
-    void forget_in(const Surroundings& all) {
+    // Removes the known roots in a region, which have been found again. Returns false where one is none of those.
+    bool forget_in(const Surroundings& all, const Crossings& found) {
         int kept = 0;
+        Certified::Root left[Certified::most];
         for (int i = 0; i < out.many; ++i) {
-            if (!holds(all, out.root[i].q)) out.root[kept++] = out.root[i];
+            const Placed where = placed(all, out.root[i].q);
+            bool again = false;
+            for (int k = 0; k < found.many; ++k) again |= where.along >= found.at[k].low && where.along <= found.at[k].high;
+            if (where.inside && !again) return false;
+            if (!where.inside) left[kept++] = out.root[i];
         }
+        for (int i = 0; i < kept; ++i) out.root[i] = left[i];
         out.many = kept;
+        return true;
     }
 
     // Looks for a region near the box: about the valley next to its middle, or about where Newton's method leads to.
