@@ -7,8 +7,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // step leaves of a wide box fails to converge and waits for the next pass.
 inline constexpr int STEPS = 1;
 
-// Boxes are not divided where the arms differ by less: what the ideal arm leaves free keeps the pose to about that.
-inline constexpr double FINEST = 1e-9;
+// Boxes are not divided where the arms differ by less, which is little more than the rounding of a loop: nothing tells the members
+// of what the ideal arm leaves free apart.
+inline constexpr double FINEST = 1e-13;
 // How often boxes are made from smaller sets of displacements before a pose is left open.
 inline constexpr int PASSES = 4;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
