@@ -36,8 +36,7 @@ struct CurveDirections {
     }
 };
 
-// The forms Q of the second derivatives that a curve's direction t, in the lost directions, has to make zero: with the twists
-// (v_k, w_k) the second derivative of the tip's motion by joints i <= j is (w_i x v_j, w_i x w_j / 2).
+// The forms Q of the second derivatives that a curve's direction t, in the lost directions, has to make zero.
 template <int R> struct LostForms {
     double Q[R][R][R];
 
@@ -55,11 +54,8 @@ template <int R> struct LostForms {
 template <int R> PART LostForms<R> lost_forms(const Six<double> (&twist)[6], const Svd<6, 6, double>& J) {
     LostForms<R> out = {};
     for (int i = 0; i < 6; ++i) {
-        const Vec<double> w = {twist[i][3], twist[i][4], twist[i][5]};
         for (int j = i; j < 6; ++j) {
-            const Vec<double> a = cross(w, Vec<double>{twist[j][0], twist[j][1], twist[j][2]});
-            const Vec<double> b = cross(w, Vec<double>{twist[j][3], twist[j][4], twist[j][5]});
-            const double each[6] = {a.x, a.y, a.z, 0.5 * b.x, 0.5 * b.y, 0.5 * b.z};
+            const Six<double> each = second_derivative(twist[i], twist[j]);
             for (int o = 0; o < R; ++o) {
                 double f = 0.0;
                 for (int k = 0; k < 6; ++k) f += J.left[6 - R + o][k] * each[k];

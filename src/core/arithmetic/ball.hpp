@@ -16,7 +16,22 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 inline constexpr double ROUNDED = 2.3e-16, INFLATED = 1.0 + 1e-9;
 
-template <class V> struct Ball {
+// What follows from the other operations of a number with bounds. centre(): comparisons are between centres, as they choose
+// between formulas that both hold.
+template <class N> struct Bounded {
+    friend STEP N operator/(const N& a, const N& b) { return a * reciprocal(b); }
+    friend STEP N operator/(double a, const N& b) { return a * reciprocal(b); }
+    friend STEP N operator+(double a, const N& b) { return b + a; }
+    friend STEP N operator*(double a, const N& b) { return b * a; }
+    friend STEP N operator-(const N& a, double b) { return a + -b; }
+    friend STEP N operator-(double a, const N& b) { return -b + a; }
+    friend STEP auto operator<(const N& a, const N& b) { return a.centre() < b.centre(); }
+    friend STEP auto operator>(const N& a, const N& b) { return a.centre() > b.centre(); }
+    friend STEP auto operator<=(const N& a, const N& b) { return a.centre() <= b.centre(); }
+    friend STEP auto operator>=(const N& a, const N& b) { return a.centre() >= b.centre(); }
+};
+
+template <class V> struct Ball : Bounded<Ball<V>> {
     V mid, rad;
 
     Ball() = default;
@@ -31,34 +46,23 @@ template <class V> struct Ball {
     friend STEP Ball operator*(const Ball& a, const Ball& b) {
         return rounded(a.mid * b.mid, abs(a.mid) * b.rad + a.rad * (abs(b.mid) + b.rad));
     }
-    friend STEP Ball operator/(const Ball& a, const Ball& b) { return a * reciprocal(b); }
     friend STEP Ball operator+(const Ball& a, double b) { return rounded(a.mid + b, a.rad); }
-    friend STEP Ball operator-(const Ball& a, double b) { return rounded(a.mid - b, a.rad); }
     friend STEP Ball operator*(const Ball& a, double b) { return rounded(a.mid * b, a.rad * __builtin_fabs(b)); }
-    friend STEP Ball operator+(double a, const Ball& b) { return b + a; }
-    friend STEP Ball operator-(double a, const Ball& b) { return rounded(a - b.mid, b.rad); }
-    friend STEP Ball operator*(double a, const Ball& b) { return b * a; }
-    friend STEP Ball operator/(double a, const Ball& b) { return a * reciprocal(b); }
     friend STEP Ball operator-(const Ball& a) { return {-a.mid, a.rad}; }
+    // |1 / (b + e) - 1 / b| <= |e| / (|b| (|b| - |e|)); a ball that holds zero has no reciprocal.
+    friend STEP Ball reciprocal(const Ball& b) {
+        const V size = abs(b.mid), over = 1.0 / b.mid, left = size - INFLATED * b.rad;
+        const V spread = select(left > V(0.0), b.rad * abs(over) / left, V(__builtin_inf()));
+        return {over, spread + 2.0 * ROUNDED * abs(over)};
+    }
 
-    // Comparisons are between centres: they choose between formulas that both hold.
-    friend STEP auto operator<(const Ball& a, const Ball& b) { return a.mid < b.mid; }
-    friend STEP auto operator>(const Ball& a, const Ball& b) { return a.mid > b.mid; }
-    friend STEP auto operator<=(const Ball& a, const Ball& b) { return a.mid <= b.mid; }
-    friend STEP auto operator>=(const Ball& a, const Ball& b) { return a.mid >= b.mid; }
-
+    STEP const V& centre() const { return mid; }
     // The least and the greatest number in the ball.
     STEP V least() const { return mid - INFLATED * rad; }
     STEP V greatest() const { return mid + INFLATED * rad; }
 
 private:
-    static STEP Ball rounded(const V& centre, const V& radius) { return {centre, radius + ROUNDED * abs(centre)}; }
-    // |1 / (b + e) - 1 / b| <= |e| / (|b| (|b| - |e|)); a ball that holds zero has no reciprocal.
-    static STEP Ball reciprocal(const Ball& b) {
-        const V size = abs(b.mid), over = 1.0 / b.mid, left = size - INFLATED * b.rad;
-        const V spread = select(left > V(0.0), b.rad * abs(over) / left, V(__builtin_inf()));
-        return {over, spread + 2.0 * ROUNDED * abs(over)};
-    }
+    static STEP Ball rounded(const V& at, const V& radius) { return {at, radius + ROUNDED * abs(at)}; }
 };
 
 // Functions with slopes of at most one keep the radius.

@@ -37,9 +37,9 @@ inline constexpr double NEAR_UNIT_CIRCLE = 1e-3;
 // A second harmonic below this share of the largest coefficient is zero to rounding.
 inline constexpr double NO_HARMONIC = 1e-14;
 
-// error: of the coefficients. The roots of a real function are mirrored in the unit circle. So a disc about a point of the circle
-// that holds one root, and the mirror image of that root, holds a real one: the image of a disc of radius r < 1 / 4 is in one of 2
-// r.
+// error: of the coefficients. The roots of a real function are mirrored in the unit circle: with z, 1 / conj(z) is one too. A root
+// z within r <= 1 / 2 of a point u of the circle has its image within |z - u| / |z| <= r / (1 - r) <= 2 r of u. Where no other
+// root's disc comes within 2 r of u, the image is the root itself, which is real then.
 template <int N> STEP void collect_real(const Complex (&c)[N + 1], double error, Quartic& out) {
     Complex z[N];
     double radius[N];
@@ -59,7 +59,7 @@ template <int N> STEP void collect_real(const Complex (&c)[N + 1], double error,
         }
         const Turn<double> root = {z[i].re / size, z[i].im / size};
         const double at = angle(root), wide = 2.0 * (radius[i] + off);
-        bool alone = wide < 0.25;
+        bool alone = wide <= 1.0;
         for (int j = 0; j < N; ++j) {
             const double x = root.c - z[j].re, y = root.s - z[j].im;
             if (j != i) alone = alone && wide + radius[j] < sqrt(x * x + y * y);

@@ -13,7 +13,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-template <class V> struct Slanted {
+template <class V> struct Slanted : Bounded<Slanted<V>> {
     using B = Ball<V>;
     B at, slope, all;  // a(0), a(t) - a(0), a(t)
 
@@ -38,31 +38,18 @@ template <class V> struct Slanted {
     friend PART Slanted operator*(const Slanted& a, const Slanted& b) {
         return {a.at * b.at, a.all * b.slope + a.slope * b.at, a.all * b.all};
     }
-    friend STEP Slanted operator/(const Slanted& a, const Slanted& b) { return a * reciprocal(b); }
     friend STEP Slanted operator+(const Slanted& a, double b) { return {a.at + b, a.slope, a.all + b}; }
-    friend STEP Slanted operator-(const Slanted& a, double b) { return {a.at - b, a.slope, a.all - b}; }
     friend PART Slanted operator*(const Slanted& a, double b) { return {a.at * b, a.slope * b, a.all * b}; }
     friend STEP Slanted operator/(const Slanted& a, double b) { return a * (1.0 / b); }
-    friend STEP Slanted operator+(double a, const Slanted& b) { return b + a; }
-    friend STEP Slanted operator-(double a, const Slanted& b) { return {a - b.at, -b.slope, a - b.all}; }
-    friend STEP Slanted operator*(double a, const Slanted& b) { return b * a; }
-    friend STEP Slanted operator/(double a, const Slanted& b) { return a * reciprocal(b); }
     friend STEP Slanted operator-(const Slanted& a) { return {-a.at, -a.slope, -a.all}; }
-
-    // Comparisons are between centres: they choose between formulas that both hold.
-    friend STEP auto operator<(const Slanted& a, const Slanted& b) { return a.all.mid < b.all.mid; }
-    friend STEP auto operator>(const Slanted& a, const Slanted& b) { return a.all.mid > b.all.mid; }
-    friend STEP auto operator<=(const Slanted& a, const Slanted& b) { return a.all.mid <= b.all.mid; }
-    friend STEP auto operator>=(const Slanted& a, const Slanted& b) { return a.all.mid >= b.all.mid; }
-
-    STEP V least() const { return all.least(); }
-    STEP V greatest() const { return all.greatest(); }
-
-private:
-    static STEP Slanted reciprocal(const Slanted& b) {
-        const B over = 1.0 / b.at, over_all = 1.0 / b.all;
+    friend STEP Slanted reciprocal(const Slanted& b) {
+        const B over = reciprocal(b.at), over_all = reciprocal(b.all);
         return {over, -(b.slope * over) * over_all, over_all};
     }
+
+    STEP const V& centre() const { return all.mid; }
+    STEP V least() const { return all.least(); }
+    STEP V greatest() const { return all.greatest(); }
 };
 
 // One of two as it stands: a cosine and a sine whose ranges are one disc must not be narrowed each for itself.
@@ -77,7 +64,8 @@ template <class V> STEP Slanted<V> abs(const Slanted<V>& a) {
 }
 // A maximum changes by what lies between those of both numbers.
 template <class V> STEP Ball<V> either(const Ball<V>& a, const Ball<V>& b) {
-    return {0.5 * (a.mid + b.mid), 0.5 * abs(a.mid - b.mid) + max(a.rad, b.rad)};
+    const V middle = 0.5 * (a.mid + b.mid), half = 0.5 * abs(a.mid - b.mid);
+    return {middle, half + max(a.rad, b.rad) + ROUNDED * (abs(middle) + half)};
 }
 template <class V> STEP Slanted<V> max(const Slanted<V>& a, const Slanted<V>& b) {
     const Slanted<V> out = {max(a.at, b.at), either(a.slope, b.slope), max(a.all, b.all)};

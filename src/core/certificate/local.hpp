@@ -63,7 +63,8 @@ STEP bool is_real(const Number (&q)[6]) {
 
 // g, A and H in the directions of the singular values.
 template <class V> PART void transform(const LoopAt<Number>& at, Local& out) {
-    V twist[6][6], left[6][6], right[6][6], raw[6][6][6];  // left: conjugate
+    Six<V> twist[6];
+    V left[6][6], right[6][6], raw[6][6][6];  // left: conjugate
     for (int k = 0; k < 6; ++k) {
         for (int i = 0; i < 6; ++i) {
             twist[k][i] = part<V>(at.twist[k][i]);
@@ -71,15 +72,12 @@ template <class V> PART void transform(const LoopAt<Number>& at, Local& out) {
         }
     }
     for (int j = 0; j < 6; ++j) {
-        const Vec<V> w = {twist[j][3], twist[j][4], twist[j][5]};
         for (int k = j; k < 6; ++k) {
-            const Vec<V> a = cross(w, Vec<V>{twist[k][0], twist[k][1], twist[k][2]});
-            const Vec<V> b = cross(w, Vec<V>{twist[k][3], twist[k][4], twist[k][5]});
-            const V each[6] = {a.x, a.y, a.z, 0.5 * b.x, 0.5 * b.y, 0.5 * b.z};
+            const Six<V> each = second_derivative(twist[j], twist[k]);
             for (int i = 0; i < 6; ++i) raw[j][k][i] = raw[k][j][i] = each[i];
         }
     }
-    const auto dot6 = [](const V(&a)[6], const V(&b)[6]) {
+    const auto dot6 = [](const auto& a, const auto& b) {
         V sum = a[0] * b[0];
         for (int i = 1; i < 6; ++i) sum += a[i] * b[i];
         return sum;

@@ -23,6 +23,8 @@
 // - The skew part's vector is at most 1 / sqrt(2) of that, and is half a difference: less than 155 u M.
 // - The step behind k turns has a rotation that is off by less than (28 k + 50) u M so far, which turns its length; its product
 //   adds 3 sqrt(3) u, and six sums 6 u: the position is off by less than sum_k (28 k + 62) u M times the step's length.
+// - The position of G is a sum of those of T, S_0 and S_6, which may cancel: each is scaled, 2 u, turned at most three times, 3
+//   sqrt(3) u each, added twice, 2 u each, by rotations that are orthogonal to 4 u: less than 30 u times its length.
 // - A twist's axis and point come from at most three of the turns, with norms up to m, the larger product of M_1 M_2 M_3 and
 //   M_4 M_5 M_6, and from lengths of sum l: its error is below 100 u m^2 (2 l + 1).
 #pragma once
@@ -37,7 +39,7 @@ using CBlock = Complexes<Block>;
 // The counts above, times u.
 inline constexpr double UNIT = 1.1102230246251565e-16;
 inline constexpr double ROUNDING_OF_ROTATION = 155.0 * UNIT, ROUNDING_OF_TWIST = 100.0 * UNIT;
-inline constexpr double ROUNDING_A_TURN = 28.0 * UNIT, ROUNDING_OF_STEP = 62.0 * UNIT;
+inline constexpr double ROUNDING_A_TURN = 28.0 * UNIT, ROUNDING_OF_STEP = 62.0 * UNIT, ROUNDING_OF_TARGET = 30.0 * UNIT;
 
 // Real and complex blocks alike: V is Block or CBlock.
 STEP Block conj(const Block& a) { return a; }
@@ -57,13 +59,12 @@ template <class M> struct LoopOf {
 };
 using Loop = LoopOf<Motion>;
 
-STEP Motion inverse_of(const Motion& m, double inverse_size) {
-    Motion out;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[j][i];
-        out.t[i] = -inverse_size * (m.R[0][i] * m.t[0] + m.R[1][i] * m.t[1] + m.R[2][i] * m.t[2]);
-    }
-    return out;
+// The loop of these steps and this target, lengths as shares of the size.
+template <class M> STEP LoopOf<M> loop_of_steps(const M (&step)[7], const M& target) {
+    return {inverse_of(step[3]), inverse_of(step[2]),
+            inverse_of(step[1]), composed(inverse_of(step[0]), composed(target, inverse_of(step[6]))),
+            inverse_of(step[5]), inverse_of(step[4]),
+            {step[4], step[5]}};
 }
 
 // The pose of frame 6 after its turn, in frame 1 before its turn.
@@ -83,24 +84,21 @@ STEP Frame<double> inner_pose(const Written<6>& arm, const Frame<double>& goal) 
 }
 
 PART Loop loop_of(const Written<6>& arm, const Frame<double>& goal) {
-    const double w = 1.0 / arm.size;
-    const Frame<double> G = inner_pose(arm, goal);
-    Loop loop = {inverse_of(arm.step[3], w),
-                 inverse_of(arm.step[2], w),
-                 inverse_of(arm.step[1], w),
-                 {{{G.R.x.x, G.R.y.x, G.R.z.x}, {G.R.x.y, G.R.y.y, G.R.z.y}, {G.R.x.z, G.R.y.z, G.R.z.z}},
-                  {w * G.p.x, w * G.p.y, w * G.p.z}},
-                 inverse_of(arm.step[5], w),
-                 inverse_of(arm.step[4], w),
-                 {arm.step[4], arm.step[5]}};
-    for (Motion& each : loop.ahead) {
-        for (double& x : each.t) x *= w;
-    }
+    const auto scaled = [&](Motion m) {
+        for (double& x : m.t) x *= 1.0 / arm.size;
+        return m;
+    };
+    Motion step[7];
+    for (int k = 0; k < 7; ++k) step[k] = scaled(arm.step[k]);
+    const Motion target = scaled(motion_of(goal));
+    Loop loop = loop_of_steps(step, target);
+    const auto length_of = [](const Motion& m) { return sqrt(m.t[0] * m.t[0] + m.t[1] * m.t[1] + m.t[2] * m.t[2]); };
     int turns = 0;
     const auto add = [&](const Motion& m) {
-        const double length = sqrt(m.t[0] * m.t[0] + m.t[1] * m.t[1] + m.t[2] * m.t[2]);
+        const double length = length_of(m);
         loop.length += length, loop.rounding += (ROUNDING_OF_STEP + ROUNDING_A_TURN * turns++) * length;
     };
+    loop.rounding = ROUNDING_OF_TARGET * (length_of(step[0]) + length_of(target) + length_of(step[6]));
     add(loop.third), add(loop.second), add(loop.first), add(loop.goal), add(loop.fifth), add(loop.fourth);
     return loop;
 }

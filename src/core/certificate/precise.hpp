@@ -52,33 +52,12 @@ PART DoubledMotion precise(const Motion& m, double size) {
     }
     return out;
 }
-PART DoubledMotion inverse_of(const DoubledMotion& m) {
-    DoubledMotion out;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[j][i];
-        out.t[i] = -(m.R[0][i] * m.t[0] + m.R[1][i] * m.t[1] + m.R[2][i] * m.t[2]);
-    }
-    return out;
-}
-PART DoubledMotion after(const DoubledMotion& a, const DoubledMotion& b) {
-    DoubledMotion out;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) out.R[i][j] = a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j];
-        out.t[i] = a.t[i] + a.R[i][0] * b.t[0] + a.R[i][1] * b.t[1] + a.R[i][2] * b.t[2];
-    }
-    return out;
-}
 
 using PreciseLoop = LoopOf<DoubledMotion>;
 PART PreciseLoop precise_loop(const Written<6>& arm, const Frame<double>& goal) {
     DoubledMotion step[7];
     for (int k = 0; k < 7; ++k) step[k] = precise(arm.step[k], arm.size);
-    const auto& G = goal.R;
-    const Motion target = {{{G.x.x, G.y.x, G.z.x}, {G.x.y, G.y.y, G.z.y}, {G.x.z, G.y.z, G.z.z}}, {goal.p.x, goal.p.y, goal.p.z}};
-    return {inverse_of(step[3]), inverse_of(step[2]),
-            inverse_of(step[1]), after(inverse_of(step[0]), after(precise(target, arm.size), inverse_of(step[6]))),
-            inverse_of(step[5]), inverse_of(step[4]),
-            {step[4], step[5]}};
+    return loop_of_steps(step, precise(motion_of(goal), arm.size));
 }
 
 // The unit of the bounds: that of the numbers, and what one step leaves of rotations that are orthogonal to 3e-14.

@@ -106,18 +106,11 @@ template <class V> PART Block second_derivatives(const Six<V> (&twist)[6], const
     for (Block& each : sum) each = 0.0;
 #pragma GCC unroll 1
     for (int j = 0; j < 6; ++j) {
-        const Vec<V> w = {twist[j][3], twist[j][4], twist[j][5]};
 #pragma GCC unroll 1
         for (int k = j; k < 6; ++k) {
-            const Vec<V> a = cross(w, Vec<V>{twist[k][0], twist[k][1], twist[k][2]});
-            const Vec<V> b = cross(w, Vec<V>{twist[k][3], twist[k][4], twist[k][5]});
+            const Six<V> H = second_derivative(twist[j], twist[k]);
             const double times = j == k ? 1.0 : 2.0;
-            for (int i = 0; i < 6; ++i) {
-                const Six<V>& c = C.row[i];
-                V each = c[0] * a.x + c[1] * a.y + c[2] * a.z;
-                if (k > j) each += 0.5 * (c[3] * b.x + c[4] * b.y + c[5] * b.z);
-                sum[i] += times * above(each);
-            }
+            for (int i = 0; i < 6; ++i) sum[i] += times * above(product(C.row[i], H));
         }
     }
     Block most = sum[0];

@@ -10,11 +10,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-STEP Goal<double> inverse(const Goal<double>& g) {
-    const Rot<double>& R = g.R;
-    return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}},
-            {-dot(R.x, g.p), -dot(R.y, g.p), -dot(R.z, g.p)}};
-}
 // The rotation from the tip's home to R.
 STEP Rot<double> from_home(const Rot<double>& R, const double (&home)[3][3]) {
     return {R * vec<double>(home[0]), R * vec<double>(home[1]), R * vec<double>(home[2])};

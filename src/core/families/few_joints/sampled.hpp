@@ -93,9 +93,7 @@ struct Sampled {
 
 // The motion `first`, then that of the joint at its value, then `next`.
 STEP Motion joined(const Motion& first, bool slides, double value, const Motion& next) {
-    const Frame<double> at = beyond(moved(constant_frame<double>(first), slides, value), next);
-    return {{{at.R.x.x, at.R.y.x, at.R.z.x}, {at.R.x.y, at.R.y.y, at.R.z.y}, {at.R.x.z, at.R.y.z, at.R.z.z}},
-            {at.p.x, at.p.y, at.p.z}};
+    return motion_of(beyond(moved(constant_frame<double>(first), slides, value), next));
 }
 
 struct SampledHeld {

@@ -35,10 +35,14 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
     return {atan2(dot(h, cross(u, v)), dot(u, v)), min(dot(u, u), dot(v, v))};
 }
 
-// Bounds on errors, lengths as shares of the size: of a point's place, PLACE_ERROR times 1 + |p|, for the structure of the arm and
-// the rounding of the target; of the equations' coefficients, EQUATION_ERROR times (1 + |p|^2)^2. The rows are at most 2 long and
-// the links at most 1, so that a coefficient's error is at most 900 such errors of a place for |p| <= 1, and grows with |p|^4.
-inline constexpr double PLACE_ERROR = 1.1e-13, EQUATION_ERROR = 1e-10;
+// Bounds on errors, lengths as shares of the size: of a point's place, e P with e = PLACE_ERROR and P = 1 + |p|, for the structure
+// of the arm and the rounding of the target; of the equations' coefficients, EQUATION_ERROR times (1 + |p|^2)^2. Let d = p2 - p1
+// and z = g3 X - p2 be at most 1 long, as parts of the arm are, and directions, d and z be off by e. Then of both rows' right sides
+//   |b1| <= 2 P off by 6 e P,  |b2| <= 2 P^2 off by 6 e P^2,  |m1|^2 <= 1 by 4 e,  |m2|^2 <= 4 by 24 e,  (h2.z)^2 - z^2 by 6 e,
+// and |m2|^2 b1^2 + |m1|^2 b2^2 + |m1|^2 |m2|^2 ((h2.z)^2 - z^2) is off by e (40 P^4 + 192 P^2 + 64). A coefficient of a
+// trigonometric polynomial is at most twice its greatest value: e (80 P^4 + 384 P^2 + 128) <= 909 e (1 + |p|^2)^2. Where d or z
+// exceeds 1, the feet of nearly parallel axes being far away, the bound grows with its fourth power.
+inline constexpr double PLACE_ERROR = 1.1e-13, EQUATION_ERROR = 909.0 * PLACE_ERROR;
 
 // A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free. off: bounds on the distances of the
 // solution from it, if Places::whole.
@@ -262,6 +266,9 @@ private:
 
     PART void second_turns() {
         const Third t = third(p2);
+        const double d = sqrt(dot(p2 - p1, p2 - p1)), z = sqrt(dot(t.Z[0], t.Z[0])) + sqrt(dot(t.Z[1], t.Z[1]));
+        const double longest = max(1.0, max(d, z));
+        equation_error *= longest * longest * longest * longest;
         const Rows r = rows(t);
         const double m[2] = {dot(r.M[0], r.M[0]), dot(r.M[1], r.M[1])}, span = 1.0 + dot(p, p);
         if (min(m[0], m[1]) > VANISHING * VANISHING) {

@@ -13,10 +13,8 @@ inline constexpr double LARGEST_INEXACT = 1e-6;
 // The motion that the six joints must make together, in the scaled frame of the axes.
 STEP Frame<double> loop_motion(const EliminationArm& arm, const Goal<double>& goal, bool reversed) {
     const Frame<double> to = beyond(goal, arm.home_inverse);
-    const Vec<double> p = arm.scale * (to.p - vec<double>(arm.centre));
-    if (!reversed) return {to.R, p};
-    const Rot<double>& R = to.R;
-    return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}}, {-dot(R.x, p), -dot(R.y, p), -dot(R.z, p)}};
+    const Frame<double> motion = {to.R, arm.scale * (to.p - vec<double>(arm.centre))};
+    return reversed ? inverse(motion) : motion;
 }
 
 // A bound on the length of this motion, and of those that it is computed from.
