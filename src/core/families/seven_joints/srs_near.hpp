@@ -59,11 +59,13 @@ struct SrsNear {
         StartQueue search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
         search.error = arm.imperfection * max(1.0, SHORT_LINE * arm.written.size / (line.length + TINY));
         const bool doubtful = follow(search, seen, line, at);
-        if (doubtful || search.failed) {
+        Status status = Srs::status(arm, goal, seen, value, columns);
+        if (status == Status::incomplete && (doubtful || search.failed)) {
             search.wide = true;
             follow(search, seen, line, at);
+            status = Srs::status(arm, goal, seen, value, columns);
         }
-        set_status(columns.flags[0], Srs::status(arm, goal, seen, value, columns));
+        set_status(columns.flags[0], status);
     }
 
     // Starts from the ideal arm's solutions; if search.wide, also from joint vectors around its singularities. Returns
