@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import contract
 import numpy as np
 import pytest
-from arms import random_arm
+from arms import random_arm, serial_urdf
 from arms_closed_forms import KINDS, SPHERICAL_MIDDLE, TWICE
-from cases import described
+from cases import Case, described
 from closed_forms import member, members
+from numpy.typing import NDArray
+from oracle import Oracle, angle_distance
+
+import urdf_ik
 
 MINE = tuple(kind for kind in KINDS if kind.removesuffix(", reversed") in SPHERICAL_MIDDLE)
 
@@ -52,3 +58,42 @@ def test_the_cheapest_family_comes_first(seed: int) -> None:
     contract.holds(case, 30, 10)
     contract.holds_near_singularities(case, 8, 11, decades=8)
     contract.is_complete(case, 1, 12)
+
+
+def elbowed(first: Sequence[float], elbow: Sequence[float], last: Sequence[float], axes: str) -> Case:
+    """Three axes that meet, on a joint ``first`` away, and two joints behind them, like a humanoid's arm."""
+    origins = [((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), (first, (0.0, 0.0, 0.0)), *[((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))] * 2]
+    origins += [(elbow, (0.0, 0.0, 0.0)), (last, (0.0, 0.0, 0.0)), ((0.0, 0.0, 0.14), (0.0, 0.0, 0.0))]
+    directions = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    urdf = serial_urdf("elbowed", origins, [*(directions[axis] for axis in axes), None])
+    return Case("elbowed", urdf_ik.load(urdf, base="base", tip="tool"), Oracle(urdf))
+
+
+def nearly_round(rng: np.random.Generator, count: int) -> NDArray[np.float64]:
+    """Joint vectors with some joints near a multiple of a right angle, where several singularities meet."""
+    q = rng.choice([0.0, 0.5 * np.pi, -0.5 * np.pi, np.pi], (count, 6))
+    elsewhere = rng.random((count, 6)) < rng.choice([0.2, 0.5, 0.8], (count, 1))
+    q = np.where(elsewhere, rng.uniform(-np.pi, np.pi, (count, 6)), q)
+    return q + rng.normal(size=(count, 6)) * 10.0 ** rng.uniform(-8.5, -2.0, (count, 1))
+
+
+@pytest.mark.parametrize(
+    ("first", "elbow", "last", "axes"),
+    [
+        ((-0.11, 0.0, -0.14), (0.0, -0.015, 0.15), (0.0, 0.015, 0.0), "zxyzxz"),
+        ((0.14, 0.03, 0.0), (0.0, 0.0, 0.11), (0.0, 0.0, 0.26), "xyxzyx"),
+    ],
+)
+def test_solutions_where_singularities_meet(
+    first: Sequence[float], elbow: Sequence[float], last: Sequence[float], axes: str
+) -> None:
+    """Where two singularities meet, what one leaves open does not hide the solutions of the other: none is lost."""
+    case = elbowed(first, elbow, last, axes)
+    assert "2x3x4" in case.arm.structure.family
+    q = nearly_round(np.random.default_rng(3), 4000)
+    s = case.arm.ik(case.oracle.poses(q))
+    weakest = np.array([case.oracle.sigma_min(x) for x in q])
+    apart = np.where(s.valid, angle_distance(s.q, q[:, None]), np.inf).min(axis=1)
+    # A pose's rounding moves its solution by the rounding over the smallest singular value.
+    regular = weakest > 1e-9
+    assert (apart <= 1e-6 + 1e-11 / weakest)[regular].all(), q[regular & (apart > 1e-6 + 1e-11 / weakest)]

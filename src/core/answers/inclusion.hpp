@@ -157,9 +157,8 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
 
 // The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
 // the branches apart: a solution of its own decides it, up to the rounding of the pose where a root may have either sign. A box
-// without one is decided if each of its open roots is tiny and one of
-// its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes
-// it.
+// without one is decided if each of its open roots is tiny, and one of its twins, which differ from it in the signs of tiny roots
+// alone, has a solution and is beside it. Behind a short lever arm twins are half a turn apart, and do not stand for each other.
 template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
     unsigned owned = 0, met = 0;  // by branch
     const unsigned there = ~boxes.empty & 255u;
@@ -185,15 +184,21 @@ template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, con
         const unsigned bit = 1u << b;
         if (!(there & ~owned & bit)) continue;
         if (boxes.free & bit) return Status::incomplete;
-        unsigned tiny = 0, twins = bit;
+        unsigned twins = 0;
         for (int j = 0; j < 6; ++j) {
             if (boxes.chord[j][b] > BESIDE) return Status::incomplete;
         }
         for (int k = 0; k < 3; ++k) {
             if (boxes.open[k] & ~boxes.tiny[k] & bit) return Status::incomplete;
-            if (boxes.tiny[k] & bit) tiny |= 4u >> k;
         }
-        for (int c = 0; c < 8; ++c) twins |= unsigned(!(unsigned(b ^ c) & ~tiny)) << c;
+        for (int c = 0; c < 8; ++c) {
+            bool near = true;
+            for (int k = 0; k < 3; ++k) near = near && (boxes.tiny[k] & bit || arm.ideal.signs[k][b] == arm.ideal.signs[k][c]);
+            for (int j = 0; j < 6; ++j) {
+                near = near && abs(boxes.c[j][b] - boxes.c[j][c]) + abs(boxes.s[j][b] - boxes.s[j][c]) <= BESIDE;
+            }
+            twins |= unsigned(near) << c;
+        }
         if (!(twins & owned)) return Status::incomplete;
         status = Status::clustered;
     }

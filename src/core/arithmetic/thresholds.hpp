@@ -22,8 +22,6 @@ inline constexpr double NEARLY = 1e-7, HELD = 1e-6;
 inline constexpr double ROUNDING = 7e-15;
 // The same behind a step that solves a quartic.
 inline constexpr double ROUGH = 1e-7;
-// Rounding error behind a step with margin m: this much divided by m.
-inline constexpr double ROUGH_BY_MARGIN = 1e-13;
 // Below this squared sine or lever arm a joint is nearly free: rounding changes its angle visibly.
 inline constexpr double ALMOST_ALIGNED = 1e-12;
 // Two roots of a quartic may lead to the same solution if their squared distance on the unit circle is below this.
@@ -33,9 +31,6 @@ inline constexpr double ROUGH_BY_ROOT = 1e-9;
 // Below this squared sine or lever arm a pose counts as near a singularity: the rank of the Jacobian is then checked at each of
 // its solutions.
 inline constexpr double NEAR = 1e-3;
-// The product of a solution's margins and squared lever arms is the squared determinant of the Jacobian, up to a factor. Below
-// this the rank is checked too, even if none of the factors is small.
-inline constexpr double SMALL_TOGETHER = 1e-11;
 // Two solutions closer than this in every joint may be one double root: is_new() checks it.
 inline constexpr double BESIDE = 1e-3;
 // If the Jacobian's smallest singular value is below this, a second solution may be close by.

@@ -29,11 +29,39 @@ static double together(double first, double links, double wrist) {
     return error * error;
 }
 
-void read(const Values& v, ParallelShoulderArm& to) { read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written); }
+void read(const Values& v, ParallelShoulderArm& to) {
+    read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written);
+    const double *a = to.ideal.a, *s = to.ideal.sin_alpha, size = to.ideal.size, swung = s[2] * s[2] * s[3];
+    double first = 1.0, second = 1.0;  // of the steps of joints 4 and 6, the same for a tilt and for an offset
+    switch (static_cast<LastAxes>(variant_of(v, LAST_AXES))) {
+        case LastAxes::intersecting_56:
+            first = size / (s[2] * std::hypot(a[3], to.ideal.d[3] * s[3])), second = 1.0 / s[4];
+            break;
+        case LastAxes::parallel_56:
+            first = 1.0 / swung, second = size / a[4];
+            break;
+        case LastAxes::intersecting_45:
+            first = size / std::hypot(a[4], to.ideal.d[3] * s[4]), second = 1.0 / swung;
+            break;
+        case LastAxes::parallel_45:
+            first = 1.0 / s[4], second = size / (a[3] * s[2]);
+            break;
+        case LastAxes::general:
+            break;
+    }
+    // Joint 5 adds up the errors of both, and the turn of joints 1 to 3 those of all three; 8 times an error of the second.
+    to.ideal.together = together(first, size * size / (2.0 * a[0] * a[1]), 8.0 * second);
+}
 
 void read(const Values& v, SphericalMiddleArm& to) {
     read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written);
     v.read("centre", to.centre), v.read("centre_5", to.centre_5);
+    const double *s = to.ideal.sin_alpha, *g = to.centre_5, size = to.ideal.size, wrist = 1.0 / (s[1] * s[2]);
+    const double reach = std::hypot(g[0], g[1]), steep = size / std::hypot(to.centre[0], to.centre[1]);
+    // Joints 5 and 6: of a planar arm, or of a circle about axis 5 seen along axis 6.
+    const bool parallel = static_cast<LastPair>(variant_of(v, LAST_PAIRS)) == LastPair::parallel;
+    const double links = parallel ? 2.0 * to.ideal.a[4] * reach : s[4] * reach * reach;
+    to.ideal.together = together(steep, size * size / links, wrist * wrist);
 }
 
 void read(const Values& v, SphericalWristArm& to) {

@@ -8,7 +8,6 @@
 // axes, subproblem 6). Columns: 4 front/back + 2 up/down + noflip/flip.
 #pragma once
 
-#include "answers/beside.hpp"
 #include "answers/blocks.hpp"
 #include "families/closed_forms/parallel_shoulder_arm.hpp"
 #include "kinematics/linked_angles.hpp"
@@ -189,12 +188,13 @@ template <LastAxes kind> struct ParallelShoulder {
         const Fold<Block> f = fold<Block>(uu, ideal.a[0], ideal.a[1], side, 1.0);
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu, wrist = min(ends.first, ends.second);
         // Past the end of an earlier step's branch, later steps are inaccurate.
-        const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
-        const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
-                          ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
-        const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
-        const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
+        const Block edge = tol.edge;
+        const auto lost = (ends.first < -edge) | ((ends.second < -edge) & (min(ends.first, arm6) > edge)) |
+                          ((f.margin < -edge) & (min(wrist, min(middle.arm5, arm6)) > edge));
+        const auto doubt = (min(min(wrist, f.margin), arms) <= edge) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
+        const Clear<Block> clear = Clear<Block>::first(ends.first, arm6).then(ends.second, middle.arm5);
+        found.unproven |= bits(clear.is_close(f.margin, ideal.together));
         const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x,
                     yy = f.wy * u.y;
         const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);
@@ -259,30 +259,56 @@ template <LastAxes kind> struct ParallelShoulder {
     struct Settled {
         WristEnds<double> ends;
         MiddleTurn<double> middle;
-        bool free5, kept;
+        Drift drift;
         int marks;
+        bool free5, kept, unsure;
     };
 
-    // If the target leaves a joint free (squared arm below `continuum`), it takes the reference's value.
+    // Whether joint 4 comes before joint 6.
+    static constexpr bool forth = kind == LastAxes::intersecting_56 || kind == LastAxes::parallel_56;
+
+    // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint free (squared
+    // arm below `continuum`), it takes the reference's value.
     static PART Settled settle(const Arm& arm, const Sight& sight, const Reference<6>& reference, int b, int root) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        const double front = ideal.signs[0][b], flip = ideal.signs[2][b];
+        double front = ideal.signs[0][b], flip = ideal.signs[2][b];
         Settled out = {};
+        Drift& drift = out.drift;
+        drift.own = max(drift.own, reference.displaced);
         out.ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, sight.roots.root[root]);
-        if constexpr (kind == LastAxes::general) out.ends.first = sight.roots.gap(root);
-        const double m1 = out.ends.first, m3 = out.ends.second;
-        if (m1 < -ideal.clamp || m3 < -max(max(ideal.clamp, ROUGH), ROUGH_BY_MARGIN / (max(m1, 0.0) + 1e-12))) return out;
-        if (kind == LastAxes::intersecting_56 && is_double(m1, 1.0, ROUNDING)) {
-            // If both signs give the same root, the positive one is kept.
-            if (front < 0.0) return out;
-            out.ends = wrist_ends<kind, double>(ideal, sight.at, 0.0, flip, {});
+        if constexpr (kind == LastAxes::general) {
+            out.ends.first = sight.roots.gap(root);
+            drift.by = min(sight.roots.radius[root], 1.0);
+        } else {
+            const double m1 = out.ends.first, m2 = out.ends.second, arm6 = sight.free6 ? 1.0 : sight.arm6;
+            if (m1 < -ideal.clamp) return out;
+            if (forth) drift.through_root(m1);
+            else drift.through_swing(m1, arm6);
+            out.unsure = drift.hides(m2) || drift.is_lost();
+            if (m2 < -max(ideal.clamp, drift.of_margin()) && !drift.is_lost()) return out;
+            if (forth) drift.through_swing(m2, arm6);
+            else drift.through_root(m2);
+            // Where axis 5 or 6 is almost parallel to axes 1 to 3, two solutions that hardly differ in joint 4 differ by half a
+            // turn of joint 5. If no joint but joint 4 turns the height, they are one to rounding, and joint 5 is free there.
+            const double lever = min(middle_turn(ideal, sight.at, out.ends.t4, out.ends.t6).arm5, sight.arm6);
+            const bool twice1 = is_double(m1, kind == LastAxes::intersecting_56 ? 1.0 : lever, ROUNDING),
+                       twice2 = is_double(m2, lever, ROUNDING);
+            if ((front < 0.0 && twice1) || (flip < 0.0 && twice2)) return out;
+            front = twice1 ? 0.0 : front, flip = twice2 ? 0.0 : flip;
+            if (twice1 || twice2) {
+                const WristEnds<double> ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, {});
+                out.ends.t4 = ends.t4, out.ends.t6 = ends.t6;
+            }
         }
-        if (sight.free6) out.ends.t6 = sight.held6;
+        if (sight.free6) out.ends.t6 = sight.held6, drift.open = true;
         out.middle = middle_turn(ideal, sight.at, out.ends.t4, out.ends.t6);
         out.free5 = out.middle.arm5 <= tol.continuum;
-        if (out.free5 || sight.free6 || min(out.ends.first, out.ends.second) <= tol.fold) out.marks = WRIST;
-        if (out.free5) out.middle.t5 = exact_turn(reference.q[4] + ideal.offset[4]);
+        out.unsure = out.unsure || drift.frees(out.middle.arm5);
+        if (min(min(out.ends.first, out.ends.second), min(out.middle.arm5, sight.arm6)) <= marked(tol, reference))
+            out.marks = WRIST;
+        if (out.free5) out.middle.t5 = exact_turn(reference.q[4] + ideal.offset[4]), drift.open = true;
+        else drift.through_arm(out.middle.arm5);
         out.kept = true;
         return out;
     }
@@ -329,14 +355,14 @@ template <LastAxes kind> struct ParallelShoulder {
         return out;
     }
 
-    // Returns whether a joint is nearly free.
+    // Returns whether rounding leaves the branch in doubt.
     static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Sight& sight,
                                    const Settled& at, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const double up = ideal.signs[1][b], side = ideal.cos_alpha[0], scale = 1.0 / (ideal.size * ideal.size);
         const double m1 = at.ends.first, m3 = at.ends.second, arm5 = at.middle.arm5, arm6 = sight.arm6;
-        bool free = false;
+        bool unsure = false;
         Turn<double> t6 = at.ends.t6;
         for (int place = 0; place < (at.free5 && sight.free6 ? PLACES : 1); ++place) {
             if (place > 0) unturn(t6.c, t6.s, exact_turn(2.0 * PI / PLACES));
@@ -345,45 +371,47 @@ template <LastAxes kind> struct ParallelShoulder {
             Elbow<double> e = elbow(left.u.x, left.u.y, ideal.a[0], ideal.a[1], side, up);
             const double m2 = e.margin, arm1 = (left.u.x * left.u.x + left.u.y * left.u.y) * scale;
             const bool near = min(abs(m1), min(abs(m2), abs(m3))) < NEAR || min(arm1, min(arm5, arm6)) < NEAR;
-            free = free || min(arm1, min(arm5, arm6)) < ALMOST_ALIGNED;
-            // Next to a fold or an aligned wrist the angles are inaccurate: Newton's method decides.
-            const double least = max(min(m1, min(m3, arm5)), 0.0);
-            const double rough = (kind == LastAxes::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
-            if (m2 < -max(max(ideal.clamp, ROUGH), rough)) continue;
-            const int marks = at.marks | (m2 <= tol.fold || arm1 <= tol.fold ? ELBOW : 0);
+            // Next to an aligned wrist a root, and with it psi, is inaccurate: Newton's method decides.
+            const double rough = kind == LastAxes::general ? ROUGH_BY_ROOT / (arm5 + 1e-8) : at.drift.of_margin();
+            unsure = at.drift.hides(m2) || at.drift.frees(arm1) || at.drift.is_lost();
+            if (m2 < -max(ideal.clamp, rough)) continue;
+            const int marks = at.marks | (min(m2, arm1) <= marked(tol, reference) ? ELBOW : 0);
+            const bool twice = is_double(m2, arm1, ROUNDING / (2.0 * ideal.a[0] * ideal.a[1] * scale));
+            if (up < 0.0 && (twice || arm1 <= tol.continuum)) break;
+            if (twice) e = elbow(left.u.x, left.u.y, ideal.a[0], ideal.a[1], side, 0.0);
             if (arm1 <= tol.continuum) e.second = exact_turn(reference.q[0] + ideal.offset[0]);
             const double t1 = angle(e.second), t2 = angle(e.bend), t3 = same_sense(ideal) * (angle(left.psi) - t1 - side * t2);
             double q[6] = {wrap(t1 - ideal.offset[0]),          wrap(t2 - ideal.offset[1]),
                            wrap_far(t3 - ideal.offset[2]),      wrap(angle(at.ends.t4) - ideal.offset[3]),
                            wrap_far(left.t5 - ideal.offset[4]), wrap_far(left.t6 - ideal.offset[5])};
-            const bool sure = min(m1, min(m2, m3)) >= -ideal.clamp && (at.free5 || sight.free6 || arm5 >= ALMOST_ALIGNED);
-            if (sure || holds(arm.written, goal, q)) accept(arm.written, goal, q, b, marks, near, columns);
+            const bool sure = reference.displaced == 0.0 && !at.unsure && !unsure && min(m1, min(m2, m3)) >= -ideal.clamp;
+            if (kind == LastAxes::general || sure || !arm.written.exact ||
+                holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
+                accept(arm.written, goal, q, b, marks, near, columns);
+            }
             break;
         }
-        return free;
+        return unsure;
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
                                  const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         const Sight sight = look(arm, seen, reference, known);
         Settled settled[4];
-        bool crowded = false, free = false;
         for (int k = 0; k < 4; ++k) {
             const int b = 4 * (k / 2) + k % 2;
-            settled[k].kept = false;
-            if (k < sight.roots.count && wanted >> b & 5u) {
-                settled[k] = settle(arm, sight, reference, b, k);
-                crowded = crowded || (kind == LastAxes::general && settled[k].ends.first < ROOTS_CROWDED);
-            }
+            settled[k] = {};
+            if (k < sight.roots.count && wanted >> b & 5u) settled[k] = settle(arm, sight, reference, b, k);
         }
+        unsigned unsure = 0;
         for (int b = 0; b < 8; ++b) {
             const Settled& at = settled[2 * (b / 4) + b % 2];
-            if (at.kept && wanted >> b & 1u) free = elbow_closely(arm, goal, reference, sight, at, b, columns) || free;
+            if (!(wanted >> b & 1u)) continue;
+            unsure |= unsigned(at.unsure) << b;
+            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, sight, at, b, columns)) << b;
         }
-        // Two roots of the quartic are so close that both may have led to the same solution.
-        if (crowded && !free) search_beside_folds(arm.written, goal, columns);
         // A pose that looks out of reach next to a singularity may be within it.
-        return (kind != LastAxes::general || crowded || free || sight.free6) && !columns.count() ? wanted : 0u;
+        return sight.free6 && !columns.count() ? wanted : unsure;
     }
 
     // See ParallelShoulderSolvers.

@@ -9,8 +9,8 @@
 // + noflip/flip.
 #pragma once
 
-#include "answers/beside.hpp"
 #include "answers/blocks.hpp"
+#include "answers/meeting.hpp"
 #include "families/closed_forms/spherical_middle_arm.hpp"
 #include "kinematics/linked_angles.hpp"
 #include "kinematics/subproblems.hpp"
@@ -139,13 +139,13 @@ template <LastPair kind> struct SphericalMiddle {
         const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flip = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
         const Block arm6 = (u.x * u.x + u.y * u.y) * scale, arms = min(min(first.arm1, arm6), min(turns.fixed, flip.fixed));
         // Past the end of an earlier step's branch, later steps are inaccurate.
-        const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge, before = min(first.margin, first.arm1);
-        const auto lost = (first.margin < -edge) | ((last.margin < -rough) & (before > edge)) |
-                          ((bend.margin < -rough) & (min(before, min(last.margin, arm6)) > edge));
-        const Block product = first.margin * last.margin * bend.margin * (first.arm1 * arm6 * turns.fixed);
-        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) |
-                           (product <= Block(SMALL_TOGETHER)) |
+        const Block edge = tol.edge, before = min(first.margin, first.arm1);
+        const auto lost = (first.margin < -edge) | ((last.margin < -edge) & (before > edge)) |
+                          ((bend.margin < -edge) & (min(before, min(last.margin, arm6)) > edge));
+        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= edge) |
                            !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
+        const Clear<Block> clear = Clear<Block>::first(first.margin, first.arm1).then(last.margin, arm6);
+        found.unproven |= bits(clear.is_close(bend.margin, ideal.together));
         const double* offset = ideal.offset;
         const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]),
                     q6 = wrap(angle(last.t6) - offset[5]);
@@ -178,43 +178,67 @@ template <LastPair kind> struct SphericalMiddle {
 
     // Joints 1, 5 and 6 of one pair of roots.
     struct Settled {
-        FirstTurn<double> first;
-        LastTurns<double> last;
-        double arm6;
+        Others others;
         bool kept;
-        int marks;
     };
 
-    // If the target leaves a joint free (squared arm below `continuum`), it takes the reference's value, or the nearest
-    // value within reach.
+    // Joint 1. A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves the joint
+    // free (squared arm below `continuum`), it takes the reference's value, or the nearest value within reach.
+    static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
+                                  const Quartic& roots, FirstTurn<double>& first, Others& to) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        if constexpr (kind == LastPair::general) {
+            first = {roots.root[k], roots.gap(k), 1.0};
+            to.drift.by = min(roots.radius[k], 1.0);
+        } else {
+            const double front = ideal.signs[0][2 * k];
+            first = first_turn<kind, double>(arm, seen, front);
+            if (first.margin < -ideal.clamp) return false;
+            if (min(first.margin, first.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
+            const bool free = first.arm1 <= tol.continuum, twice = is_double(first.margin, first.arm1, ROUNDING);
+            if (front < 0.0 && (twice || free)) return false;
+            if (twice) first.t1 = first_turn<kind, double>(arm, seen, 0.0).t1;
+            if (free) {
+                const double t1 = free_first(arm, seen, reference.q[0] + ideal.offset[0]);
+                if (t1 != t1) return false;
+                first.t1 = exact_turn(t1), to.drift.open = true;
+            } else {
+                to.drift.through_swing(first.margin, first.arm1);
+            }
+        }
+        return true;
+    }
+
     static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
                                const Quartic& roots) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        const double scale = 1.0 / (ideal.size * ideal.size);
+        const double up = ideal.signs[1][2 * k];
         Settled out = {};
-        if constexpr (kind == LastPair::general) {
-            out.first = {roots.root[k], roots.gap(k), 1.0};
-        } else {
-            out.first = first_turn<kind, double>(arm, seen, ideal.signs[0][2 * k]);
-            if (out.first.margin < tol.fold || out.first.arm1 < tol.fold) out.marks |= SHOULDER;
+        Others& to = out.others;
+        Drift& drift = to.drift;
+        drift.own = max(drift.own, reference.displaced);
+        FirstTurn<double> first;
+        if (!settle_first(arm, seen, reference, k, roots, first, to)) return out;
+        const Vec<double> u = centre_seen_from_6(arm, seen, first.t1);
+        LastTurns<double> last = last_turns<kind, double>(arm, u, up);
+        const double margin = last.margin, arm6 = (u.x * u.x + u.y * u.y) / (ideal.size * ideal.size);
+        to.unsure = drift.frees(arm6) || drift.hides(margin) || drift.is_lost();
+        if (margin < -max(ideal.clamp, drift.of_margin()) && !drift.is_lost()) return out;
+        to.near = min(abs(first.margin), abs(margin)) < NEAR || min(first.arm1, arm6) < NEAR;
+        if (min(margin, arm6) <= marked(tol, reference)) to.marks |= WRIST;
+        if constexpr (by_signs) {
+            // Where C is almost on axis 6, the rounding of a margin is as small as its lever arm.
+            const double r = reach_of_5(arm), links = kind == LastPair::parallel ? 2.0 * ideal.a[4] * r : r * r;
+            const bool twice = is_double(margin, arm6, ROUNDING * ideal.size * ideal.size / links);
+            if (up < 0.0 && twice) return out;
+            if (twice) last = last_turns<kind, double>(arm, u, 0.0);
+            drift.through_root(margin, arm6);
         }
-        const double m1 = out.first.margin, arm1 = out.first.arm1;
-        if (m1 < -ideal.clamp) return out;
-        if (arm1 <= tol.continuum) {
-            const double t1 = free_first(arm, seen, reference.q[0] + ideal.offset[0]);
-            if (t1 != t1) return out;
-            out.first.t1 = exact_turn(t1);
-        }
-        const Vec<double> u = centre_seen_from_6(arm, seen, out.first.t1);
-        out.last = last_turns<kind, double>(arm, u, ideal.signs[1][2 * k]);
-        out.arm6 = (u.x * u.x + u.y * u.y) * scale;
-        const double m2 = out.last.margin;
-        // Next to a fold, or if a point to be turned lies near the axis, angles are inaccurate: Newton's method
-        // decides.
-        if (m2 < -max(max(ideal.clamp, ROUGH), ROUGH_BY_MARGIN / (max(min(m1, arm1), 0.0) + 1e-12))) return out;
-        if (out.arm6 <= tol.continuum) out.last.t6 = exact_turn(reference.q[5] + ideal.offset[5]);
-        if (m2 <= tol.fold || out.arm6 <= tol.fold) out.marks |= WRIST;
+        if (arm6 <= tol.continuum) last.t6 = exact_turn(reference.q[5] + ideal.offset[5]), drift.open = true;
+        else drift.through_arm(arm6);
+        to.turn[0] = first.t1, to.turn[4] = last.t5, to.turn[5] = last.t6;
         out.kept = true;
         return out;
     }
@@ -246,53 +270,27 @@ template <LastPair kind> struct SphericalMiddle {
                             2.0 * w * far * off.shift, 2.0 * v * (off.shift + far * off.turn));
     }
 
-    // Both solutions for joints 2 to 4. Returns whether a joint is nearly free.
-    static PART bool middle_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& R, const Reference<6>& reference,
-                                    const Settled& at, int b, const Columns<6>& columns) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const Twists t = twists(arm);
-        const double m1 = at.first.margin, m2 = at.last.margin, arm1 = at.first.arm1;
-        const Rot<double> M = middle_rotation(ideal, R, at.first.t1, at.last.t5, at.last.t6);
-        const Bend<double> bend = wrist_bend(M.z, t, ideal.signs[2][b]);
-        const double least = max(min(min(m1, m2), min(arm1, at.arm6)), 0.0);
-        const double rough = (kind == LastPair::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
-        if (bend.margin < -max(max(ideal.clamp, ROUGH), rough)) return false;
-        WristTurns<double> turns = wrist_turns(M, bend.turn, t);
-        const double fixed = turns.fixed;
-        const int marks = at.marks | (fixed <= tol.fold || bend.margin <= tol.fold ? ELBOW : 0);
-        const bool near = min(min(abs(m1), abs(m2)), abs(bend.margin)) < NEAR || min(min(arm1, at.arm6), fixed) < NEAR;
-        if (fixed <= tol.continuum) {
-            turns =
-                shared_turns(M, bend.turn, t, reference.q[1] + ideal.offset[1], reference.q[3] + ideal.offset[3], reference.given);
-        }
-        double q[6] = {wrap(angle(at.first.t1) - ideal.offset[0]), wrap(angle(turns.first) - ideal.offset[1]),
-                       wrap(angle(bend.turn) - ideal.offset[2]),   wrap(angle(turns.last) - ideal.offset[3]),
-                       wrap(angle(at.last.t5) - ideal.offset[4]),  wrap(angle(at.last.t6) - ideal.offset[5])};
-        if (min(m1, min(m2, bend.margin)) >= -ideal.clamp || holds(arm.written, goal, q)) {
-            accept(arm.written, goal, q, b, marks, near, columns);
-        }
-        return min(fixed, min(arm1, at.arm6)) < ALMOST_ALIGNED;
-    }
-
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
                                  const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == LastPair::general) roots = known ? *known : quartic(arm, seen);
-        bool crowded = false, free = false;
+        unsigned unsure = 0;
         for (int k = 0; k < roots.count; ++k) {
             if (!(wanted >> 2 * k & 3u)) continue;
             const Settled at = settle(arm, seen, reference, k, roots);
-            crowded = crowded || (kind == LastPair::general && at.first.margin < ROOTS_CROWDED);
-            for (int b = 2 * k; at.kept && b < 2 * k + 2; ++b) {
-                if (wanted >> b & 1u) free = middle_closely(arm, goal, seen.R, reference, at, b, columns) || free;
+            if (at.others.unsure) unsure |= 3u << 2 * k;
+            if (!at.kept) continue;
+            const Turn<double>(&t)[6] = at.others.turn;
+            const Rot<double> M = middle_rotation(arm.ideal, seen.R, t[0], t[4], t[5]);
+            for (int b = 2 * k; b < 2 * k + 2; ++b) {
+                if (!(wanted >> b & 1u)) continue;
+                unsure |=
+                    unsigned(meeting_closely(arm, goal, M, at.others, 1, ELBOW, kind == LastPair::general, reference, b, columns))
+                    << b;
             }
         }
-        // Two roots of the quartic are so close that both may have led to the same solution.
-        if (crowded && !free) search_beside_folds(arm.written, goal, columns);
-        // A pose that looks out of reach next to a singularity may be within it.
-        return (kind != LastPair::general || crowded || free) && !columns.count() ? wanted : 0u;
+        return unsure;
     }
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "answers/blocks.hpp"
+#include "answers/meeting.hpp"
 #include "arithmetic/quartic.hpp"
 #include "families/closed_forms/wrist_position.hpp"
 
@@ -222,11 +223,14 @@ template <Shoulder kind> struct SphericalWrist {
         for (int pair = 0; pair < roots.count && pair < 4; ++pair) {
             if (!(wanted >> 2 * pair & 3u)) continue;
             const Settled place = settle(arm, seen.p, reference, pair, roots);
-            if (place.unsure) unsure |= 3u << 2 * pair;
+            if (place.others.unsure) unsure |= 3u << 2 * pair;
             if (!place.kept) continue;
             const Rot<double> M = wrist_rotation(seen.R, arm.ideal, place.at);
             for (int b = 2 * pair; b < 2 * pair + 2; ++b) {
-                if (wanted >> b & 1u) unsure |= unsigned(wrist_closely(arm, goal, M, place, reference, b, columns)) << b;
+                if (!(wanted >> b & 1u)) continue;
+                unsure |= unsigned(meeting_closely(arm, goal, M, place.others, 3, WRIST, kind == Shoulder::general, reference, b,
+                                                   columns))
+                          << b;
             }
         }
         return unsure;
@@ -235,9 +239,8 @@ template <Shoulder kind> struct SphericalWrist {
     // A solution of the first three joints, for one root.
     struct Settled {
         Place<double> at;
-        Drift drift;
-        int marks;
-        bool near, kept, unsure;
+        Others others;
+        bool kept;
     };
 
     // Checks the margins of a place one after the other, each with the accuracy that the steps before it leave. Returns
@@ -245,27 +248,28 @@ template <Shoulder kind> struct SphericalWrist {
     static STEP bool is_inside(const Arm& arm, double m1, double m2, Settled& to) {
         const Tolerances& tol = arm.written.tolerances;
         const double clamp = arm.ideal.clamp, arm1 = to.at.arm1, arm2 = to.at.arm2;
+        Drift& drift = to.others.drift;
         const auto beyond = [&](double margin) {
-            to.unsure = to.unsure || to.drift.hides(margin) || to.drift.is_lost();
-            return margin < -max(clamp, to.drift.of_margin()) && !to.drift.is_lost();
+            to.others.unsure = to.others.unsure || drift.hides(margin) || drift.is_lost();
+            return margin < -max(clamp, drift.of_margin()) && !drift.is_lost();
         };
         if constexpr (by_height) {
             if (m1 < -clamp) return false;
-            if (arm1 > tol.continuum) to.drift.through_swing(m1, arm1);
+            if (arm1 > tol.continuum) drift.through_swing(m1, arm1);
             if (beyond(m2)) return false;
-            to.drift.through_root(m2);
-            if (arm2 > tol.continuum) to.drift.through_arm(arm2);
+            drift.through_root(m2);
+            if (arm2 > tol.continuum) drift.through_arm(arm2);
         } else {
             if (kind != Shoulder::general && m2 < -clamp) return false;
-            to.drift.through_root(kind == Shoulder::general ? m1 : m2);
+            drift.through_root(kind == Shoulder::general ? m1 : m2);
             // A margin of the triangle in the plane of joints 1 and 2 is a difference over the length of its second side.
-            if (kind == Shoulder::parallel_12) to.drift.through_arm(arm2);
+            if (kind == Shoulder::parallel_12) drift.through_arm(arm2);
             if (kind != Shoulder::general && beyond(m1)) return false;
-            if (kind == Shoulder::parallel_12) to.drift.through_root(m1);
-            else if (arm2 > tol.continuum) to.drift.through_swing(m1, arm2);
-            if (arm1 > tol.continuum) to.drift.through_arm(arm1);
+            if (kind == Shoulder::parallel_12) drift.through_root(m1);
+            else if (arm2 > tol.continuum) drift.through_swing(m1, arm2);
+            if (arm1 > tol.continuum) drift.through_arm(arm1);
         }
-        to.drift.open = min(arm1, arm2) <= tol.continuum;
+        drift.open = min(arm1, arm2) <= tol.continuum;
         return true;
     }
 
@@ -275,15 +279,16 @@ template <Shoulder kind> struct SphericalWrist {
         const Tolerances& tol = arm.written.tolerances;
         constexpr bool quartic = kind == Shoulder::general;
         double front = ideal.signs[0][2 * pair], up = ideal.signs[1][2 * pair];
-        Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, 0, false, false, false};
-        out.drift.own = max(out.drift.own, reference.displaced);
+        Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, false};
+        Others& others = out.others;
+        others.drift.own = max(others.drift.own, reference.displaced);
         const double m1 = quartic ? roots.gap(pair) : out.at.margin1, m2 = out.at.margin2, arm1 = out.at.arm1, arm2 = out.at.arm2;
-        out.near = min(abs(m1), abs(m2)) < NEAR || min(arm1, arm2) < NEAR;
+        others.near = min(abs(m1), abs(m2)) < NEAR || min(arm1, arm2) < NEAR;
         if (!is_inside(arm, m1, m2, out)) return out;
         const bool free1 = arm1 <= tol.continuum, free2 = arm2 <= tol.continuum;
         const double fold = marked(tol, reference), loose = max(tol.continuum, fold * fold);
-        if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) out.marks |= SHOULDER;
-        if (m2 <= fold || (arm2 <= loose && by_height)) out.marks |= ELBOW;
+        if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) others.marks |= SHOULDER;
+        if (m2 <= fold || (arm2 <= loose && by_height)) others.marks |= ELBOW;
         if (!quartic) {
             // If both signs give the same root or the same continuum, the positive one is kept.
             const double swung = by_height ? arm1 : kind == Shoulder::intersecting_12 ? min(arm1, arm2) : 1.0;
@@ -298,54 +303,9 @@ template <Shoulder kind> struct SphericalWrist {
             hold.turn1 = exact_turn(reference.q[0] + ideal.offset[0]), hold.turn2 = exact_turn(reference.q[1] + ideal.offset[1]);
             out.at = position<kind>(arm, p, front, up, roots.root[pair], hold);
         }
+        others.turn[0] = out.at.t1, others.turn[1] = out.at.t2, others.turn[2] = out.at.t3;
         out.kept = true;
         return out;
-    }
-
-    // One wrist. Returns whether rounding leaves the branch in doubt.
-    static PART bool wrist_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& M, const Settled& place,
-                                   const Reference<6>& reference, int b, const Columns<6>& columns) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        const double flip = ideal.signs[2][b];
-        Bend<double> bend = wrist_bend(M.z, t, flip);
-        // The roots of an ill-conditioned quartic are inaccurate: Newton's method decides.
-        const double rough = kind == Shoulder::general ? ROUGH : 0.0;
-        if (bend.margin < -max(max(ideal.clamp, rough), place.drift.of_margin())) return place.drift.hides(bend.margin);
-        WristTurns<double> turns = wrist_turns(M, bend.turn, t);
-        Drift drift = place.drift;
-        drift.through_arm(turns.fixed);
-        const bool free = turns.fixed <= tol.continuum, loose = !free && place.drift.frees(turns.fixed);
-        const bool unsure = loose || place.drift.hides(bend.margin) || (!free && place.drift.by > 0.0 && drift.is_lost());
-        const int marks = place.marks | (min(turns.fixed, bend.margin) <= marked(tol, reference) ? WRIST : 0);
-        const bool double3 = is_double(bend.margin, turns.fixed, ROUNDING / (t.sb * t.sb));
-        if (flip < 0.0 && (double3 || free)) return unsure;
-        if (double3) {
-            bend.turn = wrist_bend(M.z, t, 0.0).turn;
-            turns = wrist_turns(M, bend.turn, t);
-        }
-        const bool near = place.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
-        const bool sure = reference.displaced == 0.0 && !place.unsure && !unsure && bend.margin >= -ideal.clamp;
-        const auto candidate = [&](const WristTurns<double>& ends, double (&q)[6]) {
-            const Turn<double> found[6] = {place.at.t1, place.at.t2, place.at.t3, ends.first, bend.turn, ends.last};
-            for (int j = 0; j < 6; ++j) q[j] = wrap(angle(found[j]) - ideal.offset[j]);
-        };
-        const auto shared = [&] {
-            return shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5],
-                                reference.given);
-        };
-        double q[6];
-        candidate(free ? shared() : turns, q);
-        if (kind == Shoulder::general || sure || !arm.written.exact ||
-            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
-            accept(arm.written, goal, q, b, marks, near, columns);
-        }
-        if (loose && !columns.valid(b) && !columns.valid(b & ~1)) {
-            candidate(shared(), q);
-            keep_unless_represented(arm.written, goal, q, b, marks, columns);
-        }
-        return unsure;
     }
 
     // Third angles of a general shoulder: the length of p and its height fix u_x and u_y as affine functions of (cos,
