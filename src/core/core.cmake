@@ -20,6 +20,7 @@ endif()
 # The computations, compiled once for every instruction set.
 set(URDF_IK_UNITS
   answers/answer.cpp
+  answers/inclusion.cpp
   chain.cpp
   families/closed_forms/parallel_shoulder.cpp
   families/closed_forms/reversed.cpp

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from arms import random_arm
-from cases import Case, described
+from cases import Case, described, from_catalogue
 from numpy.typing import NDArray
 from oracle import angle_distance
 
@@ -101,6 +101,25 @@ def test_round_poses_do_not_lie(kind: str) -> None:
     case = exact(kind)
     q = round_vectors(300)
     assert not lacks(case, q).any(), q[lacks(case, q)]
+
+
+def test_two_folds_at_once_are_counted() -> None:
+    """A UR5 with its arm straight and its wrist as near to joint 1 as it can be: four roots at one joint vector."""
+    case = from_catalogue("ur5")
+    q = 0.5 * np.pi * np.array([(0, k, 0, m, n, 0) for k in (1, 3) for m in (1, 3) for n in (1, 3)])
+    values = np.linalg.svd(case.arm.jacobian(q), compute_uv=False)
+    assert (values[:, 4] < 1e-9).all() and (values[:, 3] > 0.01).all()  # two ranks are lost
+    s = case.arm.ik(case.oracle.poses(q))
+    assert (s.status == "clustered").all()
+    assert not lacks(case, q).any()
+    for n, pose in enumerate(case.oracle.poses(q)):
+        # Poses beside this one have their solutions beside those that were returned.
+        rng = np.random.default_rng(n)
+        for away in rng.normal(size=(40, 6)) * 1e-3:
+            solution = case.arm.ik(case.oracle.poses(q[n : n + 1] + away)[0])
+            known = s[n].to_array()
+            apart = angle_distance(known[:, None], solution.to_array()[None])
+            assert apart.min(axis=0).max() < 0.3, pose
 
 
 @pytest.mark.parametrize("kind", KINDS)

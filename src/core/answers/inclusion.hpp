@@ -155,11 +155,19 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
     return out;
 }
 
-// The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
-// the branches apart: a solution of its own decides it, up to the rounding of the pose where a root may have either sign. A box
-// without one is decided if each of its open roots is tiny, and one of its twins, which differ from it in the signs of tiny roots
-// alone, has a solution and is beside it. Behind a short lever arm twins are half a turn apart, and do not stand for each other.
-template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
+// The boxes, by branch, that lie in a ball with a counted number of roots (certificate/cluster.hpp) which are nearer to each other
+// than rounding, about a solution in the columns: where two or three steps lose their roots at once, each box has room for all of
+// them.
+unsigned boxes_in_clusters(const Written<6>& arm, const Goal<double>& goal, const double (&offset)[6], const Columns<6>& columns,
+                           const Boxes& boxes);
+
+// The status of an exact arm's pose; the boxes in `counted` hold nothing but what the columns have. A box whose joints are all
+// fixed holds at most one solution, since the signs of the roots tell the branches apart: a solution of its own decides it, up to
+// the rounding of the pose where a root may have either sign. A box without one is decided if each of its open roots is tiny, and
+// one of its twins, which differ from it in the signs of tiny roots alone, has a solution and is beside it. Behind a short lever
+// arm twins are half a turn apart, and do not stand for each other.
+template <class Arm>
+PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns, unsigned counted = 0) {
     unsigned owned = 0, met = 0;  // by branch
     const unsigned there = ~boxes.empty & 255u;
     for (int k = 0; k < columns.many; ++k) {
@@ -179,10 +187,10 @@ template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, con
     }
     // A solution on the curve of a box that leaves a joint free decides the status, whatever is open elsewhere.
     if (boxes.free & there & ~owned & met) return Status::continuum;
-    Status status = owned & ~boxes.sure() ? Status::clustered : Status::complete;
+    Status status = owned & ~boxes.sure() || counted & there ? Status::clustered : Status::complete;
     for (int b = 0; b < 8; ++b) {
         const unsigned bit = 1u << b;
-        if (!(there & ~owned & bit)) continue;
+        if (!(there & ~owned & ~counted & bit)) continue;
         if (boxes.free & bit) return Status::incomplete;
         unsigned twins = 0;
         for (int j = 0; j < 6; ++j) {
@@ -216,7 +224,9 @@ PART Status status_by_inclusion(const typename Family::Arm& arm, const Goal<doub
         include<Family>(arm, {target.R, target.p}, off.turn, off.shift, first, boxes);
     }
     const Status status = decided(arm, boxes, columns);
-    return status == Status::incomplete && keep_curve(arm.written, goal, columns) ? Status::continuum : status;
+    if (status != Status::incomplete) return status;
+    if (keep_curve(arm.written, goal, columns)) return Status::continuum;
+    return decided(arm, boxes, columns, boxes_in_clusters(arm.written, goal, arm.ideal.offset, columns, boxes));
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -72,15 +72,21 @@ STEP void conjugate(const double (&z)[6][2], double (&out)[6][2]) {
 STEP void q_of(const double (&z)[6][2], Number (&q)[6]) {
     for (int k = 0; k < 6; ++k) { q[k] = {atan2(z[k][1], z[k][0]), -0.5 * logarithm(z[k][0] * z[k][0] + z[k][1] * z[k][1])}; }
 }
-// How far joint values are from a cluster's centre, across and along its small directions, whole turns aside.
+// How far joint values are from a cluster's centre, across and along its small directions, whole turns aside; at most, within
+// `wide` of each.
 struct FromCentre {
     double across, along;
 };
-STEP FromCentre from_centre(const Cluster& cluster, const Number (&q)[6]) {
+inline constexpr double AS_THEY_ARE[6] = {};
+STEP FromCentre from_centre(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = AS_THEY_ARE) {
     Number d[6];
     double parts[2] = {0.0, 0.0};
     for (int k = 0; k < 6; ++k) d[k] = {wrap(wrap(q[k].re) - wrap(cluster.q[k].re)), q[k].im - cluster.q[k].im};
-    for (int k = 0; k < 6; ++k) parts[k >= 6 - cluster.lost] += square(inner_product(cluster.direction[k], d));
+    for (int k = 0; k < 6; ++k) {
+        double part = sqrt(square(inner_product(cluster.direction[k], d)));
+        for (int j = 0; j < 6; ++j) part += sqrt(square(cluster.direction[k][j])) * wide[j];
+        parts[k >= 6 - cluster.lost] += part * part;
+    }
     return {sqrt(parts[0]), sqrt(parts[1])};
 }
 // Whether a ball (of each joint) lies outside of the cluster's. The root of six is from joints to the Euclidean norm.
@@ -89,8 +95,8 @@ STEP bool is_outside(const Cluster& cluster, const Number (&q)[6], double radius
     const double r = 2.45 * radius + 1e-14;
     return at.across > cluster.across + r || at.along > cluster.along + r;
 }
-STEP bool is_inside_larger(const Cluster& cluster, const Number (&q)[6]) {
-    const FromCentre at = from_centre(cluster, q);
+STEP bool is_inside_larger(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = AS_THEY_ARE) {
+    const FromCentre at = from_centre(cluster, q, wide);
     return at.across <= cluster.larger_across && at.along <= cluster.larger_along;
 }
 STEP double radius_of(const Cluster& c) { return sqrt(c.across * c.across + c.along * c.along); }

@@ -28,8 +28,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Radii `along` that are tried, from the largest: quarter decades.
 inline constexpr double LARGEST_CLUSTER = 0.1, QUARTER_DECADE = 0.5623413251903491;
 inline constexpr int RADII = 27;
-// Ranks that may be lost.
-inline constexpr int MOST_LOST = 3;
+// Ranks that may be lost, and roots that a ball may hold where one is lost: two folds in a row, the second where the first one has
+// just lost half of the digits, have four.
+inline constexpr int MOST_LOST = 3, MOST_IN_A_ROW = 4;
 // A quadric's coefficients below this share of the largest are left out when the centre is improved; the centre moves by at most
 // LONGEST_MOVE in each of CENTRINGS rounds, and by FARTHEST_CENTRE in all [rad]. None of these decides what is proven.
 inline constexpr double WEAKEST_QUADRIC = 1e-6, LONGEST_MOVE = 0.05, FARTHEST_CENTRE = 0.3;
@@ -129,7 +130,7 @@ PART Norms norms_of(const Local& at, int lost) {
             norm_of(at, n, 6, 0, n, 0, n),
             min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
 }
-// valley: with one rank lost; many is then 2 or 3, else 2^lost.
+// valley: with one rank lost; many is then 2 to MOST_IN_A_ROW, else 2^lost.
 PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
     const int n = 6 - lost, order = lost == 1 ? many : 2;
     double f_y = 0.0, f_t = 0.0;
@@ -180,7 +181,8 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
             return a + s * rho < LARGEST_BALL && slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(rho));
         };
         if (!outside(rho)) continue;
-        const double model = out.m * (order == 2 ? R * R : R * R * R);
+        double model = out.m;
+        for (int i = 0; i < order; ++i) model *= R;
         const double left = (A_ty + t_ty * R + t_yy * height) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond;
         const double in_t = in_t_alone(others, R, 1) + f_t;
         if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
@@ -196,8 +198,9 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
         out.across = rho, out.along = R, out.height = height;
         out.rest = SLACK_OF_SUMS * (left + in_t_alone(t, R, 3) + at.rounding + ROUNDING_OF_FORMS * s * R * (1.0 + s * R));
     }
-    out.blurred = max(size, t[1] * out.along) <= BLURRED * at.rounding;
-    if (order == 3) out.blurred &= t[2] * out.along * out.along <= BLURRED * at.rounding;
+    double largest = size, power = out.along;
+    for (int i = 1; i < order; ++i, power *= out.along) largest = max(largest, t[i] * power);
+    out.blurred = largest <= BLURRED * at.rounding;
     return out;
 }
 
@@ -227,9 +230,9 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
     return size;
 }
 
-// The same for three roots: to where the curve's term of second order vanishes.
-PART double recentred(const Local& at, const Valley& valley, Number (&q)[6]) {
-    double y[5], t = -valley.value[2] / (3.0 * valley.value[3]);
+// The same for more roots where one rank is lost: to where the curve's term of the order before theirs vanishes.
+PART double recentred(const Local& at, const Valley& valley, int many, Number (&q)[6]) {
+    double y[5], t = -valley.value[many - 1] / (many * valley.value[many]);
     const double size = abs(t);
     if (!(size < __builtin_inf())) return size;
     t = copysign(min(size, LONGEST_MOVE), t);
@@ -242,7 +245,7 @@ PART double recentred(const Local& at, const Valley& valley, Number (&q)[6]) {
     return size;
 }
 
-// A cluster of 2^lost roots near the candidate q, or of three where one rank is lost and q is real. Returns whether one is proven.
+// A cluster of 2^lost roots near the candidate q, or of more where one rank is lost and q is real. Returns whether one is proven.
 PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int many, Cluster& out) {
     Number q[6];
     for (int k = 0; k < 6; ++k) q[k] = from[k];
@@ -271,11 +274,11 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int 
         }
         localise(loop, loop_here, q, at);
         Valley line;
-        if (lost == 1) follow_valley(at, many == 3, line);
-        const double size = many == 3   ? recentred(at, line, next)
-                            : lost == 1 ? recentred<1>(at, next)
-                            : lost == 2 ? recentred<2>(at, next)
-                                        : recentred<3>(at, next);
+        if (lost == 1) follow_valley(at, many > 2, line);
+        const double size = lost == 1 && many > 2 ? recentred(at, line, many, next)
+                            : lost == 1           ? recentred<1>(at, next)
+                            : lost == 2           ? recentred<2>(at, next)
+                                                  : recentred<3>(at, next);
         ball = {};
         if (size < LARGEST_CLUSTER) { ball = ball_of(at, lost, norms_of(at, lost), lost == 1 ? &line : nullptr, many); }
         if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;
@@ -320,9 +323,16 @@ PART bool add_cluster_near(const Loop& loop, Account& account, const Number (&fr
     }
     for (int lost = 1; lost <= MOST_LOST; ++lost) {
         Cluster found;
-        // Three roots that are farther apart have certificates of their own.
-        const auto as_three = [&] { return lost == 1 && is_real(q) && cluster_near(loop, q, 1, 3, found) && found.blurred; };
-        if (!cluster_near(loop, q, lost, 1 << lost, found) && !as_three()) continue;
+        const auto is_found = [&] {
+            if (cluster_near(loop, q, lost, 1 << lost, found)) return true;
+            if (lost > 1 || !is_real(q)) return false;
+            // More roots that are farther apart have certificates of their own.
+            for (int many = 3; many <= MOST_IN_A_ROW; ++many) {
+                if (cluster_near(loop, q, 1, many, found) && found.blurred) return true;
+            }
+            return false;
+        };
+        if (!is_found()) continue;
         if (!add_cluster(account, found)) return false;
         Cluster other = found;
         for (int k = 0; k < 6; ++k) {

@@ -258,7 +258,7 @@ def _by_account(
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
         if each.count != 1 << each.lost:
-            return None, f"cluster {k}: three solutions in one ball are not counted in ball arithmetic"
+            return None, f"cluster {k}: {each.count} solutions in one ball are not counted in ball arithmetic"
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
         if not isinstance(counted, str):
             clusters.append(counted)
