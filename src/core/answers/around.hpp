@@ -53,13 +53,10 @@ template <class Model> PART void keep_unless_represented(const Model& arm, const
     if (!kinds || !is_represented(arm, goal, columns, b, unsigned(kinds), q)) keep(columns, b, q, kinds);
 }
 
-// Solve the branches of one pose whose bit is set in `wanted`. Branches of which Family::closely is unsure are also solved from
-// targets around the pose.
-// known: the roots of its quartic, if it has one.
-template <class Family, int N, class... Roots>
-PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
-                             const Reference<N>& reference, const Columns<N>& columns, unsigned wanted, const Roots*... known) {
-    const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted, known...);
+// Solve the branches of which Family::closely is unsure from targets around the pose.
+template <class Family, int N>
+PART void look_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
+                      const Reference<N>& reference, const Columns<N>& columns, unsigned unsure) {
     int vain = 0;
     for (int k = 0; unsure && k < DISPLACEMENTS && (vain < IN_VAIN || !columns.count()); ++k) {
         ++vain;

@@ -9,8 +9,8 @@
 //   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
 //              branch's end (see margin_root)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
-//              `wanted`, added to the columns. If it returns a number, each set bit is a branch that rounding leaves
-//              open (see around.hpp)
+//              `wanted`, added to the columns. If signs or roots tell the branches apart, it returns those that rounding
+//              leaves open (see around.hpp)
 // and, if its targets are not poses of sixteen numbers,
 //   numbers    the length of a target
 //   load       load(arm, from, t): a block of targets as poses
@@ -22,8 +22,6 @@
 // or closely, and
 //   quartic    quartic(arm, seen): the roots that its branches follow from
 #pragma once
-
-#include <type_traits>
 
 #include "answers/answer.hpp"
 #include "answers/around.hpp"
@@ -190,30 +188,11 @@ template <class Family> constexpr bool redundant_of() {
     return requires { Family::redundant; };
 }
 
-// Whether the family's careful path returns the branches that it is unsure of.
-template <class Family> constexpr bool knows_doubt() {
-    constexpr int N = joints_of<Family>;
-    if constexpr (redundant_of<Family>()) return false;
-    else
-        return std::is_same_v<decltype(Family::closely(std::declval<const typename Family::Arm&>(),
-                                                       std::declval<const Goal<double>&>(), std::declval<const Seen<double>&>(),
-                                                       std::declval<const Reference<N>&>(), std::declval<const Columns<N>&>(), 0u)),
-                              unsigned>;
-}
-
 // The redundancy parameter of a block of poses.
 template <class Arm> STEP Block load_values(const Arm& arm, const double* values) {
     Block v = arm.value;
     for (int i = 0; values && i < BLOCK; ++i) v.set(i, values[i]);
     return v;
-}
-
-// The careful path for one pose, with targets around it where the family is unsure.
-template <class Family, int N>
-STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<N>& reference,
-               const Columns<N>& columns, unsigned wanted) {
-    if constexpr (knows_doubt<Family>()) closely_and_around<Family>(arm, goal, seen, reference, columns, wanted);
-    else Family::closely(arm, goal, seen, reference, columns, wanted);
 }
 
 // All solutions of one pose of an arm whose closed form has a quartic, and its status. Its rotation is a rotation.
@@ -222,7 +201,8 @@ STEP void solve_by_roots(const typename Family::Arm& arm, const Goal<double>& go
                          const Columns<6>& columns) {
     const Seen<double> seen = to_frame_1(goal, arm.ideal);
     const Quartic roots = Family::quartic(arm, seen);
-    closely_and_around<Family>(arm, goal, seen, reference, columns, ~0u, &roots);
+    const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, ~0u, &roots);
+    look_around<Family>(arm, goal, seen, reference, columns, unsure);
     set_status(columns.flags[0], status_by_roots<Family>(arm, goal, seen, roots, columns));
 }
 
@@ -239,13 +219,25 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     }
     const auto seen = to_frame_1<double>(proper, arm.ideal);
     const auto reference = reference_of<joints_of<Family>>(q_ref);
-    if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
-    else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
+    const Goal<double> goal = goal_of(proper);
     if constexpr (redundant_of<Family>()) {
-        set_status(columns.flags[0], Family::status(arm, goal_of(proper), seen, value, columns));
+        Family::closely(arm, goal, seen, value, reference, columns, wanted);
+        set_status(columns.flags[0], Family::status(arm, goal, seen, value, columns));
     } else if constexpr (branches_have_signs<Family>()) {
+        const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
         project_rotation(T, proper);
-        set_status(columns.flags[0], status_by_inclusion<Family>(arm, goal_of(proper), columns));
+        const Goal<double> projected = goal_of(proper);
+        const Boxes boxes = boxes_of<Family>(arm, projected);
+        const Filled filled = filled_by(arm, boxes, columns);
+        Status status = decided(arm, boxes, filled);
+        if (unsure && !is_settled(arm, projected, boxes, filled, columns)) {
+            look_around<Family>(arm, goal, seen, reference, columns, unsure);
+            status = decided(arm, boxes, filled_by(arm, boxes, columns));
+        }
+        if (status == Status::incomplete) status = decided_by_curves_and_clusters(arm, projected, boxes, columns);
+        set_status(columns.flags[0], status);
+    } else {
+        Family::closely(arm, goal, seen, reference, columns, wanted);
     }
 }
 

@@ -161,15 +161,14 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
 unsigned boxes_in_clusters(const Written<6>& arm, const Goal<double>& goal, const double (&offset)[6], const Columns<6>& columns,
                            const Boxes& boxes);
 
-// The status of an exact arm's pose; the boxes in `counted` hold nothing but what the columns have. A box whose joints are all
-// fixed holds at most one solution, since the signs of the roots tell the branches apart: a solution of its own decides it, up to
-// the rounding of the pose where a root may have either sign. A box without one is decided if each of its open roots is tiny, and
-// one of its twins, which differ from it in the signs of tiny roots alone, has a solution and is beside it. Behind a short lever
-// arm twins are half a turn apart, and do not stand for each other.
-template <class Arm>
-PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns, unsigned counted = 0) {
-    unsigned owned = 0, met = 0;  // by branch
-    const unsigned there = ~boxes.empty & 255u;
+// What a pose's solutions tell of its boxes.
+struct Filled {
+    unsigned in[8] = {};  // by column: the boxes, by branch, that its solution lies in
+    unsigned owned = 0, met = 0;  // the boxes with a solution of their own, and with a solution
+    bool all = true;  // every solution lies in a box
+};
+template <class Arm> PART Filled filled_by(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
+    Filled out;
     for (int k = 0; k < columns.many; ++k) {
         if (!columns.valid(k)) continue;
         Row<8> angles = 0.0;
@@ -177,16 +176,28 @@ PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& column
         const Turn<Row<8>> points = cos_sin_of_any(angles);
         Turn<double> at[6];
         for (int j = 0; j < 6; ++j) at[j] = {points.c[j], points.s[j]};
-        const unsigned in = inside(boxes, at) & there;
-        if (!in) return Status::incomplete;
-        met |= in;
+        const unsigned in = inside(boxes, at) & ~boxes.empty & 255u;
+        out.in[k] = in, out.all = out.all && in;
+        out.met |= in;
         // One column owns one box: a sure one rather than another.
-        unsigned alone = in & ~boxes.free & ~owned;
+        unsigned alone = in & ~boxes.free & ~out.owned;
         if (alone & boxes.sure()) alone &= boxes.sure();
-        owned |= alone & -alone;
+        out.owned |= alone & -alone;
     }
+    return out;
+}
+
+// The status of an exact arm's pose; the boxes in `counted` hold nothing but what the columns have. A box whose joints are all
+// fixed holds at most one solution, since the signs of the roots tell the branches apart: a solution of its own decides it, up to
+// the rounding of the pose where a root may have either sign. A box without one is decided if each of its open roots is tiny, and
+// one of its twins, which differ from it in the signs of tiny roots alone, has a solution and is beside it. Behind a short lever
+// arm twins are half a turn apart, and do not stand for each other.
+template <class Arm>
+PART Status decided(const Arm& arm, const Boxes& boxes, const Filled& filled, unsigned counted = 0) {
+    if (!filled.all) return Status::incomplete;
+    const unsigned there = ~boxes.empty & 255u, owned = filled.owned;
     // A solution on the curve of a box that leaves a joint free decides the status, whatever is open elsewhere.
-    if (boxes.free & there & ~owned & met) return Status::continuum;
+    if (boxes.free & there & ~owned & filled.met) return Status::continuum;
     Status status = owned & ~boxes.sure() || counted & there ? Status::clustered : Status::complete;
     for (int b = 0; b < 8; ++b) {
         const unsigned bit = 1u << b;
@@ -213,20 +224,55 @@ PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& column
     return status;
 }
 
-// The status of one pose of an exact arm whose solutions are in the columns. Its rotation is a rotation.
-template <class Family>
-PART Status status_by_inclusion(const typename Family::Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+// The boxes of one pose of an exact arm. Its rotation is a rotation.
+template <class Family> PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal) {
     const Seen<double> seen = to_frame_1(goal, arm.ideal);
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const Slack off = slack_of(arm.ideal, seen);
-    Boxes boxes;
-    for (int first = 0; first < 8; first += BLOCK) {
-        include<Family>(arm, {target.R, target.p}, off.turn, off.shift, first, boxes);
+    Boxes out;
+    for (int first = 0; first < 8; first += BLOCK) { include<Family>(arm, {target.R, target.p}, off.turn, off.shift, first, out); }
+    return out;
+}
+
+// Whether nothing is left to be found: each box is empty, has a solution of its own, or leaves joints free and holds a solution at
+// which all joints with wide arcs turn about one line. The pose fixes only the sum of these turns, so such a box holds no more than
+// the curve of that solution.
+template <class Arm>
+PART bool is_settled(const Arm& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
+                     const Columns<6>& columns) {
+    unsigned settled = (boxes.empty | filled.owned) & 255u;
+    if ((settled | (filled.met & boxes.free)) != 255u) return false;
+    for (int k = 0; k < columns.many; ++k) {
+        unsigned rest = filled.in[k] & boxes.free & ~settled;
+        if (!rest) continue;
+        double q[6];
+        for (int j = 0; j < 6; ++j) q[j] = columns.row(k)[j];
+        Six<double> J[6];
+        error_and_jacobian(arm.written, goal, q, J);
+        for (; rest; rest &= rest - 1) {
+            const int b = __builtin_ctz(rest);
+            int first = -1;
+            double apart = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                if (boxes.chord[j][b] <= NEARER_THAN_ROUNDING) continue;
+                if (first < 0) first = j;
+                const Six<double>&a = J[first], &c = J[j];
+                const double same = a[3] * c[3] + a[4] * c[4] + a[5] * c[5] < 0.0 ? -1.0 : 1.0;
+                for (int i = 0; i < 6; ++i) apart = max(apart, abs(a[i] - same * c[i]));
+            }
+            if (apart <= NEARER_THAN_ROUNDING) settled |= 1u << b;
+        }
     }
-    const Status status = decided(arm, boxes, columns);
-    if (status != Status::incomplete) return status;
+    return settled == 255u;
+}
+
+// The status where the boxes alone leave it open: of a curve through a solution, or of clusters.
+template <class Arm>
+PART Status decided_by_curves_and_clusters(const Arm& arm, const Goal<double>& goal, const Boxes& boxes,
+                                           const Columns<6>& columns) {
     if (keep_curve(arm.written, goal, columns)) return Status::continuum;
-    return decided(arm, boxes, columns, boxes_in_clusters(arm.written, goal, arm.ideal.offset, columns, boxes));
+    const unsigned counted = boxes_in_clusters(arm.written, goal, arm.ideal.offset, columns, boxes);
+    return counted ? decided(arm, boxes, filled_by(arm, boxes, columns), counted) : Status::incomplete;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -37,8 +37,9 @@ inline constexpr double WEAKEST_QUADRIC = 1e-6, LONGEST_MOVE = 0.05, FARTHEST_CE
 inline constexpr int CENTRINGS = 24;
 // A rank counts as lost if its singular value is below WEAK, relative to the largest one. A ball is looked for where Newton's
 // method across the small directions moves by less than ACROSS [rad].
-// The centre is good enough if it would move by less than MIDDLE of the ball.
-inline constexpr double WEAK = 0.05, ACROSS = 1e-9, MIDDLE = 1e-3;
+// The centre is good enough if it would move by less than MIDDLE of the ball. No ball is looked for where one more singular value
+// is below LOST_TOO: the ball would be smaller still.
+inline constexpr double WEAK = 0.05, ACROSS = 1e-9, MIDDLE = 1e-3, LOST_TOO = 1e-6;
 // Imaginary parts below this may be those of a double root's rounding [rad].
 inline constexpr double ALMOST_REAL = 1e-3;
 // The roots of a cluster stand as one if its centre keeps the pose to this many times the rounding of the loop: where they are
@@ -261,7 +262,7 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int 
     for (int round = 0; round < CENTRINGS; ++round) {
         const LoopAt<Number> loop_here = loop_at(loop, q);
         decompose(loop_here, at.J);
-        if (!(at.J.s[6 - lost] < WEAK * at.J.s[0])) return false;
+        if (!(at.J.s[6 - lost] < WEAK * at.J.s[0]) || at.J.s[5 - lost] < LOST_TOO * at.J.s[0]) return false;
         Number next[6];
         for (int k = 0; k < 6; ++k) next[k] = q[k];
         const double step = step_across(loop_here, at.J, lost, next);
