@@ -30,7 +30,7 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
     double at[6];
     // A step along a singular direction does not improve a closed form's candidate: only rounding would cause it.
     const Course course = arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, LONG_PATIENCE};
-    if (arm.exact || !near) {
+    if (arm.exact || !arm.beside || !near) {
         for (int j = 0; j < 6; ++j) at[j] = q[j];
         const Polished<double> end = polish_one<true>(arm, goal, at, course);
         return keep_if_new(at, end.error, end.least);

@@ -47,11 +47,12 @@ PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const G
     }
 }
 
-// The same for every solution near a fold. Singular solutions are flagged.
-template <class Model> PART void search_beside_folds(const Model& arm, const Goal<double>& goal,
+// The same for every solution near a fold. Singular solutions are flagged. Returns whether a solution was near a fold.
+template <class Model> PART bool search_beside_folds(const Model& arm, const Goal<double>& goal,
                                                      const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
     const Goal<Block> goals = spread<Block>(goal);
+    bool near = false;
     for (int from = 0; from < columns.many; from += BLOCK) {
         const Block least = least_bounds(arm, goals, columns, from);
         for (int b = from; b < from + BLOCK && b < columns.many; ++b) {
@@ -60,9 +61,12 @@ template <class Model> PART void search_beside_folds(const Model& arm, const Goa
             for (int j = 0; j < N; ++j) q[j] = columns.row(b)[j];
             const Weakest<N> fold = weakest_at(arm, goal, q);
             if (fold.value <= arm.tolerances.singular) columns.flags[b] |= OTHER;
-            if (fold.value <= NEAR_FOLD) search_beside_fold(arm, goal, goals, q, fold, columns);
+            if (fold.value > NEAR_FOLD) continue;
+            near = true;
+            search_beside_fold(arm, goal, goals, q, fold, columns);
         }
     }
+    return near;
 }
 
 // A valley is a curve whose points almost reach the goal, and along which the Jacobian nearly loses a rank. The length of a step
@@ -70,6 +74,8 @@ template <class Model> PART void search_beside_folds(const Model& arm, const Goa
 // valley ends, and the largest error of its points.
 inline constexpr double STRIDE = 0.06, HOLDING = 3e-3, NO_LONGER_WEAK = 3e-2, OUT_OF_VALLEY = 1e-2;
 inline constexpr int STRIDES = 128;
+// If a solution's singular value is below this, its valley is followed however many solutions are known.
+inline constexpr double IN_A_VALLEY = 1e-5;
 
 // Newton's method from a point in a valley. A new solution is kept.
 template <class Model>

@@ -1,4 +1,5 @@
-// Candidates of arms whose closed form has no margins: each is polished, verified and kept if it is new.
+// Candidates of arms whose closed form has no margins: each is polished, verified and kept if it is new. Near a fold a second
+// solution is searched for beside it.
 #pragma once
 
 #include "answers/answer.hpp"
@@ -11,6 +12,26 @@ enum class Origin { computed, doubtful, searched };
 
 // A closed form's candidate with a larger error than this leads to no solution [rad, share of size].
 inline constexpr double HOPELESS = 0.05;
+// Starts on each side of a solution near a fold, along the Jacobian's weakest direction: the first one 0.1 rad (or share of the
+// size) away, each further one a tenth of the distance before.
+inline constexpr int STARTS_BESIDE = 8;
+
+// Keep a second solution beside q, if there is one. A singular one may belong to the same continuum.
+template <class Model>
+PART void keep_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                      const Weakest<Model::joints>& weak, const Columns<Model::joints>& columns) {
+    double away = 0.1;
+    for (int k = 0; k < 2 * STARTS_BESIDE; ++k) {
+        double start[Model::joints];
+        for (int j = 0; j < Model::joints; ++j) start[j] = advanced(arm, j, q[j], (k % 2 ? away : -away) * weak.direction[j]);
+        if (k % 2) away *= 0.1;
+        if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error > CONVERGED) continue;
+        if (!is_new(arm, goal, columns, start)) continue;
+        const int marks = singular_marks(arm, goal, start, 0);
+        if (!marks || !is_joined(arm, goal, start, q)) keep(columns, 0, start, marks);
+    }
+}
+
 // Polish the candidate q, and keep it if its error is at most `enough` and it is new; q is replaced. A singular result of a search
 // is dropped if it lies on one continuum with a known one. Returns the Jacobian's smallest
 // singular value there (only a lower bound if that is above NEAR_FOLD), or infinity if q is not a solution.
@@ -33,7 +54,9 @@ PART double polish_and_keep(const Model& arm, const Goal<double>& goal, double (
             if (columns.flags[b] & OTHER && is_joined(arm, goal, q, columns.row(b))) return weak.value;
         }
     }
-    if (is_new(arm, goal, columns, q)) keep(columns, 0, q, singular ? OTHER : 0);
+    if (!is_new(arm, goal, columns, q)) return weak.value;
+    keep(columns, 0, q, singular ? OTHER : 0);
+    if (weak.value <= NEAR_FOLD) keep_beside(arm, goal, q, weak, columns);
     return weak.value;
 }
 

@@ -25,6 +25,7 @@ struct SearchState {
     Columns<6> columns;
     double enough;  // a candidate with at most this error is a solution
     double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
+    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
     bool provable = false;  // whether complex roots are counted
     bool on_curve = false;  // whether a curve of solutions was found
     bool certifies = false;  // whether real roots are certified: all joints turn
@@ -81,7 +82,7 @@ STEP bool is_provable(const EliminationArm& arm) { return all_known(arm) && !arm
 STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, double enough) {
     SearchState search;
     search.columns = columns, search.enough = enough;
-    search.provable = is_provable(arm);
+    search.all_known = all_known(arm), search.provable = is_provable(arm);
     search.certifies = !arm.any_slide;
     if (search.certifies) search.loop = loop_of(arm.written, goal);
     return search;

@@ -37,8 +37,6 @@ inline constexpr double ON_CIRCLE = 1e-7;
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
-// If a solution's singular value is below this, its valley is followed however many solutions are known.
-inline constexpr double IN_A_VALLEY = 1e-5;
 // Attempts at continuation, each from another known pose; and starts all over the joint space if none of them decides.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
@@ -62,6 +60,16 @@ STEP RealRoots real_roots(const Complex (&z)[2 * DEGREE], bool hides_slide) {
         out.c[out.many] = each.re * w, out.s[out.many++] = each.im * w;
     }
     return out;
+}
+
+// Add the solutions that damped steps reach from the starts without a column.
+PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts,
+                        const int (&column)[BLOCK]) {
+    for (int l = 0; l < BLOCK; ++l) {
+        if (column[l] >= 0) starts.lanes &= ~(1u << l);
+    }
+    int unused[BLOCK];
+    if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
 }
 
 // Accounts for the determinant's roots off the unit circle, one of each pair.
@@ -109,8 +117,10 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         for (int j = 0; j < 6; ++j) {
             if (arm.written.slides[j]) candidates.q[j] = candidates.q[j] * (1.0 / arm.scale);
         }
+        Candidates slow = candidates;
         int column[BLOCK];
         columns_from<false>(arm, goal, search, candidates, 12, column);
+        if (!all_known(arm)) follow_slowly(arm, goal, search, slow, column);
         for (int l = 0; l < BLOCK; ++l) {
             if (column[l] < 0 || owned >> column[l] & 1) continue;
             double q[6];
@@ -213,6 +223,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
         }
     }
     if (search.provable) account_for_ends(arm, goal, search, ends);
+    search.all_known &= distant == 0;
     if (shared || is_stranger(search.columns, owned)) return Arrived::lost;
     // Solutions that are not real come in pairs: an odd number lacks one.
     if (regular == arm.paths.solutions && (regular - real) % 2) return Arrived::lost;
@@ -331,6 +342,8 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
             certain = false;
         }
     }
+    // If solutions are missing or in doubt, they may be next to a singular solution.
+    if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
     // Complex solutions of real equations come in pairs, and so real ones do: an odd number lacks one, double roots
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.

@@ -43,29 +43,6 @@ inline constexpr double NEAR_ZERO = 1e-3;
 // 4 then turn far against one another while the pose hardly changes.
 inline constexpr double VALLEY = 1e-3;
 
-// Starts on each side of a solution near a fold, along the Jacobian's weakest direction: the first one 0.1 rad away, each further
-// one a tenth of the distance before.
-inline constexpr int STARTS_BESIDE = 8;
-
-// Keep second solutions beside those near a fold. A singular one may belong to the same continuum.
-template <class Model> PART void keep_beside(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns) {
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        double q[Model::joints], away = 0.1;
-        for (int j = 0; j < Model::joints; ++j) q[j] = columns.row(b)[j];
-        const Weakest<Model::joints> weak = weakest_at(arm, goal, q);
-        for (int k = 0; k < 2 * STARTS_BESIDE && weak.value <= NEAR_FOLD; ++k) {
-            double start[Model::joints];
-            for (int j = 0; j < Model::joints; ++j) start[j] = advanced(arm, j, q[j], (k % 2 ? away : -away) * weak.direction[j]);
-            if (k % 2) away *= 0.1;
-            if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error > CONVERGED) continue;
-            if (!is_new(arm, goal, columns, start)) continue;
-            const int marks = singular_marks(arm, goal, start, 0);
-            if (!marks || !is_joined(arm, goal, start, q)) keep(columns, 0, start, marks);
-        }
-    }
-}
-
 struct HollowWrist {
     using Arm = HollowWristArm;
     static constexpr int branches = 32;
@@ -117,7 +94,6 @@ struct HollowWrist {
             search.front = ideal.signs[0][2 * pair], search.up = ideal.signs[1][2 * pair];
             scan(search);
         }
-        keep_beside(driven(arm.written), goal, columns);
         walk_valleys(driven(arm.written), goal, VALLEY, columns);
         finish(arm.written, columns);
         // A scan cannot prove that its result is complete.
@@ -276,7 +252,7 @@ struct HollowWrist {
             const bool most = here.margin() >= before.margin() && here.margin() >= next.margin();
             if (most && here.margin() > -ALMOST) start(search, here, true);
         } else if (!before.there() || !next.there()) {
-            start(search, here, true);
+            branch_end(search, here, before.there() ? before : next);
         } else if (before.above() == here.above() && here.above() == next.above() && abs(here.off) <= abs(before.off) &&
                    abs(here.off) <= abs(next.off)) {
             near_double_root(search, before, here, next);
@@ -306,6 +282,12 @@ struct HollowWrist {
         if (abs(value) > abs(bend) * width * width + NEAR_ZERO) return;
         const double apart = sqrt(abs(value / bend));
         for (int side = -1; side <= 1; ++side) start(search, at(search, here.joint_5 + vertex + side * apart), true);
+    }
+
+    // The branch ends at a sample, where it joins another; `inside` is the next sample on it.
+    static PART void branch_end(Scan& search, const Sample& end, const Sample& inside) {
+        start(search, end, true);
+        if (inside.there()) start(search, at(search, end.joint_5 + 0.1 * (inside.joint_5 - end.joint_5)), true);
     }
 
     // Finds the turns about axes 4 and 7 for a sample's joints, then runs Newton's method.
