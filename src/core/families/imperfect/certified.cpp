@@ -7,9 +7,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // step leaves of a wide box fails to converge and waits for the next pass.
 inline constexpr int STEPS = 1;
 
-// Boxes are not divided where the arms differ by less, which is little more than the rounding of a loop: nothing tells the members
-// of what the ideal arm leaves free apart.
-inline constexpr double FINEST = 1e-13;
 // How often boxes are made from smaller sets of displacements before a pose is left open.
 inline constexpr int PASSES = 4;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
@@ -181,7 +178,7 @@ bool Certified::add(const double (&q)[6], double radius, int branch, bool singul
 }
 
 Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
-                      const Seen<double>& seen, const Inclusion& family, Known& known) {
+                      const Seen<double>& seen, const Inclusion& family, bool divides, Known& known) {
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const Displacement& apart = ideal.displacement;
     const double far = ideal.size + sqrt(dot(seen.p, seen.p));
@@ -209,7 +206,7 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
         if (!out.add(q, radii[b], b, false)) known.found &= ~(1u << b);
     }
     if (!known.open) out.status = Status::complete;
-    else if (ideal.imperfection > FINEST) divide({written, both, ideal, goal, target, loop, family}, boxes, known.open, out);
+    else if (divides) divide({written, both, ideal, goal, target, loop, family}, boxes, known.open, out);
     return out;
 }
 

@@ -58,9 +58,9 @@ struct Certified {
 // Each real solution lies in one of eight boxes, which hold the solutions of a branch for every displacement between the ideal arm
 // and the arm as written; each later pass takes only the displacements of the joint vectors in the box. A box is decided where it
 // is empty, or where Newton's method from its centre leads to a certified root that is the only one in a ball that holds the box.
-// What stays open is divided (divided.hpp). goal: for the arm as written; seen: the same in frame 1. known: the branches that are
-// open, and those that led to a root of their own.
+// What stays open is divided (divided.hpp) if `divides`. goal: for the arm as written; seen: the same in frame 1. known: the
+// branches that are open, and those that led to a root of their own.
 Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
-                      const Seen<double>& seen, const Inclusion& family, Known& known);
+                      const Seen<double>& seen, const Inclusion& family, bool divides, Known& known);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

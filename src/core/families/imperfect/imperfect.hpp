@@ -35,6 +35,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double CLOSE_BY = 1e-4;
 // Up to this imperfection boxes are tried.
 inline constexpr double BOXED = 1e-3;
+// Boxes are not divided where the arms differ by less than FINEST, which is little more than the rounding of a loop: nothing tells
+// the members of what the ideal arm leaves free apart. Below KEEPS_CURVES these members keep the pose to about the tolerance of
+// solutions, so curves are looked for first.
+inline constexpr double FINEST = 1e-13, KEEPS_CURVES = 1e-9;
 // A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
 // apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
 inline constexpr double FAR_OFF = 4e-3;
@@ -110,7 +114,18 @@ template <class Family> struct Imperfect {
             if (off < BOXED) {
                 const Inclusion family = {
                     &arm.family, include_branches, include_boxes, {0, Family::before_elbow, Family::after_elbow}};
-                all = certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, family, known);
+                const auto certified = [&](bool divides) {
+                    known = {};
+                    return certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, family, divides, known);
+                };
+                all = certified(off >= KEEPS_CURVES);
+                // A curve of solutions has no boxes that end, and decides the status.
+                if (all.status == Status::incomplete && off > FINEST && off < KEEPS_CURVES) {
+                    Family::closely(arm.family, goal, seen, reference, columns, 255);
+                    const bool on_curve = keep_curve(arm.family.written, goal, columns);
+                    columns.clear();
+                    if (!on_curve) all = certified(true);
+                }
             }
             if (all.status != Status::incomplete) {
                 for (int i = 0; i < all.many; ++i) {
