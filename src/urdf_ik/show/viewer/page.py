@@ -321,25 +321,40 @@ class Viewer:
         )
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
-        self._look(self.server.initial_camera)
-        for client in self.server.get_clients().values():
-            self._look(client.camera, client.camera.aspect)
+        first = self.server.initial_camera
+        with self.server.atomic():
+            first.position, first.look_at = self._view(first.fov)
+        self._frame(*self.server.get_clients().values())
         self._show(state)
 
     def _greet(self, client: Any) -> None:
-        """Have a new page see the arm, if it is still open: viser warns of each message to a closed one."""
-        with suppress(UserWarning):
-            if client.client_id in self.server.get_clients():
-                self._look(client.camera, client.camera.aspect)
+        """Have a page see the whole arm, when the arm is not being replaced."""
+        self._latest.put(("view", client.client_id), lambda: self._frame(client))
 
     def _framed(self, event: Any) -> None:
         if event.client is not None:
             self._greet(event.client)
 
-    def _look(self, camera: Any, aspect: float | None = None) -> None:
-        """Have a page see the whole arm; ``aspect`` is its window's."""
+    def _view(self, fov: float, aspect: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where a camera stands, and what it looks at, to see all there is; ``aspect`` is its window's."""
         beside = points_beside(self.track, self.state.world, self.state.arm.chain.size)
-        camera.position, camera.look_at = self.drawing.camera(self.state, camera.fov, aspect, beside)
+        return self.drawing.camera(self.state, fov, aspect, beside)
+
+    def _frame(self, *clients: Any) -> None:
+        """Have pages see the whole arm."""
+        for client in clients:
+            view = self._view(client.camera.fov, client.camera.aspect)
+            self.server.get_event_loop().call_soon_threadsafe(self._turn, client, *view)
+
+    def _turn(self, client: Any, position: NDArray[np.float64], look_at: NDArray[np.float64]) -> None:
+        """Turn the camera of a page, if it is still open: viser warns of each message to a closed one.
+
+        Only in the server's event loop, which reads the messages of pages. Elsewhere one with an older view could be
+        read between the two steps: viser would compare the second with it, and might not send it.
+        """
+        with suppress(UserWarning):
+            if client.client_id in self.server.get_clients():
+                client.camera.position, client.camera.look_at = position, look_at
 
     def _show(self, state: State, held: object = None) -> None:
         """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
@@ -375,8 +390,7 @@ class Viewer:
             PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
         )
         self._go_to(0.0)
-        for client in self.server.get_clients().values():
-            self._look(client.camera, client.camera.aspect)
+        self._frame(*self.server.get_clients().values())
 
     def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
         """Show a place of the plan; where it was chosen with the slider, that is left alone."""
