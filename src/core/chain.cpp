@@ -105,7 +105,7 @@ STEP Rows<7, Block> swivel_slopes(const SwivelEnds& ends, const Frame<Block> (&j
     const Vec<Block> by_speed =
         (dot(axis, w) * per_length * wide) * across + quotient(Block(1.0), aside + TINY) * cross(cross(w, normal), up);
     const Vec<Block> by_turning = wide * cross(axis, across);
-    const auto off_axis = aside > Block(ON_AXIS * ON_AXIS) * dot(W, W);
+    const auto off_axis = aside > Block(HALF_OF_THE_DIGITS * HALF_OF_THE_DIGITS) * dot(W, W);
     Rows<7, Block> slope;
     for (int k = 0; k < 7; ++k) {
         Vec<Block> by = cross(Block(-1.0) * (wrist - joints[k].p), by_speed);

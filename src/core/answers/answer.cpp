@@ -38,8 +38,7 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
     for (int from = 0; from < STARTS_AROUND_CANDIDATE; from += BLOCK) {
         Block start[6];
         for (int l = 0; l < BLOCK; ++l) start_near_candidate(q, from + l, l, start);
-        const Block zero = 0.0;
-        const Polished<Block> end = polish<true, Written<6>, Block>(arm, spread<Block>(goal), start, course, zero <= zero);
+        const Polished<Block> end = polish<true>(arm, spread<Block>(goal), start, course);
         for (int l = 0; l < BLOCK; ++l) {
             for (int j = 0; j < 6; ++j) at[j] = wrap(start[j][l]);
             keep_if_new(at, end.error[l], end.least[l]);

@@ -12,7 +12,7 @@ template <int N> struct Columns {
     std::uint8_t* flags;
     int many;
 
-    STEP double* row(int b) const { return q + N * b; }
+    STEP double (&row(int b) const)[N] { return *reinterpret_cast<double (*)[N]>(q + N * b); }
     STEP bool valid(int b) const { return flags[b] & VALID; }
     STEP int count() const {
         int n = 0;
@@ -63,6 +63,13 @@ SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& g
     return weakest(J);
 }
 
+// The greatest difference of two joint vectors in a joint [rad, share of size], the shorter way round.
+template <class Model> STEP double distance(const Model& arm, const double* a, const double* b) {
+    double most = 0.0;
+    for (int j = 0; j < Model::joints; ++j) most = max(most, abs(gap(arm, j, a[j], b[j])));
+    return most;
+}
+
 // Whether q differs from every solution in the columns. Two vectors are one double root if the arm is in the pose, to rounding,
 // at their midpoint too. They are one inaccurate root if their distance is at most their errors over the Jacobian's smallest
 // singular value.
@@ -76,7 +83,7 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
     const double same = arm.tolerances.duplicate * far;
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
-        const double* other = columns.row(b);
+        const double (&other)[N] = columns.row(b);
         double apart = 0.0, middle[N];
         for (int j = 0; j < N && (apart < BESIDE || apart <= same); ++j) {
             const double step = gap(arm, j, q[j], other[j]);
@@ -86,9 +93,7 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
         if (apart <= same) return false;
         if (apart >= BESIDE) continue;
         if (error_at(arm, goal, middle).size <= arm.tolerances.fold * far) return false;
-        double known[N];
-        for (int j = 0; j < N; ++j) known[j] = other[j];
-        const double left = error_at(arm, goal, q).size + error_at(arm, goal, known).size;
+        const double left = error_at(arm, goal, q).size + error_at(arm, goal, other).size;
         if (left > FINISHED && apart * weakest_at(arm, goal, q).value <= left) return false;
     }
     return true;
@@ -104,17 +109,14 @@ template <int N> STEP void keep(const Columns<N>& columns, int b, const double (
     columns.flags[b] = std::uint8_t(VALID | marks);
 }
 
-// Joint values closer than this [rad, m] count as equal when columns are sorted, so that rounding does not change the order.
-inline constexpr double SAME_VALUE = 1e-6;
-
 // Sort the solutions by their joint values, the first joint first; invalid columns come last. If an arm's branches have no names,
-// the order of its columns then does not depend on the order in which solutions were found.
+// the order of its columns then does not depend on the order in which solutions were found, and not on rounding.
 template <int N> PART void sort(const Columns<N>& columns) {
     const auto before = [&](int a, int b) {
         if (columns.valid(a) != columns.valid(b)) return columns.valid(a);
         if (!columns.valid(a)) return false;
         for (int j = 0; j < N; ++j) {
-            if (abs(columns.row(a)[j] - columns.row(b)[j]) > SAME_VALUE) return columns.row(a)[j] < columns.row(b)[j];
+            if (abs(columns.row(a)[j] - columns.row(b)[j]) > SAME) return columns.row(a)[j] < columns.row(b)[j];
         }
         return false;
     };
@@ -158,16 +160,11 @@ STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::j
 template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
                                            const double* other) {
     constexpr int N = Model::joints;
-    double middle[N], apart = 0.0, left = 0.0, right = 0.0;
-    for (int j = 0; j < N; ++j) {
-        const double step = gap(arm, j, q[j], other[j]);
-        middle[j] = advanced(arm, j, other[j], 0.5 * step), apart = max(apart, abs(step));
-    }
+    double middle[N];
+    for (int j = 0; j < N; ++j) middle[j] = advanced(arm, j, other[j], 0.5 * gap(arm, j, q[j], other[j]));
     if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > DOUBTFUL) return false;
-    for (int j = 0; j < N; ++j) {
-        left = max(left, abs(gap(arm, j, middle[j], q[j]))), right = max(right, abs(gap(arm, j, middle[j], other[j])));
-    }
-    return min(left, right) > 0.25 * apart && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
+    const double nearer = min(distance(arm, middle, q), distance(arm, middle, other));
+    return nearer > 0.25 * distance(arm, q, other) && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
 }
 
 // At a crossing of two continua, or near one, the second smallest singular value is smaller by this factor.
@@ -179,33 +176,23 @@ inline constexpr double CROSSING = 0.1;
 template <class Model>
 PART int less_needed(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                      const double (&q)[Model::joints], int marks) {
-    constexpr int N = Model::joints;
-    const auto gap_of = [&](const double* a, const double* b) {
-        double apart = 0.0;
-        for (int j = 0; j < N; ++j) apart = max(apart, abs(gap(arm, j, a[j], b[j])));
-        return apart;
-    };
-    const auto second = [&](const double* row) {
-        double x[N];
-        for (int j = 0; j < N; ++j) x[j] = row[j];
-        return second_weakest_at(arm, goal, x);
-    };
     double alone = 1e300, least = 1e300;
     int pair[2] = {-1, -1};
     for (int a = 0; a < columns.many; ++a) {
         if (!(columns.flags[a] & SINGULAR)) continue;
-        alone = min(alone, gap_of(columns.row(a), q));
+        alone = min(alone, distance(arm, columns.row(a), q));
         for (int b = 0; b < a; ++b) {
             if (!(columns.flags[b] & SINGULAR)) continue;
-            const double apart = gap_of(columns.row(a), columns.row(b));
+            const double apart = distance(arm, columns.row(a), columns.row(b));
             if (apart < least) least = apart, pair[0] = a, pair[1] = b;
         }
     }
     if (pair[0] < 0) return -1;
-    const double of_first = second(columns.row(pair[0])), of_other = second(columns.row(pair[1]));
+    const double of_first = second_weakest_at(arm, goal, columns.row(pair[0]));
+    const double of_other = second_weakest_at(arm, goal, columns.row(pair[1]));
     const int goes = of_first >= of_other ? pair[0] : pair[1];
     if (!marks) return goes;
-    const double of_going = max(of_first, of_other), of_new = second(q);
+    const double of_going = max(of_first, of_other), of_new = second_weakest_at(arm, goal, q);
     if (of_new < CROSSING * of_going) return goes;
     return alone > least && of_going >= CROSSING * of_new ? goes : -1;
 }

@@ -69,8 +69,7 @@ PART void look_around(const typename Family::Arm& arm, const Goal<double>& goal,
         Family::closely(arm, goal, displaced(seen, k, arm.ideal.size), from, there, unsure);
         for (int b = 0; b < there.many; ++b) {
             if (!there.valid(b)) continue;
-            double q[N];
-            for (int j = 0; j < N; ++j) q[j] = there.row(b)[j];
+            const double (&q)[N] = there.row(b);
             const unsigned marks = flags[b] & KINDS;
             if (!is_new(arm.written, goal, columns, q)) continue;
             if (marks && is_represented(arm.written, goal, columns, b, marks, q)) continue;

@@ -36,8 +36,7 @@ PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const G
             const double away = k + l < 16 ? -BESIDE_FOLD[k + l] : BESIDE_FOLD[k + l - 16];
             for (int j = 0; j < N; ++j) start[j].set(l, advanced(arm, j, q[j], away * fold.direction[j]));
         }
-        const Block zero = 0.0;
-        const Block error = polish<true, Model, Block>(arm, goals, start, {20, FINISHED, PATIENCE}, zero <= zero).error;
+        const Block error = polish<true>(arm, goals, start, {20, FINISHED, PATIENCE}).error;
         for (int l = 0; l < BLOCK; ++l) {
             double found[N];
             for (int j = 0; j < N; ++j) found[j] = start[j][l];
@@ -129,11 +128,7 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
             polish_in_valley(arm, goal, older, columns), polish_in_valley(arm, goal, found, columns);
         }
         sizes[1] = sizes[0], sizes[0] = size;
-        const auto is_here = [&](const double* other) {
-            double apart = 0.0;
-            for (int j = 0; j < N; ++j) apart = max(apart, abs(gap(arm, j, q[j], other[j])));
-            return apart < STRIDE;
-        };
+        const auto is_here = [&](const double* other) { return distance(arm, q, other) < STRIDE; };
         if (k > 2 && is_here(from)) return true;
         for (int c = 0; c < columns.many; ++c) {
             if (columns.valid(c) && is_here(columns.row(c))) passed |= 1u << c;

@@ -228,13 +228,13 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
         project_rotation(T, proper);
         const Goal<double> projected = goal_of(proper);
         const Boxes boxes = boxes_of<Family>(arm, projected);
-        const Filled filled = filled_by(arm, boxes, columns);
+        Filled filled = filled_by(arm, boxes, columns);
         Status status = decided(arm, boxes, filled);
         if (unsure && !is_settled(arm, projected, boxes, filled, columns)) {
             look_around<Family>(arm, goal, seen, reference, columns, unsure);
-            status = decided(arm, boxes, filled_by(arm, boxes, columns));
+            filled = filled_by(arm, boxes, columns), status = decided(arm, boxes, filled);
         }
-        if (status == Status::incomplete) status = decided_by_curves_and_clusters(arm, projected, boxes, columns);
+        if (status == Status::incomplete) status = decided_by_curves_and_clusters(arm, projected, boxes, filled, columns);
         set_status(columns.flags[0], status);
     } else {
         Family::closely(arm, goal, seen, reference, columns, wanted);

@@ -22,10 +22,8 @@ unsigned boxes_in_clusters(const Written<6>& arm, const Goal<double>& goal, cons
             Number middle[6];
             double wide[6];
             for (int j = 0; j < 6; ++j) {
-                const double x = boxes.chord[j][b];
                 middle[j] = atan2(boxes.s[j][b], boxes.c[j][b]) - offset[j];
-                // Half the angle of an arc; see half_angle().
-                wide[j] = x * x <= 2.0 ? x + 0.056 * x * x * x + 1e-14 : PI;
+                wide[j] = half_angle(boxes.chord[j][b]) + 1e-14;
             }
             if (is_inside_larger(account.cluster[i], middle, wide)) out |= 1u << b;
         }

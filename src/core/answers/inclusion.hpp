@@ -49,6 +49,9 @@ STEP Seen<Ball<Block>> within(const Seen<Block>& target, const Block& turn, cons
     return {{wide(target.R.x, turn), wide(target.R.y, turn), wide(target.R.z, turn)}, wide(target.p, shift)};
 }
 
+// Half the angle of an arc with a chord x, or more: 2 asin(x / 2) <= x (1 + 0.056 x^2), up to a half circle, where x^2 = 2.
+template <class V> STEP V half_angle(const V& x) { return select(x * x <= V(2.0), x + 0.056 * x * x * x, V(PI)); }
+
 // The boxes of one pose, by branch: centres and chords of the arcs of the joints' angles, offsets included. A whole circle has its
 // centre at the origin and a chord of 1.
 struct Boxes {
@@ -245,10 +248,8 @@ PART bool is_settled(const Arm& arm, const Goal<double>& goal, const Boxes& boxe
     for (int k = 0; k < columns.many; ++k) {
         unsigned rest = filled.in[k] & boxes.free & ~settled;
         if (!rest) continue;
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = columns.row(k)[j];
         Six<double> J[6];
-        error_and_jacobian(arm.written, goal, q, J);
+        error_and_jacobian(arm.written, goal, columns.row(k), J);
         for (; rest; rest &= rest - 1) {
             const int b = __builtin_ctz(rest);
             int first = -1;
@@ -268,11 +269,11 @@ PART bool is_settled(const Arm& arm, const Goal<double>& goal, const Boxes& boxe
 
 // The status where the boxes alone leave it open: of a curve through a solution, or of clusters.
 template <class Arm>
-PART Status decided_by_curves_and_clusters(const Arm& arm, const Goal<double>& goal, const Boxes& boxes,
+PART Status decided_by_curves_and_clusters(const Arm& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
                                            const Columns<6>& columns) {
     if (keep_curve(arm.written, goal, columns)) return Status::continuum;
     const unsigned counted = boxes_in_clusters(arm.written, goal, arm.ideal.offset, columns, boxes);
-    return counted ? decided(arm, boxes, filled_by(arm, boxes, columns), counted) : Status::incomplete;
+    return counted ? decided(arm, boxes, filled, counted) : Status::incomplete;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -28,7 +28,8 @@ PART bool meeting_closely(const Arm& arm, const Goal<double>& goal, const Rot<do
     const Twists t = {ideal.cos_alpha[first], ideal.sin_alpha[first], ideal.cos_alpha[first + 1], ideal.sin_alpha[first + 1]};
     const double flip = ideal.signs[2][b];
     Bend<double> bend = wrist_bend(M.z, t, flip);
-    if (bend.margin < -max(max(ideal.clamp, rooted ? ROUGH : 0.0), at.drift.of_margin())) return at.drift.hides(bend.margin);
+    if (bend.margin < -max(max(ideal.clamp, rooted ? HALF_OF_THE_DIGITS : 0.0), at.drift.of_margin()))
+        return at.drift.hides(bend.margin);
     WristTurns<double> turns = wrist_turns(M, bend.turn, t);
     Drift drift = at.drift;
     drift.through_arm(turns.fixed);

@@ -10,9 +10,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double ALONG_CURVE = 0.02;
 inline constexpr int STEPS_ALONG_CURVE = 3;
 
-// Newton's method there, without motion along the valley.
-inline constexpr Course HELD_ON_CURVE = {8, FINISHED, LONG_PATIENCE, HELD};
-
 // A rank counts as lost below this singular value, where another one is below that of singular solutions. A form counts as zero
 // below ZERO_FORM: solutions where ranks are lost are known to half of their digits.
 inline constexpr double LOST_RANK = 1e-4, ZERO_FORM = 1e-6;
@@ -136,7 +133,7 @@ PART bool follows_curve(const Written<6>& arm, const Goal<double>& goal, const d
         for (int sign = -1; sign <= 1; sign += 2) {
             double at[6], away = 0.0;
             for (int j = 0; j < 6; ++j) at[j] = wrap(q[j] + sign * k * ALONG_CURVE * direction[j]);
-            if (!(polish_one<true>(arm, goal, at, HELD_ON_CURVE).error <= arm.tolerances.reach)) return false;
+            if (!(polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error <= arm.tolerances.reach)) return false;
             for (int j = 0; j < 6; ++j) away += sign * direction[j] * wrap(at[j] - q[j]);
             if (!(away > 0.7 * k * ALONG_CURVE && away < 1.3 * k * ALONG_CURVE)) return false;
         }
@@ -157,10 +154,7 @@ PART bool is_on_curve(const Written<6>& arm, const Goal<double>& goal, const dou
 // Whether a solution in the columns does.
 PART bool keep_curve(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-        if (is_on_curve(arm, goal, q)) return true;
+        if (columns.valid(b) && is_on_curve(arm, goal, columns.row(b))) return true;
     }
     return false;
 }

@@ -111,6 +111,9 @@ struct Course {
     double least_damping = LEAST_DAMPING;
 };
 
+// At a singular solution, and in a valley: without the damping HELD rounding would move the arm along its singular direction.
+inline constexpr Course ACROSS_A_VALLEY = {8, FINISHED, LONG_PATIENCE, HELD};
+
 // The result. The joint vector that was passed in is replaced by the best one found.
 template <class V> struct Polished {
     V error;  // at the best joint vector
@@ -122,7 +125,8 @@ template <class V> struct Polished {
 // singular ones. Undamped: for starts near regular solutions, about a third faster.
 // Lanes in which `moves` does not hold are left unchanged.
 template <bool damped, class Model, class V>
-STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joints], const Course& course, MaskOf<V> moves) {
+STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joints], const Course& course,
+                        MaskOf<V> moves = V(0.0) <= V(0.0)) {
     constexpr int N = Model::joints;
     Polished<V> out = {V(__builtin_inf()), V(0.0)};
     V best[N], mark = __builtin_inf(), since = 0.0;
@@ -158,7 +162,7 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
 // The same for one candidate.
 template <bool damped, class Model>
 SHARED Polished<double> polish_one(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], const Course& course) {
-    return polish<damped, Model, double>(arm, goal, q, course, true);
+    return polish<damped>(arm, goal, q, course);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -65,8 +65,9 @@ template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Compl
 
 // Radii of discs about numbers z, of which every group of k that meet holds k roots of any polynomial whose coefficients are within
 // `error` of these: N |p(z_i)| / |c_N prod (z_i - z_j)| (Smith 1970, from Gershgorin's theorem). Horner's rule in complex numbers
-// loses at most four units of roundoff of the sum of the terms' sizes a step; a product of distances less than HELD_BACK.
-inline constexpr double HORNER = 4.0 * 1.2e-16, HELD_BACK = 1.0 + 1e-12;
+// loses at most four units of roundoff of the sum of the terms' sizes a step; a product of distances less than
+// SLACK_OF_SUMS.
+inline constexpr double HORNER = 4.0 * 1.2e-16;
 template <int N> PART void root_discs(const Complex (&c)[N + 1], const Complex (&z)[N], double error, double (&radius)[N]) {
     for (int i = 0; i < N; ++i) {
         const double size = sqrt(z[i].re * z[i].re + z[i].im * z[i].im);
@@ -82,7 +83,7 @@ template <int N> PART void root_discs(const Complex (&c)[N + 1], const Complex (
             if (j != i) apart *= sqrt(x * x + y * y);
         }
         const double value = sqrt(re * re + im * im) + N * HORNER * terms + error * powers;
-        radius[i] = leading > 0.0 && apart > 0.0 ? HELD_BACK * N * value / (leading * apart) : __builtin_inf();
+        radius[i] = leading > 0.0 && apart > 0.0 ? SLACK_OF_SUMS * N * value / (leading * apart) : __builtin_inf();
     }
 }
 

@@ -20,16 +20,25 @@ inline constexpr double LEAST_DAMPING = 1e-12;
 inline constexpr double NEARLY = 1e-7, HELD = 1e-6;
 // Rounding error of a closed form's squared margins, which are of order one: 32 units in the last place.
 inline constexpr double ROUNDING = 7e-15;
-// The same behind a step that solves a quartic.
-inline constexpr double ROUGH = 1e-7;
-// Below this squared sine or lever arm a joint is nearly free: rounding changes its angle visibly.
-inline constexpr double ALMOST_ALIGNED = 1e-12;
+// What rounding leaves of a number behind a double root, of which half of the digits are lost: seven times the root of ROUNDED,
+// 1.5e-8, is more than the coefficients of the core's quartics and determinants amplify. Margins behind a quartic, the sine of an
+// angle that follows from its cosine, and the noise of a determinant's harmonics are compared with it.
+inline constexpr double HALF_OF_THE_DIGITS = 1e-7;
+// A coefficient or length [share of size] below this, or a squared sine or lever arm, is zero to rounding: a number of order one
+// that has passed through a hundred operations is known to 1e-14, and may have lost two more digits.
+inline constexpr double VANISHING = 1e-12;
+// Two joint values [rad, share of size] that differ by less are one value: solutions are verified to 1e-10, and a regular one's
+// joints are then known to 1e-10 over the smallest singular value, which is above 1e-4 but beside singularities.
+inline constexpr double SAME = 1e-6;
+// Sums of rounded products and roots of positive numbers are too small by less than this factor: up to 4000 operations.
+inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
 // Two roots of a quartic may lead to the same solution if their squared distance on the unit circle is below this.
 inline constexpr double ROOTS_CROWDED = 1e-4;
 // Rounding error of the elbow's margin behind a quartic: this much divided by the squared lever arm of the wrist.
 inline constexpr double ROUGH_BY_ROOT = 1e-9;
-// Below this squared sine or lever arm a pose counts as near a singularity: the rank of the Jacobian is then checked at each of
-// its solutions.
+// What is nearer than this is looked at more closely: a squared sine or lever arm, or a smallest singular value, to a singularity;
+// an extremum to zero; an error of the loop to a cluster's. It decides the cost only: at 1e-3 rad the digits that are lost, three
+// or six, leave nine.
 inline constexpr double NEAR = 1e-3;
 // Two solutions closer than this in every joint may be one double root: is_new() checks it.
 inline constexpr double BESIDE = 1e-3;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "arithmetic/simd.hpp"
+#include "arithmetic/thresholds.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -77,8 +77,7 @@ STEP void q_of(const double (&z)[6][2], Number (&q)[6]) {
 struct FromCentre {
     double across, along;
 };
-inline constexpr double AS_THEY_ARE[6] = {};
-STEP FromCentre from_centre(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = AS_THEY_ARE) {
+STEP FromCentre from_centre(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = {}) {
     Number d[6];
     double parts[2] = {0.0, 0.0};
     for (int k = 0; k < 6; ++k) d[k] = {wrap(wrap(q[k].re) - wrap(cluster.q[k].re)), q[k].im - cluster.q[k].im};
@@ -95,7 +94,7 @@ STEP bool is_outside(const Cluster& cluster, const Number (&q)[6], double radius
     const double r = 2.45 * radius + 1e-14;
     return at.across > cluster.across + r || at.along > cluster.along + r;
 }
-STEP bool is_inside_larger(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = AS_THEY_ARE) {
+STEP bool is_inside_larger(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = {}) {
     const FromCentre at = from_centre(cluster, q, wide);
     return at.across <= cluster.larger_across && at.along <= cluster.larger_along;
 }

@@ -20,8 +20,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double LARGEST_BALL = 0.3, GROWTH = 1.35;
 // The squared distance of X's trace from 3, rounding included, stays below 1.
 inline constexpr double SAME_BRANCH = 0.9;
-// Sums of rounded products and roots of positive numbers are too small by less than this factor.
-inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
 
 // One lane per root. holds: whether there is a root within inner, and no other within outer.
 struct Certificate {

@@ -33,16 +33,13 @@ STEP Projection<V> projection(bool parallel, const Frame<V>& a, const Frame<V>& 
     return {gain * (ab - ac * bc), gain * (bc - ac * ab)};
 }
 
-// Below this change of the middle joint [rad] two solutions count as copies of one.
-inline constexpr double APART = 1e-6;
-
-// Whether two joint vectors are images of each other in three joints from `first` on.
+// Whether two joint vectors are images of each other in three joints from `first` on, and not copies of one.
 template <int N> STEP bool are_images(const double* a, const double* b, int first) {
     for (int k = 0; k < N; ++k) {
         if ((k < first || k > first + 2) && !(a[k] == b[k])) return false;
     }
     const double change = abs(a[first + 1] - b[first + 1]);
-    return change > APART && abs(change - 2.0 * PI) > APART;
+    return change > SAME && abs(change - 2.0 * PI) > SAME;
 }
 
 // X (joints, width) becomes that of the image. The image of the image is the solution itself.

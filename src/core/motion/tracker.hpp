@@ -6,6 +6,8 @@
 // into pieces. Each piece is either proven to meet no singularity, or so short that a crossed fold is detected and undone.
 #pragma once
 
+#include <initializer_list>
+
 #include "motion/stand.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -19,12 +21,12 @@ inline constexpr int TRIALS = 14;
 inline constexpr double ENOUGH_GAIN = 0.1, LEAST_TRUST = 1e-9;
 // An arm that moves less than this [rad, share of size] and is not at its target counts as held.
 inline constexpr double STILL = 1e-6;
-// At a singularity, the change of the smallest singular value per rad along the self-motion direction, measured PASSED_ON [rad,
-// share of size] to either side. Above PASSABLE the singularity is a fold, beyond which lies another branch. Below (the wrist,
+// At a singularity, the change of the smallest singular value per rad along the self-motion direction, measured PIECE to
+// either side. Above PASSABLE the singularity is a fold, beyond which lies another branch. Below (the wrist,
 // the shoulder) the singularity persists along this motion, and the arm may pass to the other side. The derivative at the
 // singularity is below 1e-12 for exact wrists and shoulders, 6e-5 for those of a calibrated UR, and 6e-4 to 0.2 for folds of
 // general arms. Where two folds meet (a cusp) it is zero too, but the change grows with the distance.
-inline constexpr double PASSABLE = 2e-4, PASSED_ON[2] = {PIECE, -PIECE};
+inline constexpr double PASSABLE = 2e-4;
 // The same derivative, at or beside a singularity, above which the reported reason is reach instead of singularity.
 inline constexpr double BLUNT = 5e-3;
 // A piece that crosses a fold is moved back to where the smallest singular value is this share of the value before, but not below
@@ -169,7 +171,7 @@ PART bool passes(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, do
     Stand<N> there = moved(arm, a, x);
     jacobian_at(arm, there.at, there.J);
     const Weak<N> weak = weak_at(there);
-    for (const double side : PASSED_ON) {
+    for (const double side : {PIECE, -PIECE}) {
         for (int k = 0; k < N; ++k) x[k] = side * weak.motion[k];
         Stand<N> beside = moved(arm, there, x);
         jacobian_at(arm, beside.at, beside.J);

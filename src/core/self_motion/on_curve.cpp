@@ -16,8 +16,6 @@ namespace {
 
 // Longest step of Newton's method [rad, share of size].
 constexpr double LONGEST_STEP = 0.5;
-// After orthogonalisation a row of the Jacobian shorter than this cannot be distinguished from rounding.
-constexpr double SINGULAR_ROW = 1e-7;
 // A search stops after SEARCH_ROUNDS rounds, at the error SEARCH_ENOUGH, or after SEARCH_PATIENCE rounds without progress. It has
 // found a point if the error is at most SEARCH_FOUND. Most starts end within SEARCH_FIRST rounds; the others go on side by side.
 constexpr int SEARCH_ROUNDS = 40, SEARCH_FIRST = 5, SEARCH_PATIENCE = 14;
@@ -114,7 +112,8 @@ template <int N, class V> struct Orthogonal {
     // The sign of the determinant of the first six rows and a unit axis: of the other columns, by elimination.
     STEP V sense(const V (&axis)[7]) const {
         V rows[6][6], sign = 1.0;
-        for (int i = 0; i < 6; ++i) sign = select(inverse[i] > 1.0 / (SINGULAR_ROW * SINGULAR_ROW), 0.0, sign);
+        // A row that is shorter than HALF_OF_THE_DIGITS after orthogonalisation cannot be distinguished from rounding.
+        for (int i = 0; i < 6; ++i) sign = select(inverse[i] > 1.0 / (HALF_OF_THE_DIGITS * HALF_OF_THE_DIGITS), 0.0, sign);
         // The last column takes the place of the axis' column; exchanging two columns flips the sign.
         sign = select(axis[6] > 0.5, sign, -sign);
 #pragma GCC unroll 6
@@ -273,7 +272,6 @@ void settle(const FreeArm& arm, const Start* starts, int count, OnCurve* out) {
 // Newton's method from starts (count, 7), with the numbers `of` (count); each is replaced by what it reaches. error: (count).
 void search_from(const Written<7>& written, const Goal<Block>& goals, const int* of, int count, int rounds, double* q,
                  double* error) {
-    const Block zero = 0.0;
     for (int k = 0; k < count; k += BLOCK) {
         const int many = count - k < BLOCK ? count - k : BLOCK;
         Block x[7];
@@ -281,8 +279,7 @@ void search_from(const Written<7>& written, const Goal<Block>& goals, const int*
             const double* from = q + 7 * of[k + (l < many ? l : many - 1)];
             for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
         }
-        const Block reached =
-            polish<true, Written<7>, Block>(written, goals, x, {rounds, SEARCH_ENOUGH, SEARCH_PATIENCE}, zero <= zero).error;
+        const Block reached = polish<true>(written, goals, x, {rounds, SEARCH_ENOUGH, SEARCH_PATIENCE}).error;
         for (int l = 0; l < many; ++l) {
             const int i = of[k + l];
             for (int j = 0; j < 7; ++j) q[7 * i + j] = x[j][l];

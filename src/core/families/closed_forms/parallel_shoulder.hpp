@@ -330,7 +330,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const auto& ideal = arm.ideal;
         const auto& [R, p] = sight.seen;
         const HandAxes<double> hand = hand_at(ideal, at.ends.t4);
-        const bool aligned = at.middle.arm5 < ALMOST_ALIGNED;
+        const bool aligned = at.middle.arm5 < VANISHING;
         Left out = {angle(at.middle.t5), angle(t6), turn_of_hand(ideal, R, hand, at.middle.t5, t6), {}, true};
         // From axis 1 to axis 3 through the last point that no free joint moves.
         Plane<double> o = {p.x, p.y}, f;

@@ -87,10 +87,6 @@ template <Shoulder kind, class V> STEP Third<kind, V> third(const SphericalWrist
     }
 }
 
-// The shortest side of the triangle of joints 1 and 2 [share of size] that is divided by; with a shorter one joint 2 is
-// free.
-inline constexpr double SHORTEST_SIDE = 1e-12;
-
 // Joints 1 and 2 for a given joint 3.
 template <Shoulder kind, class V>
 STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Third<kind, V>& at, const V& front, const Held& hold) {
@@ -101,7 +97,8 @@ STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Thi
     Place<V> out;
     V ux, uy;
     if constexpr (kind == Shoulder::parallel_12) {
-        const V length = max(root(arm2), V(SHORTEST_SIDE * arm.ideal.size));
+        // With a shorter side of the triangle joint 2 is free.
+        const V length = max(root(arm2), V(VANISHING * arm.ideal.size));
         const Elbow<V> e = elbow(p.x, p.y, V(a1), length, ca1, front);
         out.t1 = e.second, out.margin1 = e.margin, ux = length * e.bend.c, uy = length * e.bend.s;
     } else {

@@ -11,10 +11,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Error bounds that accept every target: for the height if a slide sets it, for the turn if a third joint sets it or
-// the target is a point.
-inline constexpr double ANY_HEIGHT = 1e300, ANY_TURN = 4.0;
-
 // of_points: the targets are points in the plane, for two joints.
 template <int N, bool of_points = false> struct Planar {
     using Arm = PlanarArm<N>;
@@ -34,12 +30,12 @@ template <int N, bool of_points = false> struct Planar {
         if constexpr (!of_points) {
             const Rot<Block>& R = seen.R;
             const Block tilt = max(max(abs(R.z.x), abs(R.z.y)), max(abs(R.x.z), abs(R.y.z)));
-            const double free_height = arm.joint[3] >= 0 ? ANY_HEIGHT : reach * size;
+            const double free_height = arm.joint[3] >= 0 ? __builtin_inf() : reach * size;
             lost = lost | (tilt > Block(reach)) | (R.z.z <= Block(0.0)) | (abs(p.z) > Block(free_height));
             near = near & (tilt <= Block(2.0 * reach));
             turn = atan2(R.x.y, R.x.x);
         }
-        const double free_turn = of_points || arm.joint[2] >= 0 ? ANY_TURN : reach;
+        const double free_turn = of_points || arm.joint[2] >= 0 ? __builtin_inf() : reach;
         for (int b = 0; b < 2; ++b) {
             const Block rest = wrap(wrap(turn - (first[b] + bends[b]) + arm.angle[1]));
             Block q[N];

@@ -27,9 +27,7 @@ struct Sampled {
 
     static STEP bool is_apart(const Written<6>& arm, const Columns<6>& columns, const double (&q)[6]) {
         for (int b = 0; b < columns.many; ++b) {
-            double apart = 0.0;
-            for (int j = 0; j < 6; ++j) apart = max(apart, abs(gap(arm, j, q[j], columns.row(b)[j])));
-            if (columns.valid(b) && apart < SPREAD) return false;
+            if (columns.valid(b) && distance(arm, q, columns.row(b)) < SPREAD) return false;
         }
         return true;
     }
@@ -46,7 +44,6 @@ struct Sampled {
     static PART void search(const Written<6>& arm, const Goal<double>& goal, const Reference<6>& reference,
                             const Columns<6>& columns) {
         const Goal<Block> goals = spread<Block>(goal);
-        const Block zero = 0.0;
         Scatter scatter = Scatter::number(0);
         double nearest[BLOCK][6], least[BLOCK];
         for (double& each : least) each = WITHIN_REACH;
@@ -59,7 +56,7 @@ struct Sampled {
                     start[j].set(l, k + l ? (arm.slides[j] ? arm.size : PI) * value : reference.q[j]);
                 }
             }
-            const Block error = polish<true, Written<6>, Block>(arm, goals, start, {60, FINISHED, PATIENCE}, zero <= zero).error;
+            const Block error = polish<true>(arm, goals, start, {60, FINISHED, PATIENCE}).error;
             since += columns.count() ? BLOCK : 0;
             for (int l = 0; l < BLOCK; ++l) {
                 double q[6];

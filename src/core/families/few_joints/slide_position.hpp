@@ -16,8 +16,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Below this a coefficient of the equations (of order one) is zero to rounding.
-inline constexpr double VANISHING = 1e-12;
 // If the squared distance from a joint's axis is below this, the joint may be free or badly determined: it is tried at values
 // around the circle.
 inline constexpr double ALL_BUT_FREE = 1e-10;

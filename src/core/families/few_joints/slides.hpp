@@ -5,12 +5,12 @@
 // orientation, wherever they are in the chain, and the slides from a linear system. Candidates are polished and verified.
 #pragma once
 
+#include <initializer_list>
+
 #include "families/few_joints/few_joints.hpp"
 #include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
-
-inline constexpr double FLIPS[2] = {1.0, -1.0};
 
 // a' b
 STEP Rot<double> seen_from(const Rot<double>& a, const Rot<double>& b) {
@@ -31,8 +31,8 @@ PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, co
     const Rot<double> M = seen_from(rotation(arm.first), E * arm.last);
     const Bend<double> bend = wrist_bend(M.z, t, sign);
     const double error = 20.0 * off / (t.sa * t.sa * t.sb * t.sb);
-    sure = sure && abs(bend.margin) > error + ROUGH;
-    if (!(bend.margin >= -max(ROUGH, arm.clamp))) return false;
+    sure = sure && abs(bend.margin) > error + HALF_OF_THE_DIGITS;
+    if (!(bend.margin >= -max(HALF_OF_THE_DIGITS, arm.clamp))) return false;
     WristTurns<double> turns = wrist_turns(M, bend.turn, t);
     off = error / sqrt(max(min(bend.margin, turns.fixed), TINY));
     if (turns.fixed <= arm.written.tolerances.continuum) {
@@ -76,7 +76,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
     bool proven = places.whole && arm.imperfection == 0.0;
     for (int c = 0; c < places.count; ++c) {
         const PlaceTried& place = places.at[c];
-        for (const double sign : FLIPS) {
+        for (const double sign : {1.0, -1.0}) {
             double bounds[6] = {place.off[0], place.off[1], place.off[2]}, candidate[6], off = PLACE_ERROR;
             for (int k = 0; k < 3; ++k) off += arm.step.slides[k] ? 0.0 : place.off[k];
             if (!wrist_behind(arm, goal, place.q, sign, reference, q, off, proven)) continue;
@@ -96,7 +96,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
 // Returns whether they are proven to be all: the slides are where the turns put them.
 PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
     bool proven = arm.imperfection == 0.0;
-    for (const double sign : FLIPS) {
+    for (const double sign : {1.0, -1.0}) {
         double q[6] = {}, off = PLACE_ERROR;
         if (!turn_wrist(arm, from_home(goal.R, arm.home), sign, reference, q, off, proven)) continue;
         const Posture<6, double> at = place(arm.written, q);
@@ -119,24 +119,11 @@ PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
     return proven;
 }
 
-// The same with turns at values around the circle: the wrist may leave two joints free while the slides fit only few of
-// their values.
-PART void by_slides_around(const SlidesArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    for (int k = 0; k < AROUND && !columns.count(); ++k) {
-        Reference<6> at;
-        for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
-        at.given = 1.0;
-        by_slides(arm, goal, at, columns);
-    }
-}
-
 // Marks a singular solution as the wrist's if the axes of the three turns lie in a plane.
 STEP void name_singular(const SlidesArm& arm, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
         if (!(columns.flags[b] & OTHER)) continue;
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-        const Posture<6, double> at = place(arm.written, q);
+        const Posture<6, double> at = place(arm.written, columns.row(b));
         const auto z = [&](int k) { return at.joint[arm.turn[k]].R.z; };
         if (abs(dot(z(0), cross(z(1), z(2)))) <= arm.written.tolerances.singular) columns.flags[b] = VALID | WRIST;
     }
@@ -148,7 +135,6 @@ template <int B> struct Slides {
 
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const bool proven = arm.by_wrist ? by_wrist(arm, goal, reference, columns) : by_slides(arm, goal, reference, columns);
-        if (!arm.by_wrist && !columns.count()) by_slides_around(arm, goal, columns);
         name_singular(arm, columns);
         sort(columns);
         if (!proven) set_status(columns.flags[0], Status::incomplete);

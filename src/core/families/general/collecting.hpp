@@ -15,8 +15,6 @@ inline constexpr int ROUNDS_TO_PAIRS = 6;
 // Roots with e^(sum of |imaginary parts|) above FAR_FROM_REAL, whose bound on Newton's step is below CONVERGING [rad], are
 // certified with twice the digits where doubles fail.
 inline constexpr double FAR_FROM_REAL = 100.0, CONVERGING = 0.1;
-// A joint vector to which Newton's method came is tried as a cluster's if the loop's error there is below this.
-inline constexpr double NEAR_A_CLUSTER = 1e-3;
 // Joint vectors this near to each other [rad] lead to the same cluster: only the first is tried.
 inline constexpr double ALIKE = 1e-4;
 
@@ -106,15 +104,12 @@ PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     double least_gap = __builtin_inf();
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
-        double most = 0.0;
-        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
-        if (most < least_gap) least_gap = most, nearest = b;
+        const double apart = distance(arm.written, q, columns.row(b));
+        if (apart < least_gap) least_gap = apart, nearest = b;
     }
     // Next to a singularity, keep only the most accurate approximation of the root.
-    double known[6];
-    for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
     if (least_gap > arm.written.tolerances.duplicate &&
-        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
+        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, columns.row(nearest)).size) {
         const int marks = columns.flags[nearest] & ~VALID;
         columns.clear(nearest);
         if (!is_new(arm.written, goal, columns, q)) return column_of(arm, goal, search, q, least);
@@ -170,8 +165,9 @@ PART void account_for(const EliminationArm& arm, const Goal<double>& goal, Searc
         growth.imaginary = select(better, own.imaginary, growth.imaginary);
     }
     Candidates starts = {{}, 0};
-    // Newton's method has come near to multiple roots too: their error is of the order of the distance's square.
-    const auto near = c.error < Block(NEAR_A_CLUSTER);
+    // Newton's method has come near to multiple roots too, which are tried as clusters: their error is of the order of the
+    // distance's square.
+    const auto near = c.error < Block(NEAR);
     for (unsigned rest = lanes & ~bits(c.holds) & bits(near); rest; rest &= rest - 1) {
         const int l = __builtin_ctz(rest);
         double at[6][2];
@@ -289,16 +285,12 @@ PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, co
             Number at[6];
             as_numbers(columns.row(b), at);
             if (!columns.valid(b) || !is_inside_larger(cluster, at) || is_known(account, at)) continue;
-            double row[6];
-            for (int j = 0; j < 6; ++j) row[j] = columns.row(b)[j];
-            add(row, singular_marks(arm.written, goal, row, columns.flags[b] & SINGULAR)), found = true;
+            add(columns.row(b), singular_marks(arm.written, goal, columns.row(b), columns.flags[b] & SINGULAR)), found = true;
         }
         if (found) continue;
         double centre[6];
         for (int j = 0; j < 6; ++j) centre[j] = wrap(cluster.q[j].re);
-        // Without the damping HELD, rounding would move the arm along its singular direction.
-        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
-        if (polish_one<true>(arm.written, goal, centre, held).error <= arm.written.tolerances.reach) add(centre, OTHER);
+        if (polish_one<true>(arm.written, goal, centre, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) add(centre, OTHER);
     }
     columns.clear();
     for (int i = 0; i < many; ++i) keep(columns, i, q[i], flags[i]);
@@ -313,9 +305,7 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
         if (!columns.valid(b)) continue;
         int own = -1;
         for (int i = 0; i < account.reals; ++i) {
-            double most = 0.0;
-            for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(columns.row(b)[j] - account.real[i].q[j])));
-            if (most <= account.real[i].outer) own = i;
+            if (distance(arm.written, columns.row(b), account.real[i].q) <= account.real[i].outer) own = i;
         }
         if (own < 0 || owned >> own & 1) columns.clear(b);
         else owned |= 1u << own;
@@ -333,19 +323,15 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
 
 PART void mark_singular(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-        columns.flags[b] |= std::uint8_t(singular_marks(arm, goal, q, columns.flags[b] & SINGULAR));
+        if (columns.valid(b))
+            columns.flags[b] |= std::uint8_t(singular_marks(arm, goal, columns.row(b), columns.flags[b] & SINGULAR));
     }
 }
 
 // Whether a solution in the columns is within a step along a curve.
 STEP bool is_beside(const Written<6>& arm, const Columns<6>& columns, const double (&q)[6]) {
     for (int b = 0; b < columns.many; ++b) {
-        double most = 0.0;
-        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm, j, q[j], columns.row(b)[j])));
-        if (columns.valid(b) && most < ALONG_CURVE) return true;
+        if (columns.valid(b) && distance(arm, q, columns.row(b)) < ALONG_CURVE) return true;
     }
     return false;
 }

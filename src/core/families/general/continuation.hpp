@@ -15,9 +15,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // special one has half of its solutions this far from real, or farther. Its known poses leave these out: many cannot be
 // followed.
 inline constexpr double DISTANT = 4.0;
-// Two path ends at a known pose are one solution if they differ by less than this [rad, sizes]: solutions of known
-// poses are regular.
-inline constexpr double SAME_SOLUTION = 1e-6;
 
 // Shepperd's method (1978), from the largest of the four components.
 STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
@@ -158,7 +155,7 @@ STEP void add_solution(const Written<6>& arm, KnownPose& pose, int& many, Comple
         else z[0] *= w, z[1] *= w;
     }
     for (int i = 0; i < many; ++i) {
-        if (apart(arm, q, pose.solution[i]) < SAME_SOLUTION) return;
+        if (apart(arm, q, pose.solution[i]) < SAME) return;
     }
     if (many < KnownPose::most) pose.solution[many++] = q;
 }
@@ -206,13 +203,12 @@ STEP void leave_out_distant(const Written<6>& arm, KnownPose& pose, int& many) {
 // near: whether the arm is near a special one; solutions far from real are then left out. Singular joint vectors are
 // skipped. With fewer than two regular ones, as on an arm that is singular everywhere, there are no known poses.
 inline constexpr int IDLE_ROUNDS = 8, IDLE_ROUNDS_WITH_SLIDES = 100, MOST_ROUNDS = 120, MOST_TRIED = 128;
-inline constexpr double REGULAR = 1e-3;
 PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, bool near, Continuation& out) {
     double q[MOST_TRIED][6];
     int regular = 0, many;
     for (int i = 0; i < m && regular < MOST_TRIED; ++i) {
         for (int j = 0; j < 6; ++j) q[regular][j] = all[i][j];
-        regular += weakest_at(arm, place(arm, q[regular]).tip, q[regular]).value > REGULAR;
+        regular += weakest_at(arm, place(arm, q[regular]).tip, q[regular]).value > NEAR;
     }
     out.solutions = out.poses = 0, m = regular;
     if (m < 2) return;

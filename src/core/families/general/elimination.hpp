@@ -24,15 +24,11 @@ inline constexpr double NEAR_CIRCLE = 0.1;
 // A root of a hidden slide is skipped if its cosine is below this: the slide would be longer than 20 times the mean
 // distance of the axes.
 inline constexpr double FARTHEST = -0.995;
-// A determinant with noisier harmonics than this never makes the result certain. If all_known(), it is not used at all.
-inline constexpr double LARGEST_NOISE = 1e-7;
 // A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster about
 // equally, so if this holds, no root of the cluster is as far off the circle as NEAR_CIRCLE.
 inline constexpr double OWN_ROOT = 1e-3;
 // The same for arms near special ones, whose roots form clusters.
 inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
-// A root with a squared length this much below one is off the circle: the determinant's rounding at simple roots is smaller.
-inline constexpr double ON_CIRCLE = 1e-7;
 // The end of a path is not real if an angle's imaginary part is above this: at regular ends, and at singular ends.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
@@ -78,7 +74,7 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
     double re[2 * DEGREE], im[2 * DEGREE];
     int many = 0;
     for (const Complex& each : z) {
-        if (each.re * each.re + each.im * each.im < 1.0 - ON_CIRCLE) re[many] = each.re, im[many++] = each.im;
+        if (each.re * each.re + each.im * each.im < 1.0 - HALF_OF_THE_DIGITS) re[many] = each.re, im[many++] = each.im;
     }
     for (int k = many; k < 2 * DEGREE; ++k) re[k] = re[0], im[k] = im[0];
     for (int from = 0; from < many; from += BLOCK) {
@@ -97,7 +93,8 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
 PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Eliminant& of,
                  SearchState& search) {
     const auto& [G, A, coefficients, error, noise] = of;
-    const bool noisy = !(noise < LARGEST_NOISE);
+    // Noisy harmonics never make the result certain. If all_known(), they are not used at all.
+    const bool noisy = !(noise < HALF_OF_THE_DIGITS);
     if (noisy && all_known(arm)) return false;
     Complex z[2 * DEGREE];
     self_inversive_roots<2 * DEGREE>(coefficients, z);
@@ -333,11 +330,9 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         keep_accounted(arm, goal, search);
         return proven;
     }
-    // If no candidate converged, the best may be a double root. Without the damping HELD, rounding would move the arm
-    // along its singular direction.
+    // If no candidate converged, the best may be a double root.
     if (columns.count() == 0 && search.error < NEARLY) {
-        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
-        if (polish_one<true>(arm.written, goal, search.best, held).error <= arm.written.tolerances.reach) {
+        if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
             keep(columns, 0, search.best, OTHER);
             certain = false;
         }

@@ -12,9 +12,6 @@ inline constexpr int PASSES = 4;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
 inline constexpr double CORRECTION_ROUNDING = 4.0 * TARGET_ROUNDING;
 
-// Half the angle of an arc with a chord x, or more: 2 asin(x / 2) <= x (1 + 0.056 x^2), up to a half circle, where x^2 = 2.
-STEP Block half_angle(const Block& x) { return select(x * x <= Block(2.0), x + 0.056 * x * x * x, Block(PI)); }
-
 // A block of boxes: half the width of its widest arc [rad], infinite for a whole circle, and its centre as joint values.
 struct Middle {
     Block q[6], width;
@@ -26,7 +23,7 @@ STEP Middle middle_of(const Boxes& boxes, const IdealFrames& ideal, int first) {
         const Block c = load<Block>(boxes.c[j] + first), s = load<Block>(boxes.s[j] + first),
                     x = load<Block>(boxes.chord[j] + first);
         out.q[j] = wrap(atan2(s, c) - ideal.offset[j]);
-        out.width = max(out.width, select(c * c + s * s > Block(0.5), x + 0.056 * x * x * x, Block(__builtin_inf())));
+        out.width = max(out.width, select(c * c + s * s > Block(0.5), half_angle(x), Block(__builtin_inf())));
     }
     return out;
 }

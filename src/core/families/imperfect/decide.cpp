@@ -20,8 +20,6 @@ inline constexpr double FIXED_BY_DRIFT = 4.0;
 // little for two of 20,000 joint vectors planted next to two singularities. 64 costs no time, as few poses are so near
 // to an end.
 inline constexpr double BEYOND_BY_DRIFT = 64.0;
-// Newton's method may move by this share of the Jacobian's smallest singular value; see imperfect.hpp.
-inline constexpr double KANTOROVICH = 0.5;
 // A margin below this is rounding.
 inline constexpr double ROUNDED_MARGIN = 1e-12;
 // How often a target is corrected before the pose is given to the elimination.
@@ -45,7 +43,8 @@ STEP bool is_beyond(const Answers& before, const Answers& now, int b, double squ
     return false;
 }
 
-// Newton's method on one block of branches, those whose bits are in `inside`.
+// Newton's method on one block of branches, those whose bits are in `inside`. It may move by half of the Jacobian's smallest
+// singular value (Kantorovich); see imperfect.hpp.
 PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& now, unsigned inside, int first, Known& known) {
     constexpr unsigned all = (1u << BLOCK) - 1;
     inside = inside >> first & all;
@@ -55,7 +54,7 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& no
     for (int l = 0; l < BLOCK; ++l) chosen.set(l, inside >> l & 1);
     const Polished<Block> end = polish<false>(arm.written, goal, q, {5, CONVERGED, 2}, chosen > Block(0.5));
     for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - start[j])));
-    const unsigned found = inside & bits((end.error <= Block(CONVERGED)) & (moved <= KANTOROVICH * end.least) &
+    const unsigned found = inside & bits((end.error <= Block(CONVERGED)) & (moved <= 0.5 * end.least) &
                                          (end.least >= Block(arm.written.tolerances.singular)));
     known.found |= found << first, known.open &= ~(found << first);
     for (int l = 0; l < BLOCK; ++l) {

@@ -75,7 +75,7 @@ struct Divider {
         return to;
     }
     // Whether joint vectors lie in a region; its roots are known.
-    bool is_in_region(const double (&q)[6], const double (&along)[6] = NOWHERE, const double (&rest)[6] = NOWHERE) const {
+    bool is_in_region(const double (&q)[6], const double (&along)[6] = {}, const double (&rest)[6] = {}) const {
         for (int i = (regions < REGIONS ? regions : REGIONS) - 1; i >= 0; --i) {
             if (placed(region[i], q, along, rest).inside) return true;
         }
@@ -131,9 +131,8 @@ struct Divider {
                 for (int k = 0; k < 5; ++k) sum += y[k] * all.direction[k][j];
                 q[i][j] = wrap(wrap(sum));
             }
-            const double error = each.single
-                                     ? polish_one<false>(of.written, of.goal, q[i], {12, FINISHED, 12}).error
-                                     : polish_one<true>(of.written, of.goal, q[i], {8, FINISHED, LONG_PATIENCE, HELD}).error;
+            const double error = each.single ? polish_one<false>(of.written, of.goal, q[i], {12, FINISHED, 12}).error
+                                             : polish_one<true>(of.written, of.goal, q[i], ACROSS_A_VALLEY).error;
             const Placed where = placed(all, q[i]);
             if (!(error <= (each.single ? CONVERGED : of.written.tolerances.reach))) return false;
             if (!where.inside || where.along < each.low || where.along > each.high) return false;
@@ -251,7 +250,7 @@ struct Divider {
         for (int j = 0; j < 6; ++j) {
             const auto arc = next.c[j] * next.c[j] + next.s[j] * next.s[j] > Block(0.5);
             const Block x = next.chord[j], half = abs(along[j]) + rest[j];
-            const Block wide = select(arc & (x < Block(1.4)), x + 0.056 * x * x * x + ROUNDED_ARC, Block(7.0));
+            const Block wide = select(arc & (x < Block(1.4)), half_angle(x) + ROUNDED_ARC, Block(7.0));
             // The new slanted arc and the old one are met at the same t, so is the new arc itself.
             const Block off = wrap(wrap(next.middle[j] - middle[j])), apart = abs(off) - abs(next.along[j] - along[j]);
             const Block d = wrap(wrap(atan2(next.s[j], next.c[j]) - middle[j]));
@@ -321,7 +320,7 @@ void divide(const Division& of, const Boxes& boxes, unsigned open, Certified& ou
         for (int j = 0; j < 6; ++j) {
             const double c = boxes.c[j][b], s = boxes.s[j][b], x = boxes.chord[j][b];
             const bool arc = c * c + s * s > 0.5;
-            to.middle[j] = arc ? atan2(s, c) : 0.0, to.rest[j] = arc ? x + 0.056 * x * x * x + ROUNDED_ARC : PI, to.along[j] = 0.0;
+            to.middle[j] = arc ? atan2(s, c) : 0.0, to.rest[j] = arc ? half_angle(x) + ROUNDED_ARC : PI, to.along[j] = 0.0;
         }
     }
     while (divider.work < of.both.boxes) {

@@ -64,8 +64,7 @@ struct Waiting {
         }
         filled = 0;
         // Most of them may lead to no solution.
-        const Block zero = 0.0;
-        const auto end = polish<true, Written<6>, Block>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE}, zero <= zero);
+        const auto end = polish<true>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE});
         for (int l = 0; l < many; ++l) {
             double at[6];
             for (int j = 0; j < 6; ++j) at[j] = q[j][l];
@@ -122,9 +121,12 @@ template <class Family> struct Imperfect {
                 // A curve of solutions has no boxes that end, and decides the status.
                 if (all.status == Status::incomplete && off > FINEST && off < KEEPS_CURVES) {
                     Family::closely(arm.family, goal, seen, reference, columns, 255);
-                    const bool on_curve = keep_curve(arm.family.written, goal, columns);
+                    if (keep_curve(arm.family.written, goal, columns)) {
+                        set_status(columns.flags[0], Status::continuum);
+                        return;
+                    }
                     columns.clear();
-                    if (!on_curve) all = certified(true);
+                    all = certified(true);
                 }
             }
             if (all.status != Status::incomplete) {

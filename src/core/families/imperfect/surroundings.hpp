@@ -44,8 +44,7 @@ STEP Placed placed(const Surroundings& region, const double (&q)[6], const doubl
     const double across = sqrt(sum) + bend;
     return {across, t, across <= region.across};
 }
-inline constexpr double NOWHERE[6] = {};
-STEP Placed placed(const Surroundings& region, const double (&q)[6]) { return placed(region, q, NOWHERE, NOWHERE); }
+STEP Placed placed(const Surroundings& region, const double (&q)[6]) { return placed(region, q, {}, {}); }
 STEP bool holds(const Surroundings& region, const double (&q)[6]) { return placed(region, q).inside; }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -9,6 +9,7 @@
 // and on continua this does not end, so the centres of the smallest boxes become starts.
 #pragma once
 
+#include "arithmetic/ball.hpp"
 #include "families/mimics/coupled_model.hpp"
 #include "kinematics/target.hpp"
 
@@ -18,9 +19,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // squared [rad].
 inline constexpr long STARTS = 400;
 inline constexpr double SMALLEST = 2e-4;
-// Rounding of the error's length: of MOST_AXES axes as in certificate/loop.hpp, (14 n^2 + 62 n) 2^-53; a factor that covers the
-// rounding of the bound; the contraction that Newton's step needs.
-inline constexpr double ERROR_ROUNDING = 4e-13, SLACK = 1.0 + 1e-9, CONTRACTING = 0.25;
+// Rounding of the error's length: of MOST_AXES axes as in certificate/loop.hpp, (14 n^2 + 62 n) 2^-53; the contraction that
+// Newton's step needs.
+inline constexpr double ERROR_ROUNDING = 4e-13, CONTRACTING = 0.25;
 // A diagonal entry of the triangular factor below this share of its column: the columns depend on one another.
 inline constexpr double DEPENDENT = 1e-10;
 
@@ -44,7 +45,7 @@ template <int N> STEP double bound(const CoupledArm<N>& arm, const double (&w)[N
         place += link * rate * rate + 2.0 * slide * rate;
     }
     place /= written.size;
-    return 0.5 * sqrt(place * place + rate * rate * rate * rate) * SLACK;
+    return 0.5 * sqrt(place * place + rate * rate * rate * rate) * INFLATED;
 }
 
 // One bit per box. alone: it holds at most one solution, and `start` leads to it. halve: this is open. The others hold

@@ -19,11 +19,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The turn about axis 4 is determined by the sine of the angle from axis 4 to axis 7, times the sine of the angle from
-// axis 4 to the wanted direction of axis 7. If the product is below ALIGNED, TURNS_TRIED turns around the circle are
-// tried.
-inline constexpr double ALIGNED = 1e-2;
-inline constexpr int TURNS_TRIED = 8;
 // A margin that is negative at a sample by less than this may be positive between two samples.
 inline constexpr double ALMOST = 1e-2;
 // If the residual is below CORRECTED, the sample is moved in CORRECTION_ROUNDS rounds to where the arm as written has it.
@@ -35,14 +30,6 @@ inline constexpr double COS_TURNING = 0.98877;
 // Greatest number of samples that are put between two of the table's, and the number of times that their distance is
 // halved at most.
 inline constexpr int MOST_BETWEEN = 64, MOST_HALVINGS = 20;
-// An extremum of the equation counts as near zero below this, whatever its curvature: it covers the table's
-// interpolation and the imperfection of the arm.
-inline constexpr double NEAR_ZERO = 1e-3;
-
-// Beside a solution whose smallest singular value is below this, further ones are searched along its valley: joints 1 and
-// 4 then turn far against one another while the pose hardly changes.
-inline constexpr double VALLEY = 1e-3;
-
 struct HollowWrist {
     using Arm = HollowWristArm;
     static constexpr int branches = 32;
@@ -94,7 +81,8 @@ struct HollowWrist {
             search.front = ideal.signs[0][2 * pair], search.up = ideal.signs[1][2 * pair];
             scan(search);
         }
-        walk_valleys(driven(arm.written), goal, VALLEY, columns);
+        // Beside a nearly singular solution joints 1 and 4 turn far against one another while the pose hardly changes.
+        walk_valleys(driven(arm.written), goal, NEAR, columns);
         finish(arm.written, columns);
         // A scan cannot prove that its result is complete.
         set_status(columns.flags[0], Status::incomplete);
@@ -142,11 +130,11 @@ struct HollowWrist {
     }
 
     // The arm as written at a sample's joints, with joint 4 such that axis 7 comes nearest to its wanted direction: joints
-    // 1 to 4, the direction of axis 7, its point, the residual, and the square that tells aligned axes; see ALIGNED.
+    // 1 to 4, the direction of axis 7, its point, and the residual.
     struct Aimed {
         double joints[4];
         Vec<double> direction, flange;
-        double off, aligned;
+        double off;
     };
     static PART Aimed aim(const Scan& search, const Sample& s) {
         const auto& written = search.arm.written;
@@ -161,11 +149,7 @@ struct HollowWrist {
             return turn.c * v + turn.s * cross(z4, v) + (1.0 - turn.c) * dot(z4, v) * z4;
         };
         const Vec<double> arm = at.tip.p + at.tip.R * vec<double>(search.arm.flange) - at.axis[3].p;
-        return {{x[0], x[1], x[2], angle(turn)},
-                turned(z7),
-                at.axis[3].p + turned(arm),
-                dot(z4, wanted) - dot(z4, z7),
-                sine * sine + cosine * cosine};
+        return {{x[0], x[1], x[2], angle(turn)}, turned(z7), at.axis[3].p + turned(arm), dot(z4, wanted) - dot(z4, z7)};
     }
 
     // All values of joint 5 on one branch.
@@ -279,7 +263,8 @@ struct HollowWrist {
         const double bend = (slope_on - slope_back) / (back + on), slope = (slope_back * on + slope_on * back) / (back + on);
         if (abs(bend) < TINY) return;
         const double vertex = -0.5 * slope / bend, value = here.off + 0.5 * slope * vertex, width = max(back, on);
-        if (abs(value) > abs(bend) * width * width + NEAR_ZERO) return;
+        // NEAR covers the table's interpolation and the imperfection of the arm.
+        if (abs(value) > abs(bend) * width * width + NEAR) return;
         const double apart = sqrt(abs(value / bend));
         for (int side = -1; side <= 1; ++side) start(search, at(search, here.joint_5 + vertex + side * apart), true);
     }
@@ -295,19 +280,13 @@ struct HollowWrist {
         const auto& written = search.arm.written;
         const Aimed at = aim(search, s);
         double x[6] = {at.joints[0], at.joints[1], at.joints[2], 0.0, s.joint_5, 0.0};
-        const bool aligned = at.aligned < ALIGNED * ALIGNED;
-        const Vec<double>& wanted = search.direction;
-        for (int k = 0; k < (aligned ? TURNS_TRIED : 1); ++k) {
-            x[3] = wrap(wrap(at.joints[3] + k * (2.0 * PI / TURNS_TRIED))) * written.gain[3][3], x[5] = 0.0;
-            const Rot<double> R = place(written, x).tip.R;
-            const Rot<double>& G = search.goal.R;
-            const Vec<double> turned = cross(R.x, G.x) + cross(R.y, G.y) + cross(R.z, G.z);
-            const double trace = dot(R.x, G.x) + dot(R.y, G.y) + dot(R.z, G.z);
-            x[5] = atan2(dot(wanted, turned), trace - 1.0) * written.gain[6][5];
-            double from[6];
-            for (int j = 0; j < 6; ++j) from[j] = x[j];
-            polish_and_keep(written, search.goal, from, searched || aligned, search.columns);
-        }
+        x[3] = wrap(wrap(at.joints[3])) * written.gain[3][3];
+        const Rot<double> R = place(written, x).tip.R;
+        const Rot<double>& G = search.goal.R;
+        const Vec<double> turned = cross(R.x, G.x) + cross(R.y, G.y) + cross(R.z, G.z);
+        const double trace = dot(R.x, G.x) + dot(R.y, G.y) + dot(R.z, G.z);
+        x[5] = atan2(dot(search.direction, turned), trace - 1.0) * written.gain[6][5];
+        polish_and_keep(written, search.goal, x, searched, search.columns);
     }
 };
 

@@ -141,7 +141,7 @@ struct SrsNear {
             for (int j = 0; j < 7; ++j) search.q[j].set(i, search.q[j][0]);
         }
         const Course course = search.wide ? Course{20, CONVERGED, PATIENCE} : Course{12, CONVERGED, 2};
-        const auto out = polish<true>(search.model, spread<Block>(search.goal), search.q, course, search.q[0] <= Block(4.0));
+        const auto out = polish<true>(search.model, spread<Block>(search.goal), search.q, course);
         for (int i = 0; i < many; ++i) {
             double q[7];
             for (int j = 0; j < 7; ++j) q[j] = search.q[j][i];

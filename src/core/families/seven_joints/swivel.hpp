@@ -1,7 +1,7 @@
 // The swivel angle of an S-R-S arm: axes 1, 2, 3 meet in S, axes 5, 6, 7 in W, axis 4 between.
 //
 // The swivel angle turns about the line SW. It leads from the normal of the plane that holds S, W and axis 1 to axis
-// 4's direction, less its part along the line. If W lies on axis 1, to ON_AXIS, there is no such plane, and frame 1's
+// 4's direction, less its part along the line. If W lies on axis 1, to HALF_OF_THE_DIGITS, there is no such plane, and frame 1's
 // x, made perpendicular to the line, replaces the normal. Unlike the elbow's position, the direction of axis 4 defines
 // the angle for a stretched arm too. Source: Shimizu, Kakuya, Yoon, Kitagaki and Kosuge 2008, there for axes at right
 // angles.
@@ -14,9 +14,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Sine of the angle below which the wrist counts as lying on axis 1.
-inline constexpr double ON_AXIS = 1e-7;
-
 // From S to W in frame 1: unit direction, normal of its plane with axis 1, their vector product, length [m].
 template <class V> struct Line {
     Vec<V> along, normal, across;
@@ -25,7 +22,7 @@ template <class V> struct Line {
 template <class V> STEP Line<V> line_to_wrist(const Vec<V>& p) {
     const V square = p.x * p.x + p.y * p.y, length = sqrt(square + p.z * p.z), aside = sqrt(square);
     Vec<V> d = V(1.0 / (length + TINY)) * p;
-    const auto on = aside <= ON_AXIS * length;
+    const auto on = aside <= HALF_OF_THE_DIGITS * length;
     const V v = 1.0 / (aside + TINY);
     // Frame 1's x, made perpendicular to the line.
     const V u = 1.0 / sqrt(1.0 - d.x * d.x + TINY);
