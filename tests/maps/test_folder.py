@@ -68,7 +68,7 @@ import test_folder
 from urdf_ik.maps.engine import run
 
 def slow(chunk):
-    time.sleep(0.01)
+    time.sleep(0.01 if chunk < int(sys.argv[3]) else 3600.0)
     return test_folder.noise(chunk)
 
 with test_folder.folder(Path(sys.argv[1])) as store:
@@ -76,10 +76,10 @@ with test_folder.folder(Path(sys.argv[1])) as store:
 """
 
 
-def start(path: Path) -> subprocess.Popen[bytes]:
-    """A process that fills a store slowly."""
+def start(path: Path, chunks: int = CHUNKS) -> subprocess.Popen[bytes]:
+    """A process that fills a store slowly, and waits after so many chunks."""
     here = str(Path(__file__).parent)
-    return subprocess.Popen([sys.executable, "-c", SLOWLY, str(path), here], stderr=subprocess.PIPE)
+    return subprocess.Popen([sys.executable, "-c", SLOWLY, str(path), here, str(chunks)], stderr=subprocess.PIPE)
 
 
 def wait_for(path: Path, chunks: int) -> None:
@@ -190,7 +190,7 @@ def test_a_write_that_fails_keeps_what_is_done(tmp_path: Path, whole: dict[str, 
 FULL = """
 set -e
 mount -t tmpfs -o size={size} tmpfs "$1"
-"$2" -c "$3" "$1/store" "$4" || true
+"$2" -c "$3" "$1/store" "$4" 40 || true
 cp -r "$1/store" "$5"
 """
 
@@ -231,7 +231,7 @@ def test_a_store_of_another_question_is_refused_with_the_difference(tmp_path: Pa
 def test_a_store_in_use_is_refused_with_who_uses_it(tmp_path: Path) -> None:
     """By another process of this machine, until it is gone; by another machine, until its file is deleted."""
     path = tmp_path / "store"
-    process = start(path)
+    process = start(path, 1)
     wait_for(path, 1)
     with pytest.raises(urdf_ik.JobError, match=rf"in use by another run, process {process.pid} on "):
         folder(path)

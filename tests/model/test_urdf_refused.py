@@ -137,10 +137,10 @@ BILLION_LAUGHS = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;
 def test_a_doctype_is_refused_before_an_entity_is_expanded(doctype: str, encoding: str) -> None:
     """No entity reaches a file, the network or the memory, in any encoding and behind any comment."""
     text = f'<?xml version="1.0" encoding="{encoding}"?>\n<!-- <robot> -->\n{doctype}<robot name="&b11;"/>'
-    begun = time.perf_counter()
+    begun = time.process_time()
     error = refused(text.encode(encoding))
     assert (error.line, error.element) == (3, "<!DOCTYPE>")
-    assert time.perf_counter() - begun < 1.0
+    assert time.process_time() - begun < 1.0
 
 
 def test_doctype_in_a_comment_is_harmless() -> None:

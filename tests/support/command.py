@@ -43,9 +43,10 @@ def succeed(*args: str, given: str | bytes | None = None, **env: str) -> str:
     return result.stdout
 
 
-def start(*args: str, **options: Any) -> subprocess.Popen[bytes]:
-    """Start the command as a program of its own."""
-    command = [sys.executable, "-X", "faulthandler", "-c", "from urdf_ik.cli import main; main()", *args]
+def start(*args: str, first: str = "", **options: Any) -> subprocess.Popen[bytes]:
+    """Start the command as a program of its own, which runs ``first`` before."""
+    program = f"{first}\nfrom urdf_ik.cli import main; main()"
+    command = [sys.executable, "-X", "faulthandler", "-c", program, *args]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
 
 

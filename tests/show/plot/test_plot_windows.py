@@ -128,6 +128,9 @@ held = plot.sliders(arm)
 window, canvas = held.figure.canvas.manager.window, held.figure.canvas
 done = []
 def pull():
+    if not window.winfo_viewable():
+        return  # the timer comes again
+    timer.stop()
     window.update()
     row = held.sliders[0].ax.get_window_extent()
     y = canvas.figure.bbox.height - 0.5 * (row.y0 + row.y1)
@@ -137,7 +140,6 @@ def pull():
     done.extend([window.winfo_viewable(), window.wm_title(), *np.degrees(held.q).round(1)])
     canvas.manager.destroy()
 timer = canvas.new_timer(500)
-timer.single_shot = True
 timer.add_callback(pull)
 timer.start()
 plot.show(held.figure)

@@ -10,15 +10,14 @@ import http.server
 import io
 import os
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, chromium
+from browser import CHROMIUM, INSTALL, PATIENCE, ViewerPage, changed, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -37,66 +36,15 @@ WIDTH, HEIGHT, PANEL = 900, 560, 420
 ARM = "zyyzyz_6r"
 
 
-class Seen:
+class Seen(ViewerPage):
     """A viewer and the page that shows it."""
-
-    def __init__(self, viewer: Viewer, page: Any) -> None:
-        self.viewer, self.page = viewer, page
-        page.set_default_timeout(1000.0 * PATIENCE)
-
-    def enter(self) -> None:
-        """Let the page show the viewer."""
-        self.page.goto(self.viewer.url)
-        self.wait(lambda: len(self.viewer.server.get_clients()) == 1, "the page connects, and no other is there")
-        close = self.page.locator(".mantine-Notification-closeButton")  # that it is drawn in software
-        if close.count():
-            close.first.click()
-
-    @contextmanager
-    def away(self) -> Iterator[Any]:
-        """The page for something else: two at once would have to be drawn without a GPU."""
-        try:
-            yield self.page
-        finally:
-            self.enter()
-
-    def wait(self, what: Callable[[], Any], why: str) -> None:
-        """Let the page run until ``what()`` is true."""
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            if what():
-                return
-            self.page.wait_for_timeout(100)
-        pytest.fail(f"waited {PATIENCE:g} s in vain: {why}")
-
-    def pixels(self) -> NDArray[np.int_]:
-        """The scene (h, w, 3) as drawn when nothing moves any more, without the panel."""
-        self.viewer.settle(PATIENCE)
-        area = {"x": 0, "y": 0, "width": WIDTH - PANEL, "height": HEIGHT}
-        last: NDArray[np.int_] | None = None
-        for _ in range(40):
-            self.page.wait_for_timeout(300)
-            shot = np.array(Image.open(io.BytesIO(self.page.screenshot(clip=area))).convert("RGB"), dtype=np.int_)
-            if last is not None and changed(shot, last) < 20:
-                return shot
-            last = shot
-        assert last is not None
-        return last
-
-    def project(self, point: NDArray[np.float64]) -> tuple[float, float]:
-        """Where in the page a point of the scene [m] is drawn."""
-        (client,) = self.viewer.server.get_clients().values()
-        camera = client.camera
-        R = urdf_ik.pose(np.zeros(3), quat_wxyz=camera.wxyz)[:3, :3]
-        x, y, z = R.T @ (point - camera.position)
-        focal = 0.5 * HEIGHT / np.tan(0.5 * camera.fov)
-        return WIDTH / 2 + focal * x / z, HEIGHT / 2 + focal * y / z
 
     def restart(self, home: NDArray[np.float64]) -> None:
         """Put the arm where it was at first, and wait until the page shows that."""
         if self.viewer.state.arm.name != ARM:
             self.viewer.open(ARM)
-            assert self.viewer.settle(PATIENCE)
+            self.catch_up()
+            self.wait_for_view()
         for index, value in enumerate(home):
             self.viewer.move_joint(index, value)
         assert self.viewer.settle(PATIENCE)
@@ -105,19 +53,16 @@ class Seen:
         self.wait(lambda: thumbs.evaluate_all(values) == home.round(3).tolist(), "the sliders are at home")
 
 
-def changed(first: NDArray[np.int_], second: NDArray[np.int_]) -> int:
-    """Pixels that differ by more than rounding and smoothing do."""
-    return int((np.abs(first - second).max(axis=-1) > 24).sum())
+def shades(scene: NDArray[np.int_]) -> int:
+    """Pixels in another colour than the upper right corner."""
+    return int(changed(scene, np.broadcast_to(scene[0, -1], scene.shape)).sum())
 
 
 @pytest.fixture(scope="module")
 def opened() -> Iterator[Seen]:
     """One browser and one viewer for all tests."""
     with Viewer(urdf_ik.load(ARM), port=0) as viewer, chromium() as browser:
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        seen = Seen(viewer, page)
-        seen.enter()
-        yield seen
+        yield Seen(viewer, browser, (WIDTH, HEIGHT), PANEL)
 
 
 @pytest.fixture(scope="module")
@@ -144,12 +89,11 @@ def test_the_arm_and_its_ghosts_appear(seen: Seen) -> None:
     far = seen.viewer.state.target.copy()
     far[0, 3] = 50.0
     seen.viewer.move_target(far)
+    seen.differs(whole, 1000)
     without_ghosts = seen.pixels()
-    assert changed(whole, without_ghosts) > 1000
     seen.viewer.drawing.root.visible = False
-    empty = seen.pixels()
+    seen.differs(without_ghosts, 1000)
     seen.viewer.drawing.root.visible = True
-    assert changed(without_ghosts, empty) > 1000
 
 
 def test_dragging_the_target_moves_the_ghosts(seen: Seen) -> None:
@@ -157,30 +101,37 @@ def test_dragging_the_target_moves_the_ghosts(seen: Seen) -> None:
     before, first = seen.viewer.state, seen.pixels()
     length = 0.3 * before.arm.chain.size  # of the handles
     start, along = before.target[:3, 3], before.target[:3, :3]
+
+    def drawn() -> NDArray[np.float64]:
+        """Where the target is, and places on its three handles [px]."""
+        here = seen.viewer.state.target[:3, 3]
+        return seen.project(np.stack([here, *(here + 0.6 * length * along.T)]))[:, :2]
+
     # The axis that is seen longest: one that points at the camera cannot be pulled.
-    ends = [seen.project(start + 0.6 * length * along[:, k]) for k in range(3)]
-    centre = np.array(seen.project(start))
-    axis = int(np.argmax([np.linalg.norm(np.array(end) - centre) for end in ends]))
-    mouse, (x, y) = seen.page.mouse, ends[axis]
-    pull = (np.array([x, y]) - centre) / np.linalg.norm(np.array([x, y]) - centre)
-    mouse.move(x, y)
-    seen.page.wait_for_timeout(500)
-    mouse.down()
-    for step in range(1, 9):
-        mouse.move(*(np.array([x, y]) - 6.0 * step * pull))
-        seen.page.wait_for_timeout(60)
-    mouse.up()
-    seen.wait(lambda: seen.viewer.state is not before, "the target is dragged")
-    assert seen.viewer.settle(PATIENCE)
+    axis = int(np.argmax(np.linalg.norm(drawn()[1:] - drawn()[0], axis=1)))
+
+    def is_pulled() -> bool:
+        """Pull; the first time, unless the mouse missed the handle."""
+        centre, *ends = drawn()
+        pull = (ends[axis] - centre) / np.linalg.norm(ends[axis] - centre)
+        seen.page.mouse.move(*ends[axis])
+        seen.page.mouse.down()
+        for step in range(1, 9):
+            seen.page.mouse.move(*(ends[axis] - 6.0 * step * pull))
+        seen.page.mouse.up()
+        seen.page.wait_for_timeout(2000)
+        seen.catch_up()
+        return bool(np.linalg.norm(seen.viewer.state.target[:3, 3] - start) > 0.02)
+
+    seen.wait(is_pulled, "the target is dragged")
     after = seen.viewer.state
     moved = after.target[:3, 3] - start
-    assert np.linalg.norm(moved) > 0.02
     assert np.allclose(np.cross(moved, along[:, axis]), 0.0, atol=1e-4)
     assert after.ghosts
     for ghost in after.ghosts:
         assert np.abs(after.arm.fk(ghost.q) - after.target).max() < 1e-8
     assert after.chosen is not None
-    assert changed(first, seen.pixels()) > 500
+    seen.differs(first, 500)
 
 
 def test_a_slider_moves_the_arm_and_the_target(seen: Seen) -> None:
@@ -195,7 +146,7 @@ def test_a_slider_moves_the_arm_and_the_target(seen: Seen) -> None:
     assert np.array_equal(after.q[1:], before.q[1:])
     assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-12
     assert np.allclose(seen.viewer.drawing.target.position, after.target[:3, 3])
-    assert changed(first, seen.pixels()) > 500
+    seen.differs(first, 500)
 
 
 def test_choosing_a_branch_moves_the_arm_to_it(seen: Seen) -> None:
@@ -206,7 +157,7 @@ def test_choosing_a_branch_moves_the_arm_to_it(seen: Seen) -> None:
     seen.wait(lambda: seen.viewer.state.chosen == other, "the branch is chosen")
     assert np.array_equal(seen.viewer.state.target, before.target)
     seen.page.get_by_role("button", name=f"● {before.ghosts[other].branch}").wait_for()
-    assert changed(first, seen.pixels()) > 200
+    seen.differs(first, 200)
 
 
 def test_another_urdf_loads_from_a_file(seen: Seen) -> None:
@@ -218,7 +169,7 @@ def test_another_urdf_loads_from_a_file(seen: Seen) -> None:
     chooser.value.set_files(catalogue.resolve("puma_560").path)
     seen.wait(lambda: seen.viewer.state.arm.name == "puma_560", "the file is shown")
     page.get_by_text("puma_560").first.wait_for()
-    assert changed(first, seen.pixels()) > 1000
+    seen.differs(first, 1000)
 
 
 def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
@@ -241,11 +192,11 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
         thumb.press("ArrowRight")
     wanted = before.redundancy + 0.15
     seen.wait(lambda: abs(seen.viewer.state.redundancy - wanted) < 1e-3, "the redundancy parameter follows")
-    assert seen.viewer.settle(PATIENCE)
+    seen.catch_up()
     after = seen.viewer.state
     assert np.array_equal(after.target, before.target) and np.abs(after.q - before.q).max() > 0.01
     assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-8
-    assert changed(first, seen.pixels()) > 200
+    seen.differs(first, 200)
 
 
 def test_the_camera_follows_another_arm(seen: Seen) -> None:
@@ -254,8 +205,8 @@ def test_the_camera_follows_another_arm(seen: Seen) -> None:
     seen.wait(lambda: seen.viewer.state.arm.name == "planar_2r", "the small arm is shown")
 
     def spread() -> float:
-        points = [seen.project(pose[:3, 3]) for pose in seen.viewer.state.arm.link_poses(seen.viewer.state.q).values()]
-        return float(np.ptp(np.array(points), axis=0).max())
+        poses = seen.viewer.state.arm.link_poses(seen.viewer.state.q).values()
+        return float(np.ptp(seen.project(np.stack([pose[:3, 3] for pose in poses]))[:, :2], axis=0).max())
 
     seen.wait(lambda: 0.1 * HEIGHT < spread() < HEIGHT, "the camera has moved")
 
@@ -287,8 +238,7 @@ def test_a_notebook_holds_the_page(seen: Seen) -> None:
         page.goto(address)
         seen.wait(lambda: len(page.frames) == 2, "the page holds the viewer's")
         page.frames[1].get_by_text("8 solutions").wait_for()
-        drawn = seen.pixels()
-    assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
+        seen.wait(lambda: shades(seen.shot()) > 5000, "arm and panel are drawn")
 
 
 def test_a_notebook_without_its_viewer_holds_a_picture(seen: Seen) -> None:
@@ -330,10 +280,9 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
 
         page.on("request", note)
         page.goto(file.as_uri())
-        drawn = seen.pixels()
+        seen.wait(lambda: shades(seen.shot()) > 5000, "the arm is drawn")
         page.remove_listener("request", note)
     assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
-    assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
 
 
 def test_a_plan_is_played_and_its_ends_are_chosen(seen: Seen) -> None:
@@ -349,7 +298,7 @@ def test_a_plan_is_played_and_its_ends_are_chosen(seen: Seen) -> None:
     seen.wait(lambda: viewer.place == 19.0, "the plan is played")
     page.get_by_role("button", name="Play", exact=True).wait_for()
     assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[-1])
-    assert changed(first, seen.pixels()) > 500
+    seen.differs(first, 500)
     end[1, 3] += 5.0
     missed = viewer.state.arm.follow(urdf_ik.line(start, end, 60))
     assert not missed.found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, chromium
+from browser import CHROMIUM, INSTALL, ViewerPage, chromium
 
 import urdf_ik
 from urdf_ik.model import catalogue
@@ -27,12 +27,20 @@ def test_a_narrow_window_shows_whole_labels() -> None:
     text = catalogue.resolve("zyyzyz_6r").path.read_text()
     bare = re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL)  # lines and frames are quickly drawn
     with Viewer(urdf_ik.load(bare), port=0) as viewer, chromium() as browser:
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        page.goto(viewer.url)
-        page.get_by_role("button", name="Save the scene as HTML").wait_for(timeout=1000 * PATIENCE)
-        labels = page.locator(".mantine-Button-label").evaluate_all(MEASURE)
-        assert len(labels) >= len(viewer.state.ghosts) == 8
-        for label, beyond, below, right in labels:
-            assert beyond <= 1 and below <= 1 and right <= WIDTH, label
-        panel = page.get_by_text("Joints").first.evaluate("e => e.closest('.mantine-ScrollArea-root').offsetWidth")
-        assert panel == WIDTH
+        seen = ViewerPage(viewer, browser, (WIDTH, HEIGHT), 0)
+        page = seen.page
+        page.get_by_role("button", name="Save the scene as HTML").wait_for()
+        labels = page.locator(".mantine-Button-label")
+
+        def cut_off() -> list[str]:
+            return [
+                label
+                for label, beyond, below, right in labels.evaluate_all(MEASURE)
+                if not (beyond <= 1 and below <= 1 and right <= WIDTH)
+            ]
+
+        assert labels.count() >= len(viewer.state.ghosts) == 8
+        seen.wait(lambda: not cut_off(), "no label is cut off")
+        panel = "e => e.closest('.mantine-ScrollArea-root').offsetWidth"
+        joints = page.get_by_text("Joints").first
+        seen.wait(lambda: joints.evaluate(panel) == WIDTH, "the panel is as wide as the page")

@@ -5,17 +5,15 @@ The arms have no shapes, so that the page is quickly drawn in software.
 
 from __future__ import annotations
 
-import io
 import re
-import time
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, View, chromium
+from browser import CHROMIUM, INSTALL, PATIENCE, ViewerPage, changed, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -27,6 +25,7 @@ pytest.importorskip("viser", reason=INSTALL)
 from PIL import Image, ImageSequence  # noqa: E402  it comes with viser
 
 from urdf_ik.show.viewer import Viewer  # noqa: E402
+from urdf_ik.show.viewer.work import recording  # noqa: E402
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 
@@ -40,24 +39,11 @@ def bare(name: str) -> urdf_ik.Arm:
     return urdf_ik.load(re.sub(r"<(visual|collision)>.*?</\1>", "", text, flags=re.DOTALL))
 
 
-class Shown:
-    """A viewer, and the page that a person sees."""
+class Shown(ViewerPage):
+    """A viewer, its page, and what a person does there."""
 
-    def __init__(self, viewer: Viewer, page: Any) -> None:
-        self.viewer, self.page = viewer, page
-        page.set_default_timeout(1000.0 * PATIENCE)
-        page.goto(viewer.url)
-        self.wait(lambda: len(viewer.server.get_clients()) == 1, "the page connects")
-        close = page.locator(".mantine-Notification-closeButton")  # that it is drawn in software
-        if close.count():
-            close.first.click()
-
-    def wait(self, what: Callable[[], Any], why: str) -> None:
-        """Let the page run until ``what()`` is true."""
-        end = time.monotonic() + PATIENCE
-        while not what():
-            assert time.monotonic() < end, f"waited in vain: {why}"
-            self.page.wait_for_timeout(100)
+    def __init__(self, viewer: Viewer, browser: Any) -> None:
+        super().__init__(viewer, browser, (WIDTH, HEIGHT), PANEL)
 
     def folder(self, name: str) -> None:
         """Open or close a folder of the panel."""
@@ -72,24 +58,6 @@ class Shown:
         """Take an option of a dropdown."""
         self.field(label).click()
         self.page.get_by_role("option", name=option, exact=True).locator("visible=true").first.click()
-
-    def pixels(self) -> NDArray[np.int_]:
-        """The scene (h, w, 3) without the panel, when nothing moves any more."""
-        assert self.viewer.settle(PATIENCE)
-        area = {"x": 0, "y": 0, "width": WIDTH - PANEL, "height": HEIGHT}
-        last = np.zeros((HEIGHT, WIDTH - PANEL, 3), dtype=np.int_)
-        for _ in range(40):
-            self.page.wait_for_timeout(300)
-            shot = np.array(Image.open(io.BytesIO(self.page.screenshot(clip=area))).convert("RGB"), dtype=np.int_)
-            if (np.abs(shot - last).max(axis=-1) > 24).sum() < 20:
-                return shot
-            last = shot
-        return last
-
-
-def differ(first: NDArray[np.int_], second: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """Which pixels (h, w) differ by more than rounding and smoothing do."""
-    return np.asarray(np.abs(first - second).max(axis=-1) > 24)
 
 
 def pink(scene: NDArray[np.int_]) -> int:
@@ -109,9 +77,10 @@ def shown(browser: Any) -> Iterator[Shown]:
     """An arm of six joints in a page of its own, at a pose with eight solutions."""
     with Viewer(bare("zyyzyz_6r"), port=0) as viewer:
         viewer.move_target(viewer.state.arm.fk(Q))
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        yield Shown(viewer, page)
-        page.close()
+        assert viewer.settle(PATIENCE)
+        opened = Shown(viewer, browser)
+        yield opened
+        opened.page.close()
 
 
 def test_a_pasted_joint_vector_is_there_to_be_copied(shown: Shown) -> None:
@@ -144,7 +113,7 @@ def test_a_hidden_ghost_is_not_seen_and_a_pinned_one_stays(shown: Shown) -> None
     shown.choose("Branch", ghost.branch)
     page.get_by_role("button", name="Show", exact=True).click()
     shown.wait(lambda: hidden.count() == len(state.ghosts) - 1, "one is shown again")
-    its = differ(shown.pixels(), alone)
+    its = changed(shown.pixels(), alone)
     assert its.sum() > 300
     page.get_by_role("button", name="Pin", exact=True).click()
     page.get_by_role("button", name=re.compile(r"pinned\)$")).wait_for()
@@ -155,7 +124,7 @@ def test_a_hidden_ghost_is_not_seen_and_a_pinned_one_stays(shown: Shown) -> None
     with_it = shown.pixels()
     page.get_by_role("button", name="Unpin", exact=True).click()
     shown.wait(lambda: not shown.viewer.state.pinned, "it is free again")
-    assert (differ(with_it, shown.pixels()) & its).sum() > 0.7 * its.sum()
+    assert (changed(with_it, shown.pixels()) & its).sum() > 0.7 * its.sum()
 
 
 def test_keys_go_to_the_next_solution_and_back(shown: Shown) -> None:
@@ -183,11 +152,10 @@ def test_the_distance_of_two_frames_stands_in_the_page(shown: Shown) -> None:
         shown.viewer.move_target(T)
         shown.page.get_by_text(f"{np.linalg.norm(T[:3, 3]):.4f} m").wait_for()
 
-    def is_drawn() -> bool:
-        # Each round draws the line anew, to another length.
-        return all((moved(scale), pink(shown.pixels()) > before + 300)[1] for scale in (0.5, 1.0))
-
-    shown.wait(is_drawn, "a line is drawn")
+    for scale in (0.5, 1.0):
+        moved(scale)
+        shown.catch_up()
+        shown.wait(lambda: pink(shown.shot()) > before + 300, "a line is drawn")
 
 
 def test_the_camera_comes_back_to_arm_and_table_by_a_key(browser: Any) -> None:
@@ -197,32 +165,30 @@ def test_the_camera_comes_back_to_arm_and_table_by_a_key(browser: Any) -> None:
     world.add("table", urdf_ik.Box(2.0 * half), urdf_ik.pose([1.4, 0.6, 0.2]))
     line = urdf_ik.line(arm.fk(Q), arm.fk(Q) @ urdf_ik.pose([0.0, 0.2, 0.0]), 10)
     with Viewer(arm, port=0, world=world, plan=arm.follow(line, world=None)) as viewer:
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        shown = Shown(viewer, page)
+        shown = Shown(viewer, browser)
         corners = [1.4, 0.6, 0.2] + half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         links = [pose[:3, 3] for pose in arm.link_poses(viewer.state.q).values()]
         points = np.concatenate([corners, links, line[:, :3, 3]])
-        (client,) = viewer.server.get_clients().values()
-        view = View(viewer.server)
 
         def is_away() -> bool:
             # Each round turns it again: a new page is framed once, maybe after the first round.
-            client.camera.position, client.camera.look_at = (50.0, 0.0, 0.0), (60.0, 0.0, 0.0)
-            return bool((view.project(points, WIDTH, HEIGHT)[:, 2] < 0.0).all())
+            shown.client.camera.position, shown.client.camera.look_at = (50.0, 0.0, 0.0), (60.0, 0.0, 0.0)
+            return bool((shown.project(points)[:, 2] < 0.0).all())
 
         def is_framed() -> bool:
-            drawn = view.project(points, WIDTH, HEIGHT)
+            drawn = shown.project(points)
             return bool((drawn > 0.0).all() and (drawn[:, :2] < (WIDTH, HEIGHT)).all())
 
         shown.wait(is_away, "the page looks away")
-        page.mouse.click(60, 60)
-        page.keyboard.press("f")
+        shown.page.mouse.click(60, 60)
+        shown.page.keyboard.press("f")
         shown.wait(is_framed, "the page shows arm, path and table")
-        page.close()
+        shown.page.close()
 
 
-def test_a_recording_is_saved_with_moving_frames(shown: Shown, tmp_path: Path) -> None:
+def test_a_recording_is_saved_with_moving_frames(shown: Shown, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Begun, the arm moved, ended: an animated GIF whose frames differ; then a zip of PNG files."""
+    monkeypatch.setattr(recording, "_PATIENCE", PATIENCE)
     page = shown.page
     shown.folder("Record")
 
@@ -257,18 +223,21 @@ def test_intervals_stand_under_the_slider_of_seven_joints(browser: Any) -> None:
     """A bar for each interval that the arm's own search finds, with its branch and causes as words."""
     arm = bare("srs_7r")
     with Viewer(arm, port=0) as viewer:
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        shown = Shown(viewer, page)
-        strip = page.get_by_role("img", name="Values at which each branch has solutions")
+        shown = Shown(viewer, browser)
+        strip = shown.page.get_by_role("img", name="Values at which each branch has solutions")
         strip.wait_for()
-        shown.wait(lambda: viewer.settle(1.0), "nothing is left to do")
+        shown.catch_up()
         intervals = arm.intervals(viewer.state.target)
         words = strip.locator("title").evaluate_all("all => all.map(e => e.textContent)")
         assert len(set(words)) == len(intervals) > 0  # one that goes through half a turn has a bar at either side
         assert {each.branch for each in intervals} == {each.partition(":")[0] for each in words}
-        box = strip.bounding_box()
-        assert box is not None and box["width"] > 200 and box["height"] > 20
-        page.close()
+
+        def is_large() -> bool:
+            box = strip.bounding_box()
+            return box is not None and box["width"] > 200 and box["height"] > 20
+
+        shown.wait(is_large, "the strip is large enough to be read")
+        shown.page.close()
 
 
 def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
@@ -280,21 +249,20 @@ def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
         ball = trimesh.creation.icosphere(subdivisions=6)  # 2.0 MB as vertices and faces of 4 bytes
         viewer.server.scene.add_mesh_simple("/robot/tip/ball", ball.vertices, ball.faces)
         assert 4 * (ball.vertices.size + ball.faces.size) > 1_400_000
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        shown = Shown(viewer, browser)
         sent: list[int] = []
 
         def listen(socket: Any) -> None:
             socket.on("framereceived", lambda data: sent.append(len(data)))
 
-        page.on("websocket", listen)
-        shown = Shown(viewer, page)
-        shown.pixels()
-        assert sum(sent) > 0
+        shown.page.on("websocket", listen)
+        shown.enter()
+        shown.catch_up()
+        shown.wait(lambda: sum(sent) > 1_400_000, "the shapes have come")
         sent.clear()
         moves = 10
         for k in range(moves):
             viewer.move_target(arm.fk(Q + 0.02 * k))
-            assert viewer.settle(PATIENCE)
-        page.wait_for_timeout(1000)
+            shown.catch_up()
         assert 0 < sum(sent) < moves * 20_000
-        page.close()
+        shown.page.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.show.viewer.state import State
 
+READING = threading.Lock()
+"""Held from the reading of what a page moved until it is asked for: viser's calls run in threads side by side, and one
+that was held up would ask for an older value after a newer one."""
 _STEP, _DIGITS = 0.001, 3
 _ROUNDING = 1e-6  # steps that an end may be off for rounding
 _LETTERS = 54
@@ -173,7 +177,8 @@ def on_change(widget: Any, call: Callable[[Any], None]) -> None:
 
     def changed(event: Any) -> None:
         if event.client_id is not None:  # not what this program set itself
-            call(widget.value)
+            with READING:
+                call(widget.value)
 
     widget.on_update(changed)
 

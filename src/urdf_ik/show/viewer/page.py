@@ -18,7 +18,7 @@ from urdf_ik.model.poses import pose
 from urdf_ik.show.viewer import address, guard, page_messages, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
-from urdf_ik.show.viewer.arm_panel import STYLE, Panel, plain
+from urdf_ik.show.viewer.arm_panel import READING, STYLE, Panel, plain
 from urdf_ik.show.viewer.embedding import Embedded, picture
 from urdf_ik.show.viewer.path_panel import PathPanel
 from urdf_ik.show.viewer.request_queue import Latest
@@ -276,12 +276,12 @@ class Viewer:
         if self.track is None:
             return
         playing = self._player.playing
+        if self._path is not None:  # before it is played: its end is shown, too
+            self._path[0].show_playing(not playing)
         if playing:
             self._player.stop()
         else:
             self._player.start(self.track, self.place)
-        if self._path is not None:
-            self._path[0].show_playing(not playing)
 
     def open(self, source: str | bytes, base: str | None = None, tip: str | None = None) -> None:
         """Show another arm: a path, a catalogue name, or a URDF's text as bytes; what goes wrong stands in the page."""
@@ -328,12 +328,23 @@ class Viewer:
         self._show(state)
 
     def _greet(self, client: Any) -> None:
-        """Have a page see the whole arm, when the arm is not being replaced."""
-        self._latest.put(("view", client.client_id), lambda: self._frame(client))
+        """Have a new page see the whole arm, also after it went to viser's first view: a slow one does so late."""
+
+        async def moved(camera: Any) -> None:
+            first = self.server.initial_camera
+            if np.allclose(camera.position, first.position) and np.allclose(camera.look_at, first.look_at):
+                self._ask_for_view(client)
+
+        client.camera.on_update(moved)
+        self._ask_for_view(client)
 
     def _framed(self, event: Any) -> None:
         if event.client is not None:
-            self._greet(event.client)
+            self._ask_for_view(event.client)
+
+    def _ask_for_view(self, client: Any) -> None:
+        """Have a page see the whole arm, when the arm is not being replaced."""
+        self._latest.put(("view", client.client_id), lambda: self._frame(client))
 
     def _view(self, fov: float, aspect: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where a camera stands, and what it looks at, to see all there is; ``aspect`` is its window's."""
@@ -436,13 +447,17 @@ class Viewer:
 
     def _dragged(self, _: Any) -> None:
         handle = self.drawing.target
-        try:
-            T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
-        except UrdfIkError as error:
-            return self._say(str(error))
-        if not np.allclose(T, self.state.target, rtol=0.0, atol=1e-9):  # a click moves nothing
-            self._update("target", lambda state: states.with_target(state, T), handle)
-        return None
+
+        def step(state: State) -> State:  # a click moves nothing
+            return state if np.allclose(T, state.target, rtol=0.0, atol=1e-9) else states.with_target(state, T)
+
+        with READING:
+            try:
+                T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
+            except UrdfIkError as error:
+                self._say(str(error))
+            else:
+                self._update("target", step, handle)
 
     def _slid(self, index: int, value: float) -> None:
         step = partial(states.with_joint, index=index, value=value)

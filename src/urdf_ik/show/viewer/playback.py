@@ -101,6 +101,7 @@ class Player:
         self._go, self._ended = go, ended
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
+        self._going = threading.Lock()
 
     @property
     def playing(self) -> bool:
@@ -118,15 +119,19 @@ class Player:
         self._thread.start()
 
     def stop(self) -> None:
-        """Stay where it is."""
-        self._stop.set()
+        """Stay where it is: ``go`` is not called after this."""
+        with self._going:
+            self._stop.set()
 
     def _run(self, track: Track, first: float, stop: threading.Event) -> None:
         begun, rate = time.monotonic(), track.last / track.duration
         place = first
         while place < track.last and not stop.wait(FRAME):
             place = min(first + (time.monotonic() - begun) * rate, float(track.last))
-            self._go(place)
+            with self._going:
+                if stop.is_set():
+                    return
+                self._go(place)
         if not stop.is_set():
             stop.set()
             self._ended()

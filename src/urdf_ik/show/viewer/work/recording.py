@@ -58,7 +58,7 @@ class Recorder:
         if self._stop is not None:
             self._stop.set()
         elif event.client is not None:
-            self._stop = threading.Event()
+            self._stop, self.count = threading.Event(), 0
             self.button.label = _SAVE
             threading.Thread(
                 target=self._run, args=(event.client, self._stop), name="urdf-ik recorder", daemon=True
