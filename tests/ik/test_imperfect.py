@@ -260,6 +260,30 @@ def test_a_calibrated_arm_is_proven_and_lacks_nothing(name: str) -> None:
             assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
 
 
+@pytest.mark.parametrize("name", ["ur calibrated", "ur off by 1e-3"])
+@pytest.mark.parametrize("off", [1e-3, 1e-4, 1e-6])
+def test_a_calibrated_arm_is_proven_beside_its_singularities(name: str, off: float) -> None:
+    """Beside joint vectors where det J changes its sign: nine in ten are proven, and no planted one is missing."""
+    case, rng = made(name), np.random.default_rng(5)
+    q = []
+    while len(q) < 100:
+        line = np.tile(rng.uniform(-np.pi, np.pi, 6), (721, 1))
+        line[:, 1 + len(q) % 4] = np.linspace(-np.pi, np.pi, 721)
+        sign = np.sign(np.linalg.det(case.arm.jacobian(line)))
+        for k in np.flatnonzero(sign[:-1] * sign[1:] < 0)[:1]:
+            low, high = line[k], line[k + 1]
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                same = np.sign(np.linalg.det(case.arm.jacobian(middle[None])))[0] == sign[k]
+                low, high = (middle, high) if same else (low, middle)
+            d = rng.normal(size=6)
+            q.append(low + off * d / np.linalg.norm(d))
+    found = case.arm.ik(np.stack([case.oracle.pose(each) for each in q]))
+    assert np.asarray(found.certain).mean() > 0.9
+    for k, each in enumerate(q):
+        assert nearest(rows(found[k]), each) <= case.oracle.tolerance(each), (k, each.tolist())
+
+
 @pytest.mark.parametrize("eps", [1e-6, 1e-5, 1e-4])
 def test_industrial_arm_near_two_singularities_at_once_finds_the_planted_vector(eps: float) -> None:
     """Wrist axes aligned, the elbow straight or the wrist over axis 1: more solutions than branches, none lost."""

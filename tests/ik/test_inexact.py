@@ -75,12 +75,24 @@ def test_the_bound_holds_what_other_factors_leave(chain: Chain, arm: Elimination
     left = arm.variant.left.copy()
     left[0] += off * rng.normal(size=left[0].shape)
     variant = dataclasses.replace(arm.variant, left=left)
-    rows, columns = 6 * 3 ** int(variant.first[0]), 3 ** (3 - int(variant.first[0]))
     cut = int(variant.first[0]), bool(variant.reversed[0])
     steps = arm.written.steps
-    a = inexact(steps, arm.centre, arm.scale, cut, left[0, :, :rows], variant.right[0, :, :columns])
+    a, rest = inexact(steps, arm.centre, arm.scale, cut, left[0], variant.right[0])
     changed = dataclasses.replace(arm, variant=variant)
     reach = arm.scale * 2.0 * chain.size
     bound = a[0] + a[1] * reach + a[2] * reach**2
     worst = max(left_over(chain, changed, rng.uniform(-np.pi, np.pi, 6)) for _ in range(20))
     assert 0.1 * off < worst <= bound < 1e6 * off
+    # With the rest the factors are exact again, but that the null vectors are other ones now.
+    assert 0.1 * off < np.abs(rest.left).max() < 1e2 * off
+    assert (rest.inexact < 1e-24).all()
+
+
+def test_the_rest_of_the_factors_is_rounding_and_leaves_that_of_twice_the_digits(arm: EliminationArm) -> None:
+    """What rounding leaves out is below 1e-13, nothing where the factors are padded; the bound falls by 16 digits."""
+    left, right, bound = arm.counter_rest.left, arm.counter_rest.right, arm.counter_rest.inexact
+    assert 0.0 < np.abs(left).max() < 1e-13
+    assert 0.0 < np.abs(right).max() < 1e-13
+    padded = (arm.counter.left[0] == 0.0).all(axis=0)
+    assert (left[:, padded] == 0.0).all()
+    assert (bound < 1e-14 * arm.counter.inexact[0]).all()

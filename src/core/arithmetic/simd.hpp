@@ -163,6 +163,27 @@ template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, double a, co
     return select(m, Pack<L, K>(a), b);
 }
 
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+#define URDF_IK_FUSES
+// a b + c, rounded once.
+STEP double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
+template <int L, int K> STEP Pack<L, K> fused(Pack<L, K> a, const Pack<L, K>& b, const Pack<L, K>& c) {
+    for (int k = 0; k < K; ++k) {
+        using R [[maybe_unused]] = typename Register<L>::type;
+#if defined(__AVX512F__)
+        if constexpr (L == 8) a.r[k] = (R)_mm512_fmadd_pd((__m512d)a.r[k], (__m512d)b.r[k], (__m512d)c.r[k]);
+#endif
+#if defined(__AVX__)
+        if constexpr (L == 4) a.r[k] = (R)_mm256_fmadd_pd((__m256d)a.r[k], (__m256d)b.r[k], (__m256d)c.r[k]);
+        if constexpr (L == 2) a.r[k] = (R)_mm_fmadd_pd((__m128d)a.r[k], (__m128d)b.r[k], (__m128d)c.r[k]);
+#else
+        for (int l = 0; l < L; ++l) a.r[k][l] = __builtin_fma(a.r[k][l], b.r[k][l], c.r[k][l]);
+#endif
+    }
+    return a;
+}
+#endif
+
 // The smaller and the greater of two numbers; the second one if either is NaN. With AVX-512, GCC warns about the unmasked
 // intrinsics. It compiles the masked ones, with all lanes set, to the same instructions.
 template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
@@ -289,6 +310,14 @@ template <int L, int K> STEP Pack<L, K> abs(Pack<L, K> a) {
     return a;
 }
 
+// The leading 26 binary digits.
+template <int L, int K> STEP Pack<L, K> upper_half(Pack<L, K> a) {
+    using B = typename Register<L>::bits;
+    const B leading = B{} + ~0x7ffffffLL;
+    for (int k = 0; k < K; ++k) a.r[k] = (typename Register<L>::type)((B)a.r[k] & leading);
+    return a;
+}
+
 // |a| with the sign of b.
 template <int L, int K> STEP Pack<L, K> copysign(Pack<L, K> a, const Pack<L, K>& b) {
     using B = typename Register<L>::bits;
@@ -308,6 +337,9 @@ STEP double inverse_sqrt(double a) { return 1.0 / sqrt(a); }
 STEP double root(double a) { return sqrt(a); }
 STEP double quotient(double a, double b) { return a / b; }
 STEP double abs(double a) { return __builtin_fabs(a); }
+STEP double upper_half(double a) {
+    return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, a) & ~std::uint64_t(0x7ffffff));
+}
 STEP double copysign(double a, double b) { return __builtin_copysign(a, b); }
 
 // ---- memory ----------------------------------------------------------------------------------------------------------

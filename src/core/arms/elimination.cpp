@@ -47,6 +47,9 @@ void read(const Values& values, EliminationArm& to) {
     read_common(values, to);
     read_variant(*values.group("variant"), 1, 0, to.variant);
     read_variant(*values.group("counter"), 1, 0, to.counter);
+    const auto rest = values.group("counter_rest");
+    rest->read("left", to.counter_rest.left), rest->read("right", to.counter_rest.right);
+    rest->read("inexact", to.counter_rest.inexact);
     to.counter_apart = to.counter.first != to.variant.first || to.counter.reversed != to.variant.reversed ||
                        to.counter.inexact[0] != to.variant.inexact[0];
 }

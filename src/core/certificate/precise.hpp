@@ -35,21 +35,30 @@ PART Frame<Precise> beyond(const Frame<Precise>& at, const DoubledMotion& m) {
             at.p + combined(m.t[0], m.t[1], m.t[2])};
 }
 
-// The motion with the rotation nearest to the stored one: one step of Newton's method squares what orthogonality lacks.
+// Towards the nearest rotation: a step of Newton's method squares what orthogonality lacks, and leaves its own rounding, ten units.
+PART void make_rotation(Doubled (&R)[3][3]) {
+    Doubled square[3][3], out[3][3];  // R^T R
+    for (int k = 0; k < 3; ++k) {
+        for (int j = 0; j < 3; ++j) square[k][j] = R[0][k] * R[0][j] + R[1][k] * R[1][j] + R[2][k] * R[2][j];
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            out[i][j] = 0.5 * (3.0 * R[i][j] - (R[i][0] * square[0][j] + R[i][1] * square[1][j] + R[i][2] * square[2][j]));
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) R[i][j] = out[i][j];
+    }
+}
+
+// The motion with the rotation nearest to the stored one, which is orthogonal to 3e-14.
 PART DoubledMotion precise(const Motion& m, double size) {
     DoubledMotion out;
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            Doubled sum = 3.0 * Doubled(m.R[i][j]);
-            for (int k = 0; k < 3; ++k) {
-                Doubled square = 0.0;  // of R^T R
-                for (int l = 0; l < 3; ++l) square += Doubled(m.R[l][k]) * Doubled(m.R[l][j]);
-                sum += -(Doubled(m.R[i][k]) * square);
-            }
-            out.R[i][j] = 0.5 * sum;
-        }
+        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[i][j];
         out.t[i] = Doubled(m.t[i]) / Doubled(size);
     }
+    for (int round = 0; round < 2; ++round) make_rotation(out.R);
     return out;
 }
 
@@ -60,9 +69,8 @@ PART PreciseLoop precise_loop(const Written<6>& arm, const Frame<double>& goal) 
     return loop_of_steps(step, precise(motion_of(goal), arm.size));
 }
 
-// The unit of the bounds: that of the numbers, and what one step leaves of rotations that are orthogonal to 3e-14.
-inline constexpr double PRECISE_UNIT = 1e-27;
-static_assert(PRECISE_UNIT > DOUBLED_UNIT + 3e-14 * 3e-14);
+// The unit of the bounds: that of the numbers, and the rounding of rotations.
+inline constexpr double PRECISE_UNIT = 16.0 * DOUBLED_UNIT;
 // The ball without another root is looked for up to this radius: larger than the rounding of z, small against the third derivatives
 // of most roots.
 inline constexpr double PRECISE_BALL = 1e-9;

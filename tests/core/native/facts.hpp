@@ -26,3 +26,4 @@ void test_subproblems();
 void test_balls();
 void test_slanted();
 void test_along_valley();
+void test_circle();

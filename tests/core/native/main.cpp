@@ -9,6 +9,7 @@ int main() {
     test_balls();
     test_slanted();
     test_along_valley();
+    test_circle();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;
 }

@@ -34,10 +34,28 @@ static void quotients_are_inverse_to_products() {
 
 static void roots_square_to_their_number() {
     for (int k = 2; k <= 1000; ++k) {
-        const Doubled n = double(k);
-        Doubled x = std::sqrt(double(k));
-        for (int round = 0; round < 2; ++round) x = 0.5 * (x + n / x);
+        const Doubled n = {double(k), 1e-17 * k}, x = sqrt(n);
         HOLDS(left(x * x - n) <= 4.0 * k * DIGITS);
+    }
+}
+
+// A block does in each lane what one number does, to the last digit.
+static void blocks_do_what_numbers_do() {
+    using DoubledBlock = DoubledOf<Block>;
+    for (int k = 1; k <= 200; ++k) {
+        DoubledBlock a, b;
+        Doubled x[BLOCK], y[BLOCK];
+        for (int l = 0; l < BLOCK; ++l) {
+            x[l] = Doubled(2.0 + std::sin(double(k + l))) / Doubled(3.0), y[l] = Doubled(std::cos(3.0 * k - l)) / Doubled(7.0);
+            a.hi.set(l, x[l].hi), a.lo.set(l, x[l].lo), b.hi.set(l, y[l].hi), b.lo.set(l, y[l].lo);
+        }
+        const DoubledBlock many[] = {a + b, a - b, a * b, b / a, sqrt(a), Doubled(1.0, 1e-17) * a};
+        for (int l = 0; l < BLOCK; ++l) {
+            const Doubled one[] = {x[l] + y[l], x[l] - y[l], x[l] * y[l], y[l] / x[l], sqrt(x[l]), Doubled(1.0, 1e-17) * x[l]};
+            for (int i = 0; i < 6; ++i) {
+                HOLDS(std::abs(many[i].hi[l] - one[i].hi + (many[i].lo[l] - one[i].lo)) <= DIGITS * std::abs(one[i].hi));
+            }
+        }
     }
 }
 
@@ -45,4 +63,5 @@ void test_doubled() {
     products_and_sums_keep_what_doubles_lose();
     quotients_are_inverse_to_products();
     roots_square_to_their_number();
+    blocks_do_what_numbers_do();
 }

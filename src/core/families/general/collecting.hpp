@@ -4,6 +4,7 @@
 
 #include "answers/blocks.hpp"
 #include "answers/on_curve.hpp"
+#include "certificate/circle.hpp"
 #include "certificate/cluster.hpp"
 #include "certificate/precise.hpp"
 #include "families/general/elimination_arm.hpp"
@@ -26,6 +27,9 @@ struct SearchState {
     bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
     bool provable = false;  // whether complex roots are counted
     bool on_curve = false;  // whether a curve of solutions was found
+    OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
+    int reals_counted = -1;
+    bool by_zeros = false;  // whether a determinant has as many zeros as real roots are certified and lie in clusters
     bool certifies = false;  // whether real roots are certified: all joints turn
     int zeros = -1;  // real roots that there can be at most; -1 where that is open
     Loop loop = {};
@@ -214,6 +218,20 @@ STEP bool is_known(const Account& account, const Number (&q)[6]) {
     return false;
 }
 
+STEP void as_numbers(const double* row, Number (&q)[6]) {
+    for (int k = 0; k < 6; ++k) q[k] = row[k];
+}
+
+// Whether a solution has no certificate of its own.
+STEP bool has_strangers(const SearchState& search) {
+    for (int b = 0; b < search.columns.many; ++b) {
+        Number q[6];
+        if (search.columns.valid(b)) as_numbers(search.columns.row(b), q);
+        if (search.columns.valid(b) && !is_known(search.account, q)) return true;
+    }
+    return false;
+}
+
 // Whether the cluster's ball may hold real joint vectors.
 STEP bool may_be_real(const Cluster& cluster) {
     double square_off = 0.0;
@@ -221,8 +239,28 @@ STEP bool may_be_real(const Cluster& cluster) {
     return !cluster.apart && sqrt(square_off) <= radius_of(cluster);
 }
 
-STEP void as_numbers(const double* row, Number (&q)[6]) {
-    for (int k = 0; k < 6; ++k) q[k] = row[k];
+// The status of an account in which every root is counted: the members of clusters are found, or nearer to each other than
+// rounding.
+PART Status status_of_clusters(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
+    const Account& account = search.account;
+    Number q[6];
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& cluster = account.cluster[i];
+        if (!may_be_real(cluster)) continue;
+        Candidates starts = {{}, (1u << cluster.starts) - 1};
+        for (int l = 0; l < BLOCK; ++l) {
+            for (int j = 0; j < 6; ++j) starts.q[j].set(l, cluster.start[l % 2][j]);
+        }
+        int inside = 0, column[BLOCK];
+        if (starts.lanes) columns_from<false>(arm, goal, search, starts, 12, column);
+        for (int b = 0; b < search.columns.many; ++b) {
+            if (!search.columns.valid(b)) continue;
+            as_numbers(search.columns.row(b), q);
+            inside += is_inside_larger(cluster, q);
+        }
+        if (inside != cluster.many && !cluster.blurred) return Status::incomplete;
+    }
+    return account.clusters ? Status::clustered : Status::complete;
 }
 
 // Counts clusters where solutions and other joint vectors have no certificate of their own. Returns the status if every root is
@@ -241,24 +279,7 @@ PART Status count_clusters(const EliminationArm& arm, const Goal<double>& goal, 
         const Number(&at)[6] = search.left[search.tried];
         if (!is_known(account, at)) add_cluster_near(search.loop, account, at);
     }
-    if (!account.all()) return Status::incomplete;
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& cluster = account.cluster[i];
-        if (!may_be_real(cluster)) continue;
-        Candidates starts = {{}, (1u << cluster.starts) - 1};
-        for (int l = 0; l < BLOCK; ++l) {
-            for (int j = 0; j < 6; ++j) starts.q[j].set(l, cluster.start[l % 2][j]);
-        }
-        int inside = 0, column[BLOCK];
-        if (starts.lanes) columns_from<false>(arm, goal, search, starts, 12, column);
-        for (int b = 0; b < search.columns.many; ++b) {
-            if (!search.columns.valid(b)) continue;
-            as_numbers(search.columns.row(b), q);
-            inside += is_inside_larger(cluster, q);
-        }
-        if (inside != cluster.many && !cluster.blurred) return Status::incomplete;
-    }
-    return account.clusters ? Status::clustered : Status::complete;
+    return account.all() ? status_of_clusters(arm, goal, search) : Status::incomplete;
 }
 
 // The columns of a full account: its real roots, and what was found in its clusters, or their centres.

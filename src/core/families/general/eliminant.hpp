@@ -23,9 +23,14 @@ STEP double length_of_motion(const EliminationArm& arm, const Goal<double>& goal
     return arm.scale * (sqrt(dot(goal.p, goal.p)) + length(arm.home_inverse.t) + length(arm.centre));
 }
 
-// The hidden joint of a variant at q, as (cos, sin) of its angle, or of t where it slides by tan(t / 2).
+// The hidden joint of a variant, from the base on.
+STEP int hidden_joint(const EliminationVariant& variant) {
+    const int hidden = (variant.first + 5) % 6;
+    return variant.reversed ? 5 - hidden : hidden;
+}
+// Its value at q, as (cos, sin) of its angle, or of t where it slides by tan(t / 2).
 STEP Turn<double> hidden_at(const EliminationArm& arm, const EliminationVariant& variant, const double (&q)[6]) {
-    const int hidden = (variant.first + 5) % 6, j = variant.reversed ? 5 - hidden : hidden;
+    const int j = hidden_joint(variant);
     if (!arm.written.slides[j]) return cos_sin(q[j]);
     const double d = arm.scale * q[j], w = 1.0 / (1.0 + d * d);
     return {(1.0 - d * d) * w, 2.0 * d * w};
@@ -49,27 +54,64 @@ PART void eliminate(const EliminationArm& arm, const EliminationVariant& variant
     for (const double each : D) out.error += 32.0 * UNIT * abs(each);
 }
 
+// The same as a polynomial on the circle; nothing is known where its error is infinite.
+STEP OnCircle<double> on_circle(const Eliminant& of) {
+    OnCircle<double> p;
+    for (int k = 0; k <= DEGREE; ++k) p.re[k] = of.coefficients[DEGREE + k].re, p.im[k] = of.coefficients[DEGREE + k].im;
+    // Higher harmonics are zero, so what rounding leaves of them is within the bound.
+    double largest = 0.0;
+    for (int k = 0; k <= DEGREE; ++k) largest = max(largest, sqrt(p.re[k] * p.re[k] + p.im[k] * p.im[k]));
+    p.error = of.noise * largest <= of.error ? of.error : __builtin_inf();
+    return p;
+}
+
 // Bounds the number of real solutions by that of the zeros that the determinant of the arm as written has on the circle. A zero is
 // at least as multiple as its matrix loses ranks. One null vector leads to one solution at most; a plane of them to two at most,
 // since the products of (1, cos, sin) and the halves are a surface that is cut out by quadrics and contains no line.
 // Returns whether that many real roots are certified.
-PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const Eliminant& of, SearchState& search) {
-    if (search.counted() || !search.certifies || !(of.error < __builtin_inf())) return search.counted();
-    OnCircle p;
-    for (int k = 0; k <= DEGREE; ++k) p.re[k] = of.coefficients[DEGREE + k].re, p.im[k] = of.coefficients[DEGREE + k].im;
-    p.error = of.error;
-    // Higher harmonics are zero, so what rounding leaves of them is within the bound.
-    double largest = 0.0;
-    for (int k = 0; k <= DEGREE; ++k) largest = max(largest, sqrt(p.re[k] * p.re[k] + p.im[k] * p.im[k]));
-    if (!(of.noise * largest <= of.error)) return false;
-    double known[Account::most];
+template <class S>
+PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const OnCircle<S>& p, SearchState& search) {
+    if (search.counted() || !search.certifies || !(p.error < __builtin_inf())) return search.counted();
+    KnownZero known[Account::most];
     for (int i = 0; i < search.account.reals; ++i) {
         const Turn<double> t = hidden_at(arm, variant, search.account.real[i].q);
-        known[i] = atan2(t.s, t.c);
+        known[i] = {atan2(t.s, t.c), 0.0};
     }
     const int bound = zeros_on_circle(p, known, search.account.reals);
     if (bound >= 0 && (search.zeros < 0 || bound < search.zeros)) search.zeros = bound;
     return search.counted();
+}
+
+// The same where solutions have no certificate of their own, but are pairs in clusters: whether the determinant has as many zeros,
+// in the lenses about the circle that hold the clusters, as real roots are certified and roots lie in the clusters.
+template <class S>
+PART bool count_with_clusters(const EliminationArm& arm, const EliminationVariant& variant, const OnCircle<S>& p,
+                              SearchState& search) {
+    Account& account = search.account;
+    if (!search.certifies || !(p.error < __builtin_inf())) return false;
+    for (int b = 0; b < search.columns.many; ++b) {
+        Number q[6];
+        if (search.columns.valid(b)) as_numbers(search.columns.row(b), q);
+        if (search.columns.valid(b) && !is_known(account, q) && !add_cluster_near(search.loop, account, q)) return false;
+    }
+    KnownZero known[2 * Account::most];
+    int many = 0;
+    const auto know = [&](const double (&q)[6], double radius) {
+        const Turn<double> t = hidden_at(arm, variant, q);
+        known[many++] = {atan2(t.s, t.c), radius};
+    };
+    for (int i = 0; i < account.reals; ++i) know(account.real[i].q, 0.0);
+    bool any = false;
+    for (int i = 0; i < account.clusters; ++i) {
+        const Cluster& each = account.cluster[i];
+        if (!may_be_real(each)) continue;
+        if (each.many != 2 || many + 2 > 2 * Account::most) return false;
+        double centre[6];
+        for (int j = 0; j < 6; ++j) centre[j] = wrap(each.q[j].re);
+        for (int k = 0; k < 2; ++k) know(centre, radius_of(each) + abs(each.q[hidden_joint(variant)].im));
+        any = true;
+    }
+    return any && zeros_on_circle(p, known, many) == many;
 }
 
 // Whether a variant's determinant is known well enough to be worth counting its zeros.

@@ -14,6 +14,7 @@
 #include "families/general/continuation.hpp"
 #include "families/general/eliminant.hpp"
 #include "families/general/hidden_joint.hpp"
+#include "families/general/precise_eliminant.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -252,12 +253,13 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     Eliminant own, other;
     const bool alike = !arm.counter_apart, counting = counts(arm.counter);
     const auto count = [&] {
-        return (counting && count_zeros(arm, arm.counter, alike ? own : other, search)) ||
-               (counts(arm.variant) && !alike && count_zeros(arm, arm.variant, own, search));
+        return (counting && count_zeros(arm, arm.counter, on_circle(alike ? own : other), search)) ||
+               (counts(arm.variant) && !alike && count_zeros(arm, arm.variant, on_circle(own), search)) ||
+               (!search.provable && count_precisely(arm, goal, search));
     };
     if (counting && search.account.reals) {
         eliminate(arm, arm.counter, goal, alike ? own : other);
-        if (count_zeros(arm, arm.counter, alike ? own : other, search)) return true;
+        if (count_zeros(arm, arm.counter, on_circle(alike ? own : other), search)) return true;
     }
     const bool there = counting && search.account.reals;
     if (!(there && alike)) eliminate(arm, arm.variant, goal, own);
@@ -306,6 +308,19 @@ PART void certify_columns(SearchState& search) {
     certify();
 }
 
+// Keeps the solutions whose number is that of a determinant's zeros.
+PART Status keep_counted(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search, Account& account) {
+    account = search.account;
+    if (search.by_zeros) {
+        account.pairs = 0, account.expected = {account.counted(), Why::zeros};
+        keep_accounted(arm, goal, search);
+        return Status::clustered;
+    }
+    keep_certified(arm, goal, search);
+    if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = account.clusters = 0;
+    return Status::complete;
+}
+
 // The same with the account; see complete.hpp.
 PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, Account& account) {
     // The rounding of a slide far out moves the tip, so the accepted error grows with the distance of the goal, up to
@@ -314,12 +329,8 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     certify_columns(search);
     bool certain = find_all(arm, goal, search);
+    if (search.counted() || search.by_zeros) return keep_counted(arm, goal, search, account);
     account = search.account;
-    if (search.counted()) {
-        keep_certified(arm, goal, search);
-        if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = account.clusters = 0;
-        return Status::complete;
-    }
     if (search.on_curve) {
         mark_singular(arm.written, goal, columns);
         return Status::continuum;
@@ -330,6 +341,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         keep_accounted(arm, goal, search);
         return proven;
     }
+    if (search.provable && count_precisely(arm, goal, search)) return keep_counted(arm, goal, search, account);
     // If no candidate converged, the best may be a double root.
     if (columns.count() == 0 && search.error < NEARLY) {
         if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
@@ -359,7 +371,7 @@ bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<
     if (!search.account.reals) return false;
     Eliminant of;
     eliminate(arm, arm.counter, goal, of);
-    if (!count_zeros(arm, arm.counter, of, search)) return false;
+    if (!count_zeros(arm, arm.counter, on_circle(of), search)) return false;
     keep_certified(arm, goal, search);
     return true;
 }
@@ -406,7 +418,7 @@ PART void try_variants(const EliminationArm& arm, const EliminationVariant* vari
             eliminate(arm, variants[v], goal, of);
             const bool certain = gather(arm, variants[v], goal, of, search);
             out.certain[m * v + i] =
-                std::uint8_t(certain | (counts(variants[v]) && count_zeros(arm, variants[v], of, search)) << 1);
+                std::uint8_t(certain | (counts(variants[v]) && count_zeros(arm, variants[v], on_circle(of), search)) << 1);
             out.counts[m * v + i] = std::uint8_t(columns.count());
         }
     }

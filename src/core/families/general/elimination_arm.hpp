@@ -27,6 +27,11 @@ struct EliminationVariant {
     double inexact[3];
 };
 
+// What rounding leaves out of a variant's factors, for numbers of twice the digits; inexact: the bound with both.
+struct PreciseFactors {
+    double left[15][168], right[15][32], inexact[3];
+};
+
 struct EliminationArm {
     Written<6> written;
     Motion home_inverse;      // of the tip at zero, then moved to the midst of the axes
@@ -34,6 +39,7 @@ struct EliminationArm {
     bool any_slide;
     EliminationVariant variant, counter;  // which proposes solutions; whose determinant's zeros are counted
     bool counter_apart;                   // whether they differ
+    PreciseFactors counter_rest;
     Continuation paths;
 };
 

@@ -14,7 +14,9 @@
 #pragma once
 
 #include "answers/polish.hpp"
+#include "arithmetic/doubled.hpp"
 #include "arithmetic/polynomials.hpp"
+#include "certificate/loop.hpp"
 #include "families/general/elimination_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -30,12 +32,11 @@ struct Equations {
 // ---- lines ---------------------------------------------------------------------------------------------------------
 
 // The line w after the motion G.
-template <class V> STEP void move_line(const Frame<double>& G, const V (&w)[LINE], V (&out)[LINE]) {
-    const Frame<V> wide = spread<V>(G);
-    const auto& t = wide.p;
+template <class V> STEP void move_line(const Frame<V>& G, const V (&w)[LINE], V (&out)[LINE]) {
+    const auto& t = G.p;
     const V half = 0.5 * dot(t, t);
-    const Vec<V> p = wide.R * Vec<V>{w[1], w[2], w[3]}, l = wide.R * Vec<V>{w[5], w[6], w[7]};
-    const Vec<V> m = wide.R * Vec<V>{w[8], w[9], w[10]}, k = wide.R * Vec<V>{w[12], w[13], w[14]};
+    const Vec<V> p = G.R * Vec<V>{w[1], w[2], w[3]}, l = G.R * Vec<V>{w[5], w[6], w[7]};
+    const Vec<V> m = G.R * Vec<V>{w[8], w[9], w[10]}, k = G.R * Vec<V>{w[12], w[13], w[14]};
     const V along = w[11] + dot(t, l);
     const Vec<V> point = p + w[0] * t, moment = m + cross(t, l), last = k - cross(t, m) + half * l - along * t;
     out[0] = w[0], out[4] = w[4] + dot(t, p) + half * w[0], out[11] = along;
@@ -51,7 +52,7 @@ template <int COLUMNS> PART void equations_with(const EliminationVariant& v, con
     for (int c = 0; c < COLUMNS; c += BLOCK) {
         Block w[LINE], out[LINE];
         for (int i = 0; i < LINE; ++i) w[i] = load<Block>(v.right[i] + c);
-        move_line(G, w, out);
+        move_line(spread<Block>(G), w, out);
         for (int i = 0; i < LINE; ++i) store(out[i], moved[i] + c);
     }
     double* a = &A.a[0][0][0];
@@ -92,7 +93,7 @@ PART void equations(const EliminationVariant& v, const Frame<double>& G, Equatio
 // ---- the matrix ----------------------------------------------------------------------------------------------------
 
 // The matrix at the hidden angles (c, s), column by column: joint a + 3's product, slowest, then the halves.
-template <class V> STEP void matrix_at(const Equations& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
+template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
     for (int e = 0; e < 6; ++e) {
         const auto& a = A.a[e];
         for (int j = 0; j < 3; ++j) {
@@ -143,65 +144,73 @@ template <int K, class V, int I = 0> STEP void make_triangular(V (&M)[K][SIZE][S
 
 // ---- samples -------------------------------------------------------------------------------------------------------
 
-// Cosine of k half turns over SAMPLES.
-constexpr double sample_cosine(int k) {
-    constexpr double quarter[SAMPLES / 2 + 1] = {1.0,
-                                                 0.9914448613738104,
-                                                 0.9659258262890683,
-                                                 0.9238795325112867,
-                                                 0.8660254037844387,
-                                                 0.7933533402912352,
-                                                 0.7071067811865476,
-                                                 0.6087614290087207,
-                                                 0.5,
-                                                 0.38268343236508984,
-                                                 0.25881904510252074,
-                                                 0.1305261922200517,
-                                                 0.0};
+// Cosine of k half turns over SAMPLES, and what its rounding leaves out.
+struct SampleCosine {
+    double rounded, rest;
+};
+constexpr SampleCosine sample_cosine(int k) {
+    constexpr SampleCosine quarter[SAMPLES / 2 + 1] = {{1.0, 0.0},
+                                                       {0.9914448613738104, 2.898989874454537e-17},
+                                                       {0.9659258262890683, -2.5463971562308955e-17},
+                                                       {0.9238795325112867, 1.7645047084336677e-17},
+                                                       {0.8660254037844386, 5.0175421109034514e-17},
+                                                       {0.7933533402912352, -5.028625073907125e-19},
+                                                       {0.7071067811865476, -4.833646656726457e-17},
+                                                       {0.6087614290087207, -1.647047979025087e-17},
+                                                       {0.5, 0.0},
+                                                       {0.3826834323650898, -1.0050772696461588e-17},
+                                                       {0.25881904510252074, 2.287249500495561e-17},
+                                                       {0.1305261922200516, -9.607666023901524e-18},
+                                                       {0.0, 0.0}};
     k = (k % (2 * SAMPLES) + 2 * SAMPLES) % (2 * SAMPLES);
     k = k > SAMPLES ? 2 * SAMPLES - k : k;
-    return k > SAMPLES / 2 ? -quarter[SAMPLES - k] : quarter[k];
+    if (k <= SAMPLES / 2) return quarter[k];
+    return {-quarter[SAMPLES - k].rounded, -quarter[SAMPLES - k].rest};
 }
-constexpr double sample_sine(int k) { return sample_cosine(k - SAMPLES / 2); }
+constexpr SampleCosine sample_sine(int k) { return sample_cosine(k - SAMPLES / 2); }
 
 // Cosines and sines of (sample times harmonic), harmonics side by side. Samples stand half way between the multiples of 15 degrees,
 // where solutions of poses with round numbers are.
 inline constexpr int HARMONICS = 16;
 struct Waves {
-    double c[SAMPLES][HARMONICS], s[SAMPLES][HARMONICS];
-    constexpr Waves() : c(), s() {
+    double c[SAMPLES][HARMONICS], s[SAMPLES][HARMONICS], c_rest[SAMPLES][HARMONICS], s_rest[SAMPLES][HARMONICS];
+    constexpr Waves() : c(), s(), c_rest(), s_rest() {
         for (int k = 0; k < SAMPLES; ++k) {
-            for (int h = 0; h < HARMONICS; ++h) c[k][h] = sample_cosine((2 * k + 1) * h), s[k][h] = sample_sine((2 * k + 1) * h);
+            for (int h = 0; h < HARMONICS; ++h) {
+                const SampleCosine cosine = sample_cosine((2 * k + 1) * h), sine = sample_sine((2 * k + 1) * h);
+                c[k][h] = cosine.rounded, s[k][h] = sine.rounded, c_rest[k][h] = cosine.rest, s_rest[k][h] = sine.rest;
+            }
         }
     }
 };
 inline constexpr Waves WAVES;
 
-// Rounding of a matrix from its coefficients, and of a reflection, as shares of the Frobenius norm of what is reflected: |v|^2 = 2,
-// and v is off by 17 u |v|, 68 u; a product in two sums of six terms 14 u, its subtraction 4 u.
-inline constexpr double ROUNDING_OF_MATRIX = 10.0 * 1.1102230246251565e-16, ROUNDING_OF_REFLECTION = 86.0 * 1.1102230246251565e-16;
+// Rounding of a matrix from its coefficients, and of a reflection, as shares of the Frobenius norm of what is reflected, in units:
+// |v|^2 = 2, and v is off by 17 u |v|, 68 u; a product in two sums of six terms 14 u, its subtraction 4 u.
+inline constexpr double ROUNDING_OF_MATRIX = 10.0, ROUNDING_OF_REFLECTION = 86.0;
 
-// A bound on what changing each matrix by at most `inexact` and rounding may do to its determinant D, R being the triangular
-// factors: det(M + E) = D det(1 + M^-1 E), and |det(1 + X) - 1| <= e^x - 1 with the sum x of the singular values of X, which is at
-// most |M^-1| |E| in Frobenius norms. Infinite where x exceeds a half.
-STEP Block determinant_error(const Block (&R)[SIZE][SIZE], const Block& D, double inexact) {
-    Block inverse = 0.0, over[SIZE], below = 0.0, rounding = 0.0;
+// A bound on what changing each matrix by at most `inexact` and rounding by `unit` may do to its determinant D, R being the
+// triangular factors: det(M + E) = D det(1 + M^-1 E), and |det(1 + X) - 1| <= e^x - 1 with the sum x of the singular values of X,
+// which is at most |M^-1| |E| in Frobenius norms. Infinite where x exceeds a half.
+template <class V> STEP Block determinant_error(const V (&R)[SIZE][SIZE], const Block& D, double inexact, double unit) {
+    Block inverse = 0.0, below = 0.0, rounding = 0.0;
+    V over[SIZE];
     for (int i = SIZE - 1; i >= 0; --i) {
         over[i] = 1.0 / R[i][i];
-        for (int j = i; j < SIZE; ++j) below += R[j][i] * R[j][i];
+        for (int j = i; j < SIZE; ++j) below += leading(R[j][i]) * leading(R[j][i]);
         // Rows i to 11 have the norm of what reflection i turns.
-        if (i < SIZE - 1) rounding += ROUNDING_OF_REFLECTION * sqrt(below);
+        if (i < SIZE - 1) rounding += unit * ROUNDING_OF_REFLECTION * sqrt(below);
     }
-    rounding += ROUNDING_OF_MATRIX * sqrt(below);
+    rounding += unit * ROUNDING_OF_MATRIX * sqrt(below);
 #pragma GCC unroll 1
     for (int k = 0; k < SIZE; ++k) {
-        Block x[SIZE];
-        x[k] = over[k], inverse += x[k] * x[k];
+        V x[SIZE];
+        x[k] = over[k], inverse += leading(x[k]) * leading(x[k]);
 #pragma GCC unroll 1
         for (int i = k - 1; i >= 0; --i) {
-            Block sum = 0.0;
-            for (int j = i + 1; j <= k; ++j) sum -= R[j][i] * x[j];
-            x[i] = over[i] * sum, inverse += x[i] * x[i];
+            V sum = 0.0;
+            for (int j = i + 1; j <= k; ++j) sum = sum - R[j][i] * x[j];
+            x[i] = over[i] * sum, inverse += leading(x[i]) * leading(x[i]);
         }
     }
     const Block x = sqrt(inverse) * (inexact + rounding);
@@ -224,7 +233,7 @@ PART void determinants(const Equations& A, double (&D)[SAMPLES], double inexact,
         Block product = -M[g][0][0];
         for (int i = 1; i < SIZE; ++i) product *= M[g][i][i];
         store(product, D + BLOCK * g);
-        off += determinant_error(M[g], product, inexact);
+        off += determinant_error(M[g], product, inexact, UNIT);
     }
     error = 0.0;
     for (int l = 0; l < BLOCK; ++l) error += off[l];

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from urdf_ik._core import known_poses, try_elimination
-from urdf_ik.ik.families.parts.inexact import UNKNOWN, inexact
+from urdf_ik.ik.families.parts.inexact import UNKNOWN, PreciseFactors, inexact
 from urdf_ik.ik.families.parts.written import Written, written
 
 if TYPE_CHECKING:
@@ -119,11 +119,13 @@ class EliminationArm(EliminationSetup):
     Attributes:
         variant: the one that proposes solutions.
         counter: the one whose determinant's zeros are counted.
+        counter_rest: what rounding leaves out of its factors.
     """
 
     kind: ClassVar = "elimination"
     variant: Variants
     counter: Variants
+    counter_rest: PreciseFactors
 
 
 def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
@@ -155,24 +157,26 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
     every = _all_variants(H, points, chain.prismatic, rng)
     best = _best(setup, _best(setup, every, targets[:_FIRST], _FEW), targets, 1)
     common = {each.name: getattr(setup, each.name) for each in fields(setup)}
-    return EliminationArm(**common, variant=_with_bounds(best, setup), counter=_counter(setup, every, targets))
+    counter, rest = _counter(setup, every, targets)
+    return EliminationArm(**common, variant=_with_bounds(best, setup)[0], counter=counter, counter_rest=rest)
 
 
-def _with_bounds(variant: Variants, setup: EliminationSetup) -> Variants:
-    """One variant with bounds on how far it is from the arm, if all joints turn."""
+def _with_bounds(variant: Variants, setup: EliminationSetup) -> tuple[Variants, PreciseFactors]:
+    """One variant with bounds on how far it is from the arm, if all joints turn, and what its factors lack."""
+    left, right = variant.left[0], variant.right[0]
     if variant.slides.any():
-        return variant
-    first = int(variant.first[0])
-    factors = variant.left[0, :, : 6 * 3**first], variant.right[0, :, : 3 ** (3 - first)]
-    cut = first, bool(variant.reversed[0])
-    return replace(variant, inexact=inexact(setup.written.steps, setup.centre, setup.scale, cut, *factors)[None])
+        unknown = PreciseFactors(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
+        return variant, unknown
+    cut = int(variant.first[0]), bool(variant.reversed[0])
+    bound, rest = inexact(setup.written.steps, setup.centre, setup.scale, cut, left, right)
+    return replace(variant, inexact=bound[None]), rest
 
 
-def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> Variants:
+def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> tuple[Variants, PreciseFactors]:
     """The variant of the axes as they are whose determinant's zeros prove most of the poses (m, 4, 4) complete."""
     unmoved = variants.at(np.arange(len(variants.first) // len(_SHIFTS)))
     if unmoved.slides.any():
-        return unmoved.at(np.array([0]))
+        return _with_bounds(unmoved.at(np.array([0])), setup)
 
     def proven(of: Variants) -> NDArray[np.int64]:
         out: NDArray[np.int64] = np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
@@ -181,7 +185,7 @@ def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> Var
     # What these would prove, were they as exact as rounding lets them be.
     guessed = proven(replace(unmoved, inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
     few = [_with_bounds(unmoved.at(np.array([k])), setup) for k in np.argsort(guessed, kind="stable")[-2:]]
-    return max(few, key=lambda each: int(proven(each)[0]))
+    return max(few, key=lambda each: int(proven(each[0])[0]))
 
 
 def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: int) -> Variants:

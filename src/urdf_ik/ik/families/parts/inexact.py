@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,34 +17,56 @@ if TYPE_CHECKING:
 _LINE = 15
 _DIGITS = 160
 _UNIT = 2.0**-53
+# Of numbers of twice the digits: DOUBLED_UNIT of the core.
+_PRECISE = 2.0**-102
 _ONE = 1 << _DIGITS
-# A product of fifteen terms.
-_PRODUCT = 16.0 * _UNIT
+# The inverse is rounded, so that null vectors need several rounds.
+_ROUNDS = 4
 UNKNOWN = 1e300
 """A bound where nothing is known: files of numbers hold no infinity."""
 
 
-def inexact(steps: Array, centre: Array, scale: float, cut: tuple[int, bool], left: Array, right: Array) -> Array:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PreciseFactors:
+    """What rounding leaves out of a variant's factors; see ``PreciseFactors`` of the core.
+
+    Attributes:
+        left: (15, 168) for the left factor, padded with zeros.
+        right: (15, 32) for the right one.
+        inexact: (3,) bound on the error of the matrix with both; see ``inexact``.
+    """
+
+    left: Array
+    right: Array
+    inexact: Array
+
+
+def inexact(
+    steps: Array, centre: Array, scale: float, cut: tuple[int, bool], left: Array, right: Array
+) -> tuple[Array, PreciseFactors]:
     """A bound on the Frobenius norm of the error of the elimination's matrix at any angle of the hidden joint.
 
-    The equations are set up anew from the arm's steps, to 160 binary digits, with those null vectors of the left side L
-    (15 x 9) that are nearest to the ones that were used: N - N L L^+. What separates both factors from the ones that
-    were used is measured. The loop's motion, both products with it and the matrix's sums are rounded when a pose is
-    solved, by 16 u each. Six equations enter the matrix twice, with factors up to one, and each of their coefficients
-    with the hidden joint's (1, cos, sin): the matrix errs by at most twice as much as they do.
+    The equations are set up anew from the arm's steps, with the rotations nearest to the stored ones, to 160 binary
+    digits, with those null vectors of the left side L (15 x 9) that are nearest to the ones that were used:
+    N - N L L^+. What separates both factors from the ones that were used is measured. The loop's motion, both products
+    with it and the matrix's sums are rounded when a pose is solved, by 16 u each. Six equations enter the matrix twice,
+    with factors up to one, and each of their coefficients with the hidden joint's (1, cos, sin): the matrix errs by at
+    most twice as much as they do.
 
     Args:
         steps: (7, 3, 4) the arm's motions from joint to joint [m].
         centre: (3,) m, the origin of the scaled frame.
         scale: 1/m.
         cut: the joint behind which the loop is cut, and whether it is the chain from tip to base.
-        left: (15, r) left factor that is used.
-        right: (15, c) right factor that is used.
+        left: (15, 168) left factor that is used, padded with zeros.
+        right: (15, 32) right factor that is used, padded with zeros.
 
     Returns:
-        (3,) coefficients of 1, t, t^2, with the length t of the loop's motion.
+        (3,) coefficients of 1, t, t^2, with the length t of the loop's motion, and what the factors lack.
     """
     first, back = cut
+    rows, columns = 6 * 3**first, 3 ** (3 - first)
+    rest = PreciseFactors(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
     axes = _axes(steps, centre, scale)
     if back:
         axes = [(-h, p) for h, p in reversed(axes)]
@@ -52,39 +75,60 @@ def inexact(steps: Array, centre: Array, scale: float, cut: tuple[int, bool], le
     L = _behind(motions[first], _behind(motions[first + 1], line[None])).T
     inverse: Array = np.linalg.pinv(_floats(L)).astype(np.float64)
     if not np.linalg.norm(inverse @ _floats(L) - np.eye(9)) < 0.1:
-        return np.full(3, UNKNOWN)
-    # Twice, as the inverse is rounded.
+        return np.full(3, UNKNOWN), rest
     joints = [_back(motions[(first + k) % 6]) for k in (5, 4, 3)]
-    N = _fixed(_null(left, joints[:first]))
-    for _ in range(2):
+    N = _fixed(_null(left[:, :rows], joints[:first]))
+    for _ in range(_ROUNDS):
         N = N - _times(_times(N, L), _fixed(inverse))
     front, rear = N, line[None]
     for joint in joints[:first]:
         front = _before(front, joint)
     for joint in reversed(joints[first:]):
         rear = _behind(joint, rear)
-    front_size, rear_size = np.abs(left.T), np.abs(right)
-    front_off, rear_off = np.abs(_floats(_fixed(left.T) - front)), np.abs(_floats(_fixed(right) - rear.T))
+    front, rear = front.T - _fixed(left[:, :rows]), rear.T - _fixed(right[:, :columns])
+    rest.left[:, :rows], rest.right[:, :columns] = _floats(front), _floats(rear)
+    sizes = np.abs(left[:, :rows]), np.abs(right[:, :columns])
+    rest.inexact[:] = _bound(
+        sizes, (front - _fixed(rest.left[:, :rows]), rear - _fixed(rest.right[:, :columns])), _PRECISE
+    )
+    return _bound(sizes, (front, rear), _UNIT), rest
+
+
+def _bound(sizes: tuple[Array, Array], off: tuple[Fixed, Fixed], unit: float) -> Array:
+    """The bound from the factors' sizes, what separates them from the exact ones, and the unit of rounding."""
+    front_size, rear_size = sizes[0].T, sizes[1]
+    # What was computed in integers is off by less than their last thirty digits.
+    front_off, rear_off = (np.abs(_floats(each)) + 2.0 ** (30 - _DIGITS) for each in (off[0].T, off[1]))
+    product = 16.0 * unit
     out = np.empty(3)
     for power, G in enumerate(_MAJORANT):
         moved = G @ rear_size
-        moved_off = G @ rear_off + 2.0 * _PRODUCT * moved
+        moved_off = G @ rear_off + 2.0 * product * moved
         out[power] = np.linalg.norm(
-            front_off @ (moved + moved_off) + front_size @ moved_off + 2.0 * _PRODUCT * (front_size @ moved)
+            front_off @ (moved + moved_off) + front_size @ moved_off + 2.0 * product * (front_size @ moved)
         )
-    return 2.0 * out
+    bound: Array = 2.0 * out
+    return bound
 
 
 def _axes(steps: Array, centre: Array, scale: float) -> list[tuple[Fixed, Fixed]]:
     """Directions of the joints' axes and their points next to the origin, in the scaled frame."""
-    R, p = _fixed(steps[0, :, :3]), _fixed(steps[0, :, 3])
+    R, p = _rotation(steps[0, :, :3]), _fixed(steps[0, :, 3])
     origin, unit = _fixed(centre), int(math.ldexp(scale, _DIGITS))
     out = []
     for step in steps[1:]:
         z, at = R[:, 2], (p - origin) * unit >> _DIGITS
         h = (z << _DIGITS) // math.isqrt(int(z @ z))
         out.append((h, at - (_times(at, h) * h >> _DIGITS)))
-        R, p = _times(R, _fixed(step[:, :3])), p + _times(R, _fixed(step[:, 3]))
+        R, p = _times(R, _rotation(step[:, :3])), p + _times(R, _fixed(step[:, 3]))
+    return out
+
+
+def _rotation(R: Array) -> Fixed:
+    """The rotation nearest to a stored one: Newton's method squares what orthogonality lacks."""
+    out = _fixed(R)
+    for _ in range(_ROUNDS):
+        out = (3 * out - _times(out, _times(out.T, out))) >> 1
     return out
 
 

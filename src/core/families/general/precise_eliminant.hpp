@@ -1,0 +1,129 @@
+// The determinant of a pose's equations in numbers of twice the digits.
+//
+// Near a special arm the matrix all but loses ranks at every angle, and near a singularity four zeros may lie within 0.01 rad: the
+// determinant in doubles is then known to 1e-5 to 1e-10 of its size. Here it is known to their last digits. The rotations of the
+// steps and of the target are those nearest to the stored ones, as in certificate/precise.hpp.
+#pragma once
+
+#include "families/general/eliminant.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+using DoubledBlock = DoubledOf<Block>;
+STEP DoubledBlock load_doubled(const double* a, const double* rest) { return DoubledBlock::sum(load<Block>(a), load<Block>(rest)); }
+
+// Equations (hidden_joint.hpp) in numbers of twice the digits.
+struct PreciseEquations {
+    Doubled a[6][3][9];
+};
+
+// loop_motion() of the arm with the nearest rotations.
+PART DoubledMotion precise_loop_motion(const EliminationArm& arm, const Goal<double>& goal, bool reversed) {
+    DoubledMotion home = precise(arm.written.step[0], 1.0);
+    for (int k = 1; k < 7; ++k) home = composed(home, precise(arm.written.step[k], 1.0));
+    DoubledMotion motion = composed(precise(motion_of(goal), 1.0), inverse_of(home));
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) motion.t[i] += motion.R[i][j] * arm.centre[j];
+    }
+    for (int i = 0; i < 3; ++i) motion.t[i] = arm.scale * (motion.t[i] - arm.centre[i]);
+    // Products of rotations have added to what each lacks.
+    make_rotation(motion.R);
+    return reversed ? inverse_of(motion) : motion;
+}
+
+PART void equations(const EliminationVariant& v, const PreciseFactors& rest, const DoubledMotion& motion, PreciseEquations& A) {
+    Frame<DoubledBlock> G;
+    const auto column = [&](int k) { return Vec<DoubledBlock>{motion.R[0][k], motion.R[1][k], motion.R[2][k]}; };
+    G = {{column(0), column(1), column(2)}, {motion.t[0], motion.t[1], motion.t[2]}};
+    int columns = 27;
+    for (int k = 0; k < v.first; ++k) columns /= 3;
+    const int rows = 162 / columns;
+    Doubled* a = &A.a[0][0][0];
+    for (int from = 0; from < columns; from += BLOCK) {
+        DoubledBlock w[LINE], moved[LINE];
+        for (int i = 0; i < LINE; ++i) w[i] = load_doubled(v.right[i] + from, rest.right[i] + from);
+        move_line(G, w, moved);
+        for (int c = from; c < columns && c < from + BLOCK; ++c) {
+            for (int r = 0; r < rows; r += BLOCK) {
+                DoubledBlock sum = 0.0;
+                for (int i = 0; i < LINE; ++i) {
+                    const Doubled factor = {moved[i].hi[c - from], moved[i].lo[c - from]};
+                    sum += load_doubled(v.left[i] + r, rest.left[i] + r) * factor;
+                }
+                for (int l = 0; l < BLOCK && r + l < rows; ++l) a[(r + l) * columns + c] = {sum.hi[l], sum.lo[l]};
+            }
+        }
+    }
+}
+
+// The upper triangular factor, by reflections 1 - v v^T / w.
+PART void make_triangular(DoubledBlock (&M)[SIZE][SIZE]) {
+    for (int i = 0; i + 1 < SIZE; ++i) {
+        DoubledBlock square = TINY, v[SIZE], f[SIZE];
+        for (int r = i; r < SIZE; ++r) v[r] = M[i][r], square += v[r] * v[r];
+        const DoubledBlock length = sqrt(square), head = v[i];
+        const auto up = head.hi > Block(0.0);
+        const DoubledBlock alpha = {select(up, -length.hi, length.hi), select(up, -length.lo, length.lo)};
+        const DoubledBlock over = 1.0 / (square - alpha * head);
+        M[i][i] = alpha, v[i] = head - alpha;
+        for (int j = i + 1; j < SIZE; ++j) f[j] = 0.0;
+        for (int r = i; r < SIZE; ++r) {
+            for (int j = i + 1; j < SIZE; ++j) f[j] += v[r] * M[j][r];
+        }
+        for (int j = i + 1; j < SIZE; ++j) {
+            f[j] = over * f[j];
+            for (int r = i; r < SIZE; ++r) M[j][r] = M[j][r] - f[j] * v[r];
+        }
+    }
+}
+
+// 24 times the determinant.
+PART void eliminate_precisely(const EliminationArm& arm, const Goal<double>& goal, OnCircle<Doubled>& out) {
+    const EliminationVariant& variant = arm.counter;
+    const double reach = length_of_motion(arm, goal);
+    const auto& inexact = arm.counter_rest.inexact;
+    PreciseEquations A;
+    equations(variant, arm.counter_rest, precise_loop_motion(arm, goal, variant.reversed), A);
+    Doubled D[SAMPLES];
+    Block off = 0.0;
+    double size = 0.0;
+    for (int k = 0; k < SAMPLES; k += BLOCK) {
+        double c[4][BLOCK];
+        for (int l = 0; l < BLOCK; ++l) {
+            c[0][l] = WAVES.c[k + l][1], c[1][l] = WAVES.c_rest[k + l][1];
+            c[2][l] = WAVES.s[k + l][1], c[3][l] = WAVES.s_rest[k + l][1];
+        }
+        DoubledBlock M[SIZE][SIZE];
+        matrix_at(A, load_doubled(c[0], c[1]), load_doubled(c[2], c[3]), M);
+        make_triangular(M);
+        DoubledBlock product = -M[0][0];
+        for (int i = 1; i < SIZE; ++i) product = product * M[i][i];
+        off += determinant_error(M, product.hi, inexact[0] + reach * (inexact[1] + reach * inexact[2]), DOUBLED_UNIT);
+        for (int l = 0; l < BLOCK; ++l) D[k + l] = {product.hi[l], product.lo[l]}, size += abs(product.hi[l]);
+    }
+    for (int h = 0; h <= DEGREE; ++h) {
+        out.re[h] = 0.0, out.im[h] = 0.0;
+        for (int k = 0; k < SAMPLES; ++k) {
+            out.re[h] += D[k] * Doubled(WAVES.c[k][h], WAVES.c_rest[k][h]);
+            out.im[h] += -(D[k] * Doubled(WAVES.s[k][h], WAVES.s_rest[k][h]));
+        }
+    }
+    // Sums of 24 products.
+    out.error = 32.0 * DOUBLED_UNIT * size;
+    for (int l = 0; l < BLOCK; ++l) out.error += off[l];
+}
+
+// Whether the zeros of the precise determinant are as many as real roots are certified, or as these and the members of clusters.
+PART bool count_precisely(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
+    const int reals = search.account.reals;
+    if (!counts(arm.counter) || !reals || reals == search.reals_counted) return search.by_zeros;
+    if (search.reals_counted < 0) eliminate_precisely(arm, goal, search.determinant);
+    search.reals_counted = reals;
+    // A solution without a certificate may be a pair that rounding keeps from being real: it counts as a cluster, or not at all.
+    if (!has_strangers(search)) return count_zeros(arm, arm.counter, search.determinant, search);
+    search.by_zeros = count_with_clusters(arm, arm.counter, search.determinant, search) &&
+                      status_of_clusters(arm, goal, search) != Status::incomplete;
+    return search.by_zeros;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
