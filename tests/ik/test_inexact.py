@@ -83,9 +83,9 @@ def test_the_bound_holds_what_other_factors_leave(chain: Chain, arm: Elimination
     bound = a[0] + a[1] * reach + a[2] * reach**2
     worst = max(left_over(chain, changed, rng.uniform(-np.pi, np.pi, 6)) for _ in range(20))
     assert 0.1 * off < worst <= bound < 1e6 * off
-    # With the rest the factors are exact again, but that the null vectors are other ones now.
+    # The rest holds what was changed, to the digits of a double.
     assert 0.1 * off < np.abs(rest.left).max() < 1e2 * off
-    assert (rest.inexact < 1e-24).all()
+    assert (rest.inexact < 1e-13 * off).all()
 
 
 def test_the_rest_of_the_factors_is_rounding_and_leaves_that_of_twice_the_digits(arm: EliminationArm) -> None:
