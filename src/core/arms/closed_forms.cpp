@@ -103,7 +103,7 @@ template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
     v.read("drift", arm.both.drift), arm.both.boxes = v.integer("boxes");
     arm.family.written.exact = false;
     arm.loose = arm.family;
-    arm.loose.written.raw = true;
+    arm.family.written.beside = arm.loose.written.raw = true;
     const double almost = ALMOST_FREE * arm.family.ideal.imperfection;
     arm.loose.written.tolerances.continuum = almost * almost;
 }
