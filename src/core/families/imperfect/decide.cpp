@@ -3,6 +3,12 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// A branch is beyond its end if its negative margin differs by less than this factor from that of its twin, and from
+// its own before the last correction. 34 would do if m were linear in x.
+inline constexpr double AGREE = 2.0;
+// The rounds have come to rest if the last move is less than half of x: its square is less than this share of the
+// margin.
+inline constexpr double REST = 0.25;
 // An angle is fixed if its lever arm exceeds this times the drift, both as shares of the size. If the joints change by
 // x, the correction changes by at most drift x. This turns an angle of lever arm a by drift x / a, less than x / 4. So
 // each round leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. With a shorter lever arm the
@@ -14,6 +20,8 @@ inline constexpr double FIXED_BY_DRIFT = 4.0;
 // little for two of 20,000 joint vectors planted next to two singularities. 64 costs no time, as few poses are so near
 // to an end.
 inline constexpr double BEYOND_BY_DRIFT = 64.0;
+// A margin below this is rounding.
+inline constexpr double ROUNDED_MARGIN = 1e-12;
 // How often a target is corrected before the pose is given to the elimination.
 inline constexpr int CORRECTIONS = 4;
 
@@ -24,15 +32,13 @@ PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const T
     return {each(goal.R, through), I.p + through(goal.p - W.p)};
 }
 
-// Whether branch b is beyond an end, after a correction that moved it by the root of `square` [rad]: its negative margin differs by
-// less than a factor of two from that of its twin, and from its own before the correction (34 would do if m were linear in x); and
-// the rounds have come to rest, as the last move is less than half of x.
+// Whether branch b is beyond an end, after a correction that moved it by the root of `square` [rad].
 STEP bool is_beyond(const Answers& before, const Answers& now, int b, double square, double drift) {
-    const double least = max(BEYOND_BY_DRIFT * BEYOND_BY_DRIFT * drift * drift, VANISHING);
+    const double least = max(BEYOND_BY_DRIFT * BEYOND_BY_DRIFT * drift * drift, ROUNDED_MARGIN);
     for (int k = 0; k < 3; ++k) {
         const double m = -now.margin[k][b], twin = -now.margin[k][b ^ (4 >> k)], past = -before.margin[k][b];
         const double others = min(abs(now.margin[(k + 1) % 3][b]), abs(now.margin[(k + 2) % 3][b]));
-        if (min(m, others) >= least && 2.0 * min(twin, past) > m && max(twin, past) < 2.0 * m && square < 0.25 * m) return true;
+        if (min(m, others) >= least && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m && square < REST * m) return true;
     }
     return false;
 }

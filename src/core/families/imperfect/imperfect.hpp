@@ -6,7 +6,7 @@
 // q, correct the target by the difference between the two arms at q, and solve the same branch again. A few rounds come close.
 // Newton's method on W does the rest.
 //
-// Up to an imperfection of BOXED the result is proven first, by boxes that hold all real solutions for every displacement
+// Up to an imperfection of CLOSE_BY the result is proven first, by boxes that hold all real solutions for every displacement
 // I(q) W(q)^-1: see certified.hpp. The rounds follow where a box stays open, and on arms farther off.
 //
 // A branch is decided by rounds in one of two ways:
@@ -18,7 +18,7 @@
 //   to first order. Beyond the end the closed form takes x = +-sqrt(-m) (see margin_root), so the rounds end at x1 > 0 and
 //   -x2 < 0 with x1^2 = -m0 - c x1, x2^2 = -m0 + c x2: x1 and -x2 are the roots of x^2 + c x + m0 = 0, hence c = x2 - x1
 //   and -m0 = x1 x2. x^2 = m0 + c x has no real root where c^2 < -4 m0, (x2 - x1)^2 < 4 x1 x2: where the margins of the
-//   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. is_beyond() asks for two.
+//   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. AGREE asks for less.
 // Both assume that the other joints stay nearly where they are. FIXED_BY_DRIFT and BEYOND_BY_DRIFT in decide.cpp, and after() in
 // blocks.hpp, say when this holds. It fails next to two singularities at once, where W may have more solutions than branches.
 // The number of solutions follows: every pair of twins has two, complex ones included. A pose is decided if all its branches are.
@@ -30,6 +30,9 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// Up to this imperfection the elimination alone finds too few solutions, since its equations agree with those of the ideal arm to
+// many digits. The closed form's careful path, one branch at a time, then finds the others.
+inline constexpr double CLOSE_BY = 1e-4;
 // Up to this imperfection boxes are tried.
 inline constexpr double BOXED = 1e-3;
 // Boxes are not divided where the arms differ by less than FINEST, which is little more than the rounding of a loop: nothing tells
@@ -103,6 +106,7 @@ template <class Family> struct Imperfect {
         unsigned open = 255;
         bool loose = by_quartic;
         const double off = arm.family.ideal.imperfection;
+        const bool close = off < CLOSE_BY;
         if constexpr (!by_quartic) {
             Known known;
             Certified all;
@@ -146,7 +150,7 @@ template <class Family> struct Imperfect {
                 return;
             }
         }
-        if (by_quartic) Family::closely(arm.family, goal, seen, reference, columns, open);
+        if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
         Status status = complete(arm.elimination, goal, columns);
         if (status == Status::incomplete) {

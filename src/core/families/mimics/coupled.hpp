@@ -19,8 +19,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // squared [rad].
 inline constexpr long STARTS = 400;
 inline constexpr double SMALLEST = 2e-4;
-// Rounding of the error's length: of MOST_AXES axes as in certificate/loop.hpp, (14 n^2 + 62 n) 2^-53.
-inline constexpr double ERROR_ROUNDING = 4e-13;
+// Rounding of the error's length: of MOST_AXES axes as in certificate/loop.hpp, (14 n^2 + 62 n) 2^-53; the contraction that
+// Newton's step needs.
+inline constexpr double ERROR_ROUNDING = 4e-13, CONTRACTING = 0.25;
 // A diagonal entry of the triangular factor below this share of its column: the columns depend on one another.
 inline constexpr double DEPENDENT = 1e-10;
 
@@ -103,8 +104,7 @@ template <int N> PART Verdict<N> examine(const Coupled<N>& arm, const Goal<doubl
         for (int a = j; a < N; ++a) step += inverse[a][j] * y[a], row += inverse[a][j] * inverse[a][j];
         row = sqrt(row);
         outside = outside | (abs(step) > w[j] + row * rho + 1e-9 + lost * abs(step));
-        // Newton's step contracts to a quarter of the box.
-        wide = wide | (2.0 * row * rho > Block(0.25 * w[j]));
+        wide = wide | (2.0 * row * rho > Block(CONTRACTING * w[j]));
         out.start[j] = c[j] + step;
     }
     none = none | (outside & !dependent);

@@ -24,6 +24,9 @@ inline constexpr double ALMOST = 1e-2;
 // If the residual is below CORRECTED, the sample is moved in CORRECTION_ROUNDS rounds to where the arm as written has it.
 inline constexpr double CORRECTED = 0.05;
 inline constexpr int CORRECTION_ROUNDS = 4;
+// Cosine of the greatest difference of joints 1 to 3 between neighbouring samples of a branch, 0.15 rad. Where W passes close to
+// axis 1, joint 1 turns much faster than joint 5.
+inline constexpr double COS_TURNING = 0.98877;
 // Greatest number of samples that are put between two of the table's, and the number of times that their distance is
 // halved at most.
 inline constexpr int MOST_BETWEEN = 64, MOST_HALVINGS = 20;
@@ -184,8 +187,7 @@ struct HollowWrist {
         const auto turns = [&] {
             double least = 1.0;
             for (int j = 0; j < 3; ++j) least = min(least, to.turn[j].c * from.turn[j].c + to.turn[j].s * from.turn[j].s);
-            // 0.15 rad. Where W passes close to axis 1, joint 1 turns much faster than joint 5.
-            return least < 0.98877;
+            return least < COS_TURNING;
         };
         if (from.there() != to.there()) {
             const Sample end = end_of(search, from, to);
