@@ -29,6 +29,8 @@ inline constexpr double AT_AN_END = 1e-5;
 inline constexpr double WIDE_ENOUGH = 0.01;
 // Radii, each this share of the one before; they decide how tight the bounds are.
 inline constexpr double NEXT_RADIUS = 0.75;
+// The largest surface [rad]: where it isn't, LARGEST_BALL ends it.
+inline constexpr double LARGEST_SURFACE = 0.15;
 // Pieces that are looked at, and the least half width [rad] of one; they decide the cost only.
 inline constexpr int MOST_PIECES = 320;
 inline constexpr double LEAST_PIECE = 1e-9;
@@ -36,7 +38,7 @@ inline constexpr double LEAST_PIECE = 1e-9;
 inline constexpr double ROUNDING_OF_SHIFT = 40.0 * UNIT;
 
 // F = p + e, with |e| <= error[k] for complex |t| <= radius[k]; radii fall.
-struct AlongValley {
+struct Reduced {
     static constexpr int most = 24;
     double radius[most], error[most];
     int many = 0;
@@ -44,21 +46,21 @@ struct AlongValley {
 };
 
 // Returns whether there is a piece.
-PART bool along_valley(const Local& at, const Norms& norms, const Valley& valley, AlongValley& out) {
+template <int r> PART bool reduce(const Local& at, const Norms& norms, const Left<r>& valley, Reduced& out) {
     if (!at.near) return false;
     double f_y = 0.0;
-    for (int o = 0; o < 5; ++o) f_y += square(at.g[o]);
+    for (int o = 0; o < 6 - r; ++o) f_y += square(at.g[o]);
     f_y = sqrt(f_y) + at.rounding;
     const auto& [least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t] = norms;
     const double s = at.spread;
-    double R = LARGEST_CLUSTER, best = 0.0;
+    double R = r == 1 ? LARGEST_CLUSTER : LARGEST_SURFACE, best = 0.0;
     out.many = 0;
-    for (int k = 0; k < AlongValley::most; ++k, R *= NEXT_RADIUS) {
+    for (int k = 0; k < Reduced::most; ++k, R *= NEXT_RADIUS) {
         const double height = valley.height(R), a = s_t * R + s * height, slope = least - y_ty * R - y_yy * height;
         if (!(a < LARGEST_BALL) || !(slope > 0.0)) continue;
         const double beyond = valley.beyond(R);
         double base = f_y + beyond, rounding = at.rounding, power = 1.0;
-        for (int n = 1; n <= HIGHEST; ++n) {
+        for (int n = 1; n <= ORDERS<r>; ++n) {
             power *= R;
             base += valley.y[n] * power, rounding += 0.5 * (valley.t[n] - valley.least[n]) * power;
         }
@@ -117,13 +119,13 @@ struct OnPiece {
     double c[HIGHEST + 1], error, slope_error;
     double least, greatest, least_slope, greatest_slope;  // of |p|, |p'|
 };
-STEP OnPiece on_piece(const Valley& valley, const AlongValley& bounds, double low, double high) {
+STEP OnPiece on_piece(const Valley& valley, const Reduced& bounds, double low, double high) {
     OnPiece out;
     const double m = 0.5 * (low + high), h = 0.5 * (high - low), T = max(abs(low), abs(high));
     double size = 0.0, slope_size = 0.0;
     for (int n = HIGHEST; n >= 0; --n) {
-        out.c[n] = valley.value[n];
-        slope_size = slope_size * T + size, size = size * T + abs(valley.value[n]);
+        out.c[n] = valley.value[0][n];
+        slope_size = slope_size * T + size, size = size * T + abs(valley.value[0][n]);
     }
     for (int i = 0; i < HIGHEST; ++i) {
         for (int j = HIGHEST - 1; j >= i; --j) out.c[j] += m * out.c[j + 1];
@@ -144,7 +146,7 @@ STEP OnPiece on_piece(const Valley& valley, const AlongValley& bounds, double lo
 }
 
 // The pieces of [-along, along] in order. Returns their number, 0 if there are too many.
-PART int pieces_of(const Valley& valley, const AlongValley& bounds, double rounding, Piece (&piece)[MOST_PIECES]) {
+PART int pieces_of(const Valley& valley, const Reduced& bounds, double rounding, Piece (&piece)[MOST_PIECES]) {
     double high[64], low = -bounds.along;
     int waiting = 0, many = 0;
     const double start[4] = {1.0, 0.25, 0.0, -0.25};
@@ -172,7 +174,7 @@ PART int pieces_of(const Valley& valley, const AlongValley& bounds, double round
 }
 
 // The sign of F at t: 0 where |p| is at most its error.
-STEP int sign_at(const Valley& valley, const AlongValley& bounds, double t) {
+STEP int sign_at(const Valley& valley, const Reduced& bounds, double t) {
     const OnPiece on = on_piece(valley, bounds, t, t);
     return !(on.least > on.error) ? 0 : on.c[0] > 0.0 ? 1 : -1;
 }
@@ -198,7 +200,7 @@ PART double zero_between(const Valley& valley, double low, double high, bool der
 }
 
 // All zeros of F in a piece of the valley about t = 0 that is as long as can be. Returns whether there is one.
-PART bool crossings_of(const Valley& valley, const AlongValley& bounds, double rounding, Crossings& out) {
+PART bool crossings_of(const Valley& valley, const Reduced& bounds, double rounding, Crossings& out) {
     Piece piece[MOST_PIECES];
     const int many = pieces_of(valley, bounds, rounding, piece);
     int first = 0, last = -1;

@@ -233,7 +233,7 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
 
 // The same for more roots where one rank is lost: to where the curve's term of the order before theirs vanishes.
 PART double recentred(const Local& at, const Valley& valley, int many, Number (&q)[6]) {
-    double y[5], t = -valley.value[many - 1] / (many * valley.value[many]);
+    double y[5], t = -valley.value[0][many - 1] / (many * valley.value[0][many]);
     const double size = abs(t);
     if (!(size < __builtin_inf())) return size;
     t = copysign(min(size, LONGEST_MOVE), t);

@@ -27,3 +27,4 @@ void test_balls();
 void test_slanted();
 void test_along_valley();
 void test_circle();
+void test_on_surface();

@@ -10,6 +10,7 @@ int main() {
     test_slanted();
     test_along_valley();
     test_circle();
+    test_on_surface();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;
 }

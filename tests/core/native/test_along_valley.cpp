@@ -11,19 +11,19 @@ constexpr double ROUNDED_F = 2e-14;  // of the function
 static Valley with_zeros(double factor, std::initializer_list<double> roots, double constant = 0.0) {
     Valley out = {};
     int degree = 0;
-    out.value[0] = factor;
+    out.value[0][0] = factor;
     for (const double root : roots) {
-        for (int n = ++degree; n > 0; --n) out.value[n] = out.value[n - 1] - root * out.value[n];
-        out.value[0] *= -root;
+        for (int n = ++degree; n > 0; --n) out.value[0][n] = out.value[0][n - 1] - root * out.value[0][n];
+        out.value[0][0] *= -root;
     }
-    out.value[0] += constant;
+    out.value[0][0] += constant;
     return out;
 }
 // The error is the rounding, and grows with t as what is beyond a series does.
-static AlongValley bounds_with(double error) {
-    AlongValley out = {};
+static Reduced bounds_with(double error) {
+    Reduced out = {};
     double R = 0.1;
-    for (int k = 0; k < AlongValley::most; ++k, R *= 0.75) {
+    for (int k = 0; k < Reduced::most; ++k, R *= 0.75) {
         out.radius[out.many] = R, out.error[out.many++] = error + 1e-12 * std::pow(R / 0.1, 9);
     }
     out.along = out.radius[1], out.across = 0.01;
@@ -79,7 +79,7 @@ static void no_zero_lies_at_an_end() {
     for (int k = 0; k < 60; ++k) {
         const double root = 0.02 + 0.001 * k;
         const Valley f = with_zeros(1e-6, {root, -0.01});
-        const AlongValley bounds = bounds_with(ROUNDED_F);
+        const Reduced bounds = bounds_with(ROUNDED_F);
         Crossings found;
         HOLDS(crossings_of(f, bounds, ROUNDED_F, found));
         HOLDS(found.low >= -bounds.along && found.high <= bounds.along);

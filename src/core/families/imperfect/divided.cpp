@@ -16,7 +16,7 @@ inline constexpr double SHRUNK = 0.7;
 // regions are kept, and how often none may be found before a pose is left open: one of 1,380 poses that end proven had more than
 // five looks in vain (145), and of those that do not end three in four had.
 inline constexpr double NEAR_A_ROOT = 0.01;
-inline constexpr int REGIONS = 256, LOOKS_IN_VAIN = 8;
+inline constexpr int REGIONS = 256, PATCHES = 64, LOOKS_IN_VAIN = 8;
 // It is looked for again in boxes narrower by this factor, and a pose is left open where a box of half this width [rad] is.
 inline constexpr double NARROWER = 0.4, NARROWEST = 1e-10;
 inline constexpr int ROUNDS_TO_VALLEY = 10;
@@ -43,7 +43,8 @@ struct Divider {
     Box box[WAITING + BLOCK];
     int waiting = 0;
     Surroundings region[REGIONS];  // the last ones, in a ring
-    int regions = 0, in_vain = 0, work = 0;  // work: in boxes
+    Patch patch[PATCHES];
+    int regions = 0, patches = 0, in_vain = 0, work = 0;  // work: in boxes
     bool blurred = false, lost = false;  // lost: whether a root found no room, or may be another one
 
     Divider(const Division& all, Certified& to) : of(all), out(to) {}
@@ -79,44 +80,88 @@ struct Divider {
         for (int i = (regions < REGIONS ? regions : REGIONS) - 1; i >= 0; --i) {
             if (placed(region[i], q, along, rest).inside) return true;
         }
+        double t[2];
+        for (int i = (patches < PATCHES ? patches : PATCHES) - 1; i >= 0; --i) {
+            if (patch[i].holds(q, along, rest, t)) return true;
+        }
         return false;
     }
 
-    // The point of the valley that is next to q, by the derivative there. Returns whether there is one.
-    bool step_to_valley(double (&q)[6]) const {
-        Number at[6];
-        for (int k = 0; k < 6; ++k) at[k] = q[k];
-        Svd<6, 6> J;
+    // The point next to q at which f vanishes but in the directions of the `lost` smallest singular values, by the derivative
+    // there, and the numbers at it. Returns whether there is one.
+    bool step_across_to(const double (&start)[6], int lost, Local& at) const {
+        Number q[6];
+        for (int k = 0; k < 6; ++k) q[k] = start[k];
         for (int round = 0; round < ROUNDS_TO_VALLEY; ++round) {
-            const LoopAt<Number> here = loop_at(of.loop, at);
-            if (round == 0) decompose(here, J);
-            if (!(J.s[5] < WEAK * J.s[0])) return false;
-            const double step = step_across(here, J, 1, at);
+            LoopAt<Number> here = loop_at(of.loop, q);
+            if (round == 0) decompose(here, at.J);
+            if (!(at.J.s[6 - lost] < WEAK * at.J.s[0])) return false;
+            const double step = step_across(here, at.J, lost, q);
             if (!(step < FARTHEST_CENTRE)) return false;
-            for (int k = 0; k < 6; ++k) q[k] = wrap(wrap(at[k].re));
-            if (step <= ACROSS) return true;
+            for (Number& each : q) each = wrap(wrap(each.re));
+            if (step > ACROSS) continue;
+            here = loop_at(of.loop, q);
+            decompose(here, at.J), localise(of.loop, here, q, at);
+            return true;
         }
         return false;
     }
 
     // Whether a region about the valley next to a joint vector is found, whose roots are known. It may not hold the joint vector.
     bool on_valley(const double (&start)[6], int branch) {
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = start[j];
-        if (!step_to_valley(q)) return false;
-        Number from[6];
-        for (int k = 0; k < 6; ++k) from[k] = q[k];
-        const LoopAt<Number> here = loop_at(of.loop, from);
         Local at;
         Valley valley;
-        decompose(here, at.J), localise(of.loop, here, from, at), follow_valley(at, true, valley);
-        AlongValley bounds;
+        Reduced bounds;
         Crossings found;
-        if (!along_valley(at, norms_of(at, 1), valley, bounds) || !crossings_of(valley, bounds, at.rounding, found)) return false;
+        if (!step_across_to(start, 1, at)) return false;
+        follow_valley(at, true, valley);
+        if (!reduce<1>(at, norms_of(at, 1), valley, bounds) || !crossings_of(valley, bounds, at.rounding, found)) return false;
         const Surroundings& all = keep_region(at, valley, bounds.across, found.low, found.high);
         if (has_roots(all, found, branch)) return true;
         --regions;
         return false;
+    }
+    // The same about a surface, where two ranks are lost, at least as wide as `least` to either side.
+    bool on_surface(const double (&start)[6], double least, int branch) {
+        Local at;
+        OnSurface surface;
+        Reduced bounds;
+        Zeros found;
+        Patch all;
+        if (!step_across_to(start, 2, at)) return false;
+        follow<2, double>(at, true, surface);
+        if (!reduce<2>(at, norms_of(at, 2), surface, bounds)) return false;
+        if (!zeros_on_surface(surface, bounds, at.rounding, least, found)) return false;
+        for (int k = 0; k < 6; ++k) {
+            all.q[k] = wrap(wrap(at.q[k].re));
+            for (int j = 0; j < 6; ++j) all.direction[k][j] = at.J.right[k][j].re;
+        }
+        all.surface = surface;
+        all.across = bounds.across, all.along = found.along;
+        const double along = 1.5 * found.along;
+        all.farthest = INFLATED * (along + all.across + surface.height(along));
+        double q[Zeros::most][6], t[2];
+        for (int i = 0; i < found.many; ++i) {
+            const Zero& each = found.at[i];
+            all.at({each.t(0), each.t(1)}, q[i]);
+            if (!is_solved(q[i], each.single) || !all.holds(q[i], {}, {}, t)) return false;
+            if (!each.holds(t)) return false;
+        }
+        const auto is_inside = [&](const double (&root)[6]) { return all.holds(root, {}, {}, t); };
+        const auto is_again = [&](const double (&)[6]) {
+            bool again = false;
+            for (int i = 0; i < found.many; ++i) again |= found.at[i].holds(t);
+            return again;
+        };
+        if (!forget(is_inside, is_again)) return false;
+        for (int i = 0; i < found.many; ++i) keep_root(q[i], branch), blurred |= !found.at[i].single;
+        patch[patches++ % PATCHES] = all;
+        return true;
+    }
+    // Whether Newton's method from q leads to a solution, or, where one joint vector stands for others, to one that keeps the pose.
+    bool is_solved(double (&q)[6], bool single) const {
+        if (single) return polish_one<false>(of.written, of.goal, q, {12, FINISHED, 12}).error <= CONVERGED;
+        return polish_one<true>(of.written, of.goal, q, ACROSS_A_VALLEY).error <= of.written.tolerances.reach;
     }
 
     // Finds the roots in a region. Returns false where one is not found.
@@ -131,27 +176,29 @@ struct Divider {
                 for (int k = 0; k < 5; ++k) sum += y[k] * all.direction[k][j];
                 q[i][j] = wrap(wrap(sum));
             }
-            const double error = each.single ? polish_one<false>(of.written, of.goal, q[i], {12, FINISHED, 12}).error
-                                             : polish_one<true>(of.written, of.goal, q[i], ACROSS_A_VALLEY).error;
+            if (!is_solved(q[i], each.single)) return false;
             const Placed where = placed(all, q[i]);
-            if (!(error <= (each.single ? CONVERGED : of.written.tolerances.reach))) return false;
             if (!where.inside || where.along < each.low || where.along > each.high) return false;
         }
-        if (!forget_in(all, found)) return false;
+        const auto is_again = [&](const double (&root)[6]) {
+            const double t = placed(all, root).along;
+            bool again = false;
+            for (int k = 0; k < found.many; ++k) again |= t >= found.at[k].low && t <= found.at[k].high;
+            return again;
+        };
+        if (!forget([&](const double (&root)[6]) { return holds(all, root); }, is_again)) return false;
         for (int i = 0; i < found.many; ++i) keep_root(q[i], branch), blurred |= !found.at[i].single;
         return true;
     }
     void keep_root(const double (&q)[6], int branch) { lost |= !out.add(q, 0.0, branch, true); }
-    // Removes the known roots in a region, which have been found again. Returns false where one is none of those.
-    bool forget_in(const Surroundings& all, const Crossings& found) {
+    // Removes the known roots in a region, which have been found again. Returns false where one has not.
+    bool forget(const auto& is_inside, const auto& is_again) {
         int kept = 0;
         Certified::Root left[Certified::most];
         for (int i = 0; i < out.many; ++i) {
-            const Placed where = placed(all, out.root[i].q);
-            bool again = false;
-            for (int k = 0; k < found.many; ++k) again |= where.along >= found.at[k].low && where.along <= found.at[k].high;
-            if (where.inside && !again) return false;
-            if (!where.inside) left[kept++] = out.root[i];
+            const bool inside = is_inside(out.root[i].q);
+            if (inside && !is_again(out.root[i].q)) return false;
+            if (!inside) left[kept++] = out.root[i];
         }
         for (int i = 0; i < kept; ++i) out.root[i] = left[i];
         out.many = kept;
@@ -159,16 +206,17 @@ struct Divider {
     }
 
     // Looks for a region near the box: about the valley next to its middle, or about where Newton's method leads to.
-    void look_near(const Box& each) {
+    void look_near(const Box& each, double wide) {
         double q[6], start[6];
         values_of(each, start);
-        if (on_valley(start, each.branch)) return;
+        const auto is_found = [&](bool found) { return found && is_decided(each); };
+        if (is_found(on_valley(start, each.branch)) || is_found(on_surface(start, wide, each.branch))) return;
         for (int j = 0; j < 6; ++j) q[j] = start[j];
         polish_one<true>(of.written, of.goal, q, {40, FINISHED, LONG_PATIENCE});
         double far = 0.0;
         for (int j = 0; j < 6; ++j) far = max(far, abs(wrap(wrap(q[j] - start[j]))));
         if (far > 0.2 || is_in_region(q)) return;
-        on_valley(q, each.branch);
+        if (!is_found(on_valley(q, each.branch))) on_surface(q, wide, each.branch);
     }
 
     // The joint along which a box is halved.
@@ -297,9 +345,9 @@ struct Divider {
             }
             if (is_decided(now[l])) continue;
             if (widest[l] < now[l].look) {
-                const int before_look = regions;
-                look_near(now[l]), work += BOXES_OF_A_LOOK;
-                in_vain += regions == before_look;
+                const int before_look = regions + patches;
+                look_near(now[l], widest[l]), work += BOXES_OF_A_LOOK;
+                in_vain += regions + patches == before_look;
                 if (in_vain > LOOKS_IN_VAIN) return false;
                 if (is_decided(now[l])) continue;
                 now[l].look = NARROWER * widest[l];
