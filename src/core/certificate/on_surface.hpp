@@ -46,7 +46,7 @@ PART void shift(Block (&p)[TERMS<2>], const Block (&c)[2]) {
 }
 
 // Cells that are looked at and that may wait in all, failed ones in a square, and areas that stand for others. They decide the cost
-// only. At round poses of ten rounded arms 800 cells leave 7.2 % of the poses open where 400 leave 7.3 %, and 200 twice as many.
+// only. At round poses of ten rounded arms 800 cells left 7.2 % of the poses open where 400 left 7.3 %.
 inline constexpr int MOST_CELLS = 400, MOST_WAITING = 150, MOST_FAILED = 8, MOST_JOINED = 16;
 // Zeros keep this share of the whole width from its sides.
 inline constexpr double BAND = 0.05;
