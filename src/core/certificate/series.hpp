@@ -14,7 +14,7 @@ template <class V> STEP TwistProduct<V> matrix_of(const Six<V>& zeta) {
     const V &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
     return {{{none, -z, y}, {z, none, -x}, {-y, x, none}}, {zeta[0], zeta[1], zeta[2]}};
 }
-template <class V> STEP TwistProduct<V> times(const TwistProduct<V>& a, const TwistProduct<V>& b, double f) {
+template <class V> PART TwistProduct<V> times(const TwistProduct<V>& a, const TwistProduct<V>& b, double f) {
     TwistProduct<V> out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out.R[i][j] = f * (a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j]);
@@ -22,7 +22,7 @@ template <class V> STEP TwistProduct<V> times(const TwistProduct<V>& a, const Tw
     }
     return out;
 }
-template <class V> STEP void add_scaled(TwistProduct<V>& to, const V& f, const TwistProduct<V>& a) {
+template <class V> PART void add_scaled(TwistProduct<V>& to, const V& f, const TwistProduct<V>& a) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) to.R[i][j] += f * a.R[i][j];
         to.p[i] += f * a.p[i];
@@ -30,7 +30,7 @@ template <class V> STEP void add_scaled(TwistProduct<V>& to, const V& f, const T
 }
 
 // to += a b.
-template <class V> STEP void add_product(TwistProduct<V>& to, const TwistProduct<V>& a, const TwistProduct<V>& b) {
+template <class V> PART void add_product(TwistProduct<V>& to, const TwistProduct<V>& a, const TwistProduct<V>& b) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) to.R[i][j] += a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j];
         to.p[i] += a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2];
