@@ -261,7 +261,7 @@ def test_a_calibrated_arm_is_proven_and_lacks_nothing(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["ur calibrated", "ur off by 1e-3"])
-@pytest.mark.parametrize("off", [1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("off", [1e-3, 1e-4])
 def test_a_calibrated_arm_is_proven_beside_its_singularities(name: str, off: float) -> None:
     """Beside joint vectors where det J changes its sign: nine in ten are proven, and no planted one is missing."""
     case, rng = made(name), np.random.default_rng(5)

@@ -55,7 +55,7 @@ inline constexpr double LEAST_ASPECT = 2e-3;
 // Where errors of slopes are taken from a radius.
 inline constexpr double WITHIN = 0.75;
 // A cell without a zero is as small as need be where |F| is at most so many times what counts as zero.
-inline constexpr double FLAT = 8.0;
+inline constexpr double FLAT_CELL = 8.0;
 
 // A zero of F, the only one within `alone` of c, which holds [low, high]; or an area that one joint vector stands for.
 struct Zero {
@@ -228,7 +228,7 @@ struct SurfaceDivider {
         // Where F' has an inverse all over |F| has no minimum but zero.
         if (at.gone >> lane & 1 || (none && at.off[lane] < 1.0)) return Is::decided;
         const double error = at.error[lane], greatest = at.greatest[lane], bends[2] = {at.bends[0][lane], at.bends[1][lane]};
-        const bool nearly = none && greatest <= FLAT * kept;
+        const bool nearly = none && greatest <= FLAT_CELL * kept;
         const bool unknown = greatest <= max(2.0 * error, BLURRED * rounding);
         along = h[0] > h[1] ? 0 : 1;
         if (bends[0] + bends[1] < __builtin_inf()) {

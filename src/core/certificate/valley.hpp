@@ -125,7 +125,7 @@ STEP double real_part(const Number& a) { return a.re; }
 // Both factors' places, in f, of each product of two terms, but 1, that is t_1^(n - b) t_2^b; and the first one's order.
 template <int r, class F> STEP void products_of(int n, int b, const F& f) {
     for (int i = 1; i < n; ++i) {
-        for (int c = r == 1 ? 0 : max(0, i - (n - b)); c <= (r == 1 ? 0 : min(b, i)); ++c) {
+        for (int c = r == 1 || i < n - b ? 0 : i - (n - b); c <= (r == 1 ? 0 : b < i ? b : i); ++c) {
             f(term_of<r>(i, c), term_of<r>(n - i, b - c), i);
         }
     }

@@ -24,6 +24,7 @@ from urdf_ik.show.viewer.path_panel import PathPanel
 from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
 from urdf_ik.show.viewer.work import recording, saved_page, sources
+from urdf_ik.show.viewer.work.cameras import Cameras
 from urdf_ik.show.viewer.work.panel import WorkPanel
 from urdf_ik.show.viewer.work.uploads import Uploads
 from urdf_ik.support import inputs
@@ -126,6 +127,7 @@ class Viewer:
         self.server.gui.add_html(STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
+        self._cameras = Cameras(self.server, self._latest.put, self._view)
         self._show_arm(self.state)
         self._add_sources()
         page_messages.check_messages(
@@ -133,7 +135,7 @@ class Viewer:
             lambda why: self._latest.put("refused", lambda: self._say(why)),
             lambda: self._latest.put("agree", lambda: None),
         )
-        self.server.on_client_connect(self._greet)
+        self.server.on_client_connect(self._cameras.greet)
         try:
             if plan is not None:
                 self.show_plan(plan)
@@ -324,48 +326,13 @@ class Viewer:
         first = self.server.initial_camera
         with self.server.atomic():
             first.position, first.look_at = self._view(first.fov)
-        self._frame(*self.server.get_clients().values())
+        self._cameras.frame(*self.server.get_clients().values())
         self._show(state)
-
-    def _greet(self, client: Any) -> None:
-        """Have a new page see the whole arm, also after it went to viser's first view: a slow one does so late."""
-
-        async def moved(camera: Any) -> None:
-            first = self.server.initial_camera
-            if np.allclose(camera.position, first.position) and np.allclose(camera.look_at, first.look_at):
-                self._ask_for_view(client)
-
-        client.camera.on_update(moved)
-        self._ask_for_view(client)
-
-    def _framed(self, event: Any) -> None:
-        if event.client is not None:
-            self._ask_for_view(event.client)
-
-    def _ask_for_view(self, client: Any) -> None:
-        """Have a page see the whole arm, when the arm is not being replaced."""
-        self._latest.put(("view", client.client_id), lambda: self._frame(client))
 
     def _view(self, fov: float, aspect: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where a camera stands, and what it looks at, to see all there is; ``aspect`` is its window's."""
         beside = points_beside(self.track, self.state.world, self.state.arm.chain.size)
         return self.drawing.camera(self.state, fov, aspect, beside)
-
-    def _frame(self, *clients: Any) -> None:
-        """Have pages see the whole arm."""
-        for client in clients:
-            view = self._view(client.camera.fov, client.camera.aspect)
-            self.server.get_event_loop().call_soon_threadsafe(self._turn, client, *view)
-
-    def _turn(self, client: Any, position: NDArray[np.float64], look_at: NDArray[np.float64]) -> None:
-        """Turn the camera of a page, if it is still open: viser warns of each message to a closed one.
-
-        Only in the server's event loop, which reads the messages of pages. Elsewhere one with an older view could be
-        read between the two steps: viser would compare the second with it, and might not send it.
-        """
-        with suppress(UserWarning):
-            if client.client_id in self.server.get_clients():
-                client.camera.position, client.camera.look_at = position, look_at
 
     def _show(self, state: State, held: object = None) -> None:
         """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
@@ -401,7 +368,7 @@ class Viewer:
             PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
         )
         self._go_to(0.0)
-        self._frame(*self.server.get_clients().values())
+        self._cameras.frame(*self.server.get_clients().values())
 
     def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
         """Show a place of the plan; where it was chosen with the slider, that is left alone."""
@@ -472,7 +439,7 @@ class Viewer:
         self.sources = sources.add(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
         self.recorder = recording.Recorder(self.server.gui, lambda: self.state.arm.name, self._say)
         frame = self.server.gui.add_command("Frame arm, path and obstacles", hotkey="F")
-        frame.on_trigger(self._framed)
+        frame.on_trigger(self._cameras.framed)
         _, upload, base, tip, _ = self.sources
         self.uploads = Uploads(
             self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
