@@ -48,6 +48,7 @@ PLACES = urdf_ik.maps.placement(TWO, T2, bounds=[[-0.1, -0.1, 0], [0.1, 0.1, 0]]
 STATE = (SIX.joint_names, Q6)
 
 
+
 def zero(x: Any) -> Any:
     """What None, which is the default, stands for here."""
     return 0 if x is None else x
@@ -148,3 +149,5 @@ def test_objects_of_other_kinds_are_refused(
         assert "\x9b" not in str(refused)
     else:
         assert kind in MAY.get(what, ("nothing", "an empty array"))
+
+

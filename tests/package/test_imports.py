@@ -49,7 +49,10 @@ def imports(name: str, path: Path, known: dict[str, Path]) -> Iterator[tuple[str
     """The package's modules that one imports, each with whether it does so when a function is called."""
     tree = ast.parse(path.read_text())
     late = {
-        id(node) for function in ast.walk(tree) if isinstance(function, ast.FunctionDef) for node in ast.walk(function)
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef)
+        for node in ast.walk(function)
     }
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

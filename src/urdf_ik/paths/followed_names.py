@@ -38,7 +38,9 @@ def followed(plan: Plan) -> Plan:
             own = plan.branches[begin if local_names.is_local(plan.branches[k]) else k]
             sign = 0 if signs is None or not local_names.is_local(own) else int(signs[k])
             names.append(f"{local_names.sign_in_words(sign)}{own}")
-    changes = tuple(each._replace(before=names[each.waypoint - 1], after=names[each.waypoint]) for each in plan.changes)
+    changes = tuple(
+        each._replace(before=names[each.waypoint - 1], after=names[each.waypoint]) for each in plan.changes
+    )
     others = plan.others
     return replace(
         plan,

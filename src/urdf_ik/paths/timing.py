@@ -98,7 +98,6 @@ class Timed:
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
 
-
 MOST_SAMPLES = 10_000_000
 """Samples of a plan in time at most."""
 

@@ -280,7 +280,8 @@ class WorkspaceMap(Frozen):
             [[0.1, 0.2]]
         """
         ray, start = (
-            inputs.real(value, name, "three numbers") for name, value in (("direction", direction), ("origin", origin))
+            inputs.real(value, name, "three numbers")
+            for name, value in (("direction", direction), ("origin", origin))
         )
         good = start.shape == ray.shape == (3,) and inputs.first_bad(start) is inputs.first_bad(ray) is None
         length = float(np.linalg.norm(ray)) if good else 0.0

@@ -148,7 +148,9 @@ def _stopped(settings: CheckedSettings, path: Array, whole: Refined, search: Sea
         if found is not None:
             return made(settings, path, whole, near, found, alone=True)
         near.graph.prove(settings.solver, np.arange(len(near.graph.end)), settings.tolerance)
-        stops += tuple(stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column])
+        stops += tuple(
+            stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column]
+        )
     return not_found(settings, path, sorted(stops, key=lambda stop: (stop.branch != EVERY_BRANCH, -stop.waypoint)))
 
 
@@ -230,7 +232,9 @@ def _search(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Search
     layers = nodes.layers(refined.T, refined.twists)
     graph = Graph.connected(settings.joints, layers, pricing, LOOSE, settings.solver.free_axis)
     add_margins(settings, graph)
-    return Search(settings.solver, graph, None, settings.obstacles, settings.watch, reconfigure=settings.reconfigure)
+    return Search(
+        settings.solver, graph, None, settings.obstacles, settings.watch, reconfigure=settings.reconfigure
+    )
 
 
 def _ends(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Nodes:

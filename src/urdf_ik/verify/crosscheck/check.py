@@ -16,6 +16,7 @@ from urdf_ik.verify.crosscheck.properties import Collision, Inverse, Kinematics,
 from urdf_ik.verify.crosscheck.report import Report
 
 if TYPE_CHECKING:
+
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm

@@ -20,7 +20,7 @@ _UNIT = 2.0**-53
 # Of numbers of twice the digits: DOUBLED_UNIT of the core.
 _PRECISE = 2.0**-102
 _ONE = 1 << _DIGITS
-# The inverse is rounded, so that null vectors need several rounds.
+# Each round adds the digits of a double to null vectors, as the inverse is rounded, and doubles those of rotations.
 _ROUNDS = 4
 UNKNOWN = 1e300
 """A bound where nothing is known: files of numbers hold no infinity."""
