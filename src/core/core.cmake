@@ -30,7 +30,7 @@ set(URDF_IK_UNITS
   families/few_joints/few_joints.cpp
   families/general/elimination.cpp
   families/imperfect/certified.cpp
-  families/imperfect/decide.cpp
+  families/imperfect/starts.cpp
   families/imperfect/divided.cpp
   families/imperfect/imperfect.cpp
   families/imperfect/imperfect_too.cpp

@@ -189,6 +189,22 @@ inline constexpr Waves WAVES;
 // |v|^2 = 2, and v is off by 17 u |v|, 68 u; a product in two sums of six terms 14 u, its subtraction 4 u.
 inline constexpr double ROUNDING_OF_MATRIX = 10.0, ROUNDING_OF_REFLECTION = 86.0;
 
+// Adds the squares of the inverse's columns up to K; over: one over the diagonal. Each known entry is taken from all rows above.
+template <int K, class V> STEP void add_columns_of_inverse(const V (&R)[SIZE][SIZE], const V (&over)[SIZE], Block& square) {
+    V x[K + 1];
+    x[K] = over[K];
+#pragma GCC unroll 12
+    for (int i = 0; i < K; ++i) x[i] = -R[K][i] * x[K];
+    square += leading(x[K]) * leading(x[K]);
+#pragma GCC unroll 12
+    for (int i = K - 1; i >= 0; --i) {
+        x[i] = over[i] * x[i], square += leading(x[i]) * leading(x[i]);
+#pragma GCC unroll 12
+        for (int j = 0; j < i; ++j) x[j] = x[j] - R[i][j] * x[i];
+    }
+    if constexpr (K > 0) add_columns_of_inverse<K - 1>(R, over, square);
+}
+
 // A bound on what changing each matrix by at most `inexact` and rounding by `unit` may do to its determinant D, R being the
 // triangular factors: det(M + E) = D det(1 + M^-1 E), and |det(1 + X) - 1| <= e^x - 1 with the sum x of the singular values of X,
 // which is at most |M^-1| |E| in Frobenius norms. Infinite where x exceeds a half.
@@ -202,17 +218,7 @@ template <class V> STEP Block determinant_error(const V (&R)[SIZE][SIZE], const 
         if (i < SIZE - 1) rounding += unit * ROUNDING_OF_REFLECTION * sqrt(below);
     }
     rounding += unit * ROUNDING_OF_MATRIX * sqrt(below);
-#pragma GCC unroll 1
-    for (int k = 0; k < SIZE; ++k) {
-        V x[SIZE];
-        x[k] = over[k], inverse += leading(x[k]) * leading(x[k]);
-#pragma GCC unroll 1
-        for (int i = k - 1; i >= 0; --i) {
-            V sum = 0.0;
-            for (int j = i + 1; j <= k; ++j) sum = sum - R[j][i] * x[j];
-            x[i] = over[i] * sum, inverse += leading(x[i]) * leading(x[i]);
-        }
-    }
+    add_columns_of_inverse<SIZE - 1>(R, over, inverse);
     const Block x = sqrt(inverse) * (inexact + rounding);
     return select(x < Block(0.5), abs(D) * (1.3 * x), Block(__builtin_inf()));
 }

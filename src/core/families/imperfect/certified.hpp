@@ -3,7 +3,7 @@
 
 #include "answers/inclusion.hpp"
 #include "certificate/single.hpp"
-#include "families/imperfect/decide.hpp"
+#include "families/imperfect/starts.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,27 +1,18 @@
-// Arms near a family: the ideal arm's closed form, corrected for the arm as written. Elimination solves the poses that
-// this leaves undecided.
+// Arms near a family: the ideal arm's closed form, corrected for the arm as written, proposes; boxes or a count of zeros prove.
 //
 // If the arm as written, W, reaches the target T at q, then the ideal arm I at q reaches I(q) W(q)^-1 T. This pose is near T and
 // changes slowly with q. The solutions of W are therefore the fixed points of an iteration: solve a branch of the ideal arm for
-// q, correct the target by the difference between the two arms at q, and solve the same branch again. A few rounds come close.
-// Newton's method on W does the rest.
+// q, correct the target by the difference between the two arms at q, and solve the same branch again. One round comes within
+// about the square of the imperfection. Beyond a branch's end the closed form takes roots of |margin| (see margin_root), so that
+// solutions of W next to the end have a start too. Newton's method on W does the rest.
 //
-// Up to an imperfection of CLOSE_BY the result is proven first, by boxes that hold all real solutions for every displacement
-// I(q) W(q)^-1: see certified.hpp. The rounds follow where a box stays open, and on arms farther off.
+// Up to an imperfection of BOXED the result is proven first, by boxes that hold all real solutions for every displacement
+// I(q) W(q)^-1: see certified.hpp. Where a box stays open, and on arms farther off, the solutions that Newton's method reaches from
+// the branches are certified one by one, and the zeros of a determinant counted (eliminant.hpp). Elimination looks for what lacks.
 //
-// A branch is decided by rounds in one of two ways:
-// - It is a solution: Newton's method, started with all margins above zero, moved by less than half of the Jacobian's smallest
-//   singular value and converged. The Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so
-//   by Kantorovich's theorem there is one solution about the start, and no second one.
-// - It has no solution: a margin m is below zero. Let x be the signed root that tells the branch from its twin, the branch with the
-//   other sign of that root: solutions have x^2 = m(x), where m depends on x only through the correction, m(x) = m0 + c x
-//   to first order. Beyond the end the closed form takes x = +-sqrt(-m) (see margin_root), so the rounds end at x1 > 0 and
-//   -x2 < 0 with x1^2 = -m0 - c x1, x2^2 = -m0 + c x2: x1 and -x2 are the roots of x^2 + c x + m0 = 0, hence c = x2 - x1
-//   and -m0 = x1 x2. x^2 = m0 + c x has no real root where c^2 < -4 m0, (x2 - x1)^2 < 4 x1 x2: where the margins of the
-//   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. AGREE asks for less.
-// Both assume that the other joints stay nearly where they are. FIXED_BY_DRIFT and BEYOND_BY_DRIFT in decide.cpp, and after() in
-// blocks.hpp, say when this holds. It fails next to two singularities at once, where W may have more solutions than branches.
-// The number of solutions follows: every pair of twins has two, complex ones included. A pose is decided if all its branches are.
+// A solution is a branch's own if Newton's method, started at the branch, moved by less than half of the Jacobian's smallest
+// singular value: the Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so by Kantorovich's
+// theorem there is one solution about the start, and no second one. Others belong to no branch.
 #pragma once
 
 #include "answers/on_curve.hpp"
@@ -84,7 +75,6 @@ template <class Family> struct Imperfect {
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
         const Branch<Block> at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
         for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
-        store(at.shoulder, to.margin[0] + first), store(at.elbow, to.margin[1] + first), store(at.wrist, to.margin[2] + first);
         store(at.arms, to.arms + first);
     }
 
@@ -137,18 +127,25 @@ template <class Family> struct Imperfect {
                 set_status(columns.flags[0], all.status);
                 return;
             }
-            known = decide_all(arm.both, seen, {&arm.family, answer}, known);
+            known = follow_branches(arm.both, seen, {&arm.family, answer}, known);
             open = known.open;
             loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
-            for (int b = 0; b < 8; ++b) {
+            const Written<6>& written = arm.family.written;
+            // The branches' own solutions first: they take the branch's column.
+            for (int k = 0; k < 16; ++k) {
+                const int b = k % 8;
+                const bool own = k < 8;
+                if (!((own ? known.found : known.reached & ~known.found) >> b & 1)) continue;
                 double q[6];
                 for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
-                if (known.found >> b & 1) keep(columns, b, q, 0);
+                if (own) keep(columns, b, q, 0);
+                else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
             }
-            if (!open && columns.count() % 2 == 0) {
-                if (!arm.both.boxes || !are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], Status::incomplete);
+            if (!open && !arm.both.boxes) {
+                if (!are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], Status::incomplete);
                 return;
             }
+            if ((close || loose) && are_all(arm.elimination, goal, columns)) return;
         }
         if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);

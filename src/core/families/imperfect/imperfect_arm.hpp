@@ -17,8 +17,7 @@ inline constexpr double ALMOST_FREE = 5.0;
 // values plus offsets.
 struct BothArms {
     Written<6> written, ideal;
-    int boxes;     // most boxes that are looked at to prove a pose; they decide the cost, and how often it stays open
-    double drift;  // greatest rate at which the motion between the two tips changes with the joints [rad, share of size; a rad]
+    int boxes;  // most boxes that are looked at to prove a pose; they decide the cost, and how often it stays open
 };
 
 template <class FamilyArm> struct ImperfectArm {

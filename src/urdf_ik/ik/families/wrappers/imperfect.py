@@ -51,8 +51,6 @@ class ImperfectArm:
         elimination: the same arm as written, by elimination.
         inner_steps: (7, 3, 4) motions of the arm as written from the ideal arm's frame 1 to its frame 6 [m].
         ideal_steps: (7, 3, 4) the same motions of the ideal arm; both take the ideal arm's angles.
-        drift: how fast the motion between the two arms' tips changes with the joints, at most
-            [rad, share of size; a rad].
         boxes: most boxes of joint vectors that are looked at to prove that no solution is missing. They decide how long
             a pose may take, and how often it stays open.
     """
@@ -62,7 +60,6 @@ class ImperfectArm:
     elimination: EliminationArm
     inner_steps: Array
     ideal_steps: Array
-    drift: float
     boxes: int
 
 
@@ -98,37 +95,5 @@ def _arm(family: ClosedFormArm, chain: Chain) -> ImperfectArm:
         elimination=elimination_arm(chain, near=bool(ideal.imperfection < _NEAR)),
         inner_steps=inner,
         ideal_steps=steps,
-        drift=_drift(inner, steps, chain.size),
         boxes=_BOXES if ideal.imperfection < _COARSE else _COARSE_BOXES,
     )
-
-
-def _drift(inner: Array, ideal: Array, size: float) -> float:
-    """Greatest change of the motion between the two arms' tips over joint vectors [rad and share of size a rad]."""
-    rng = np.random.default_rng(1)
-    Q = rng.uniform(-np.pi, np.pi, (60, 6))
-    shift = 1e-3
-    moved = Q + shift * rng.choice([-1.0, 1.0], (60, 6))
-
-    def between(Q: Array) -> Array:
-        motions: Array = _tip(ideal, Q) @ np.linalg.inv(_tip(inner, Q))
-        return motions
-
-    change = between(moved) - between(Q)
-    change[:, :3, 3] /= size
-    return float(np.abs(change).max()) / shift
-
-
-def _tip(steps: Array, Q: Array) -> Array:
-    """(m, 4, 4) where the steps (7, 3, 4), with turns by the joint vectors (m, 6) about z between them, lead."""
-    T = np.broadcast_to(np.eye(4), (len(Q), 4, 4))
-    for k, step in enumerate(steps):
-        T = T @ np.vstack([step, [0.0, 0.0, 0.0, 1.0]])
-        if k < Q.shape[1]:
-            turn = np.zeros((len(Q), 4, 4))
-            turn[:, 0, 0] = turn[:, 1, 1] = np.cos(Q[:, k])
-            turn[:, 1, 0] = np.sin(Q[:, k])
-            turn[:, 0, 1] = -turn[:, 1, 0]
-            turn[:, 2, 2] = turn[:, 3, 3] = 1.0
-            T = T @ turn
-    return np.asarray(T)
