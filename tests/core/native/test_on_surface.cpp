@@ -52,7 +52,7 @@ static int count(const Zeros& found, bool single) {
 }
 static bool has_zero(const Zeros& found, double x, double y, double within) {
     for (int i = 0; i < found.many; ++i) {
-        if (near(found.at[i].t(0), x, within) && near(found.at[i].t(1), y, within)) return true;
+        if (near(found.at[i].t[0], x, within) && near(found.at[i].t[1], y, within)) return true;
     }
     return false;
 }
@@ -90,6 +90,35 @@ static void a_minimum_that_all_but_keeps_the_pose_is_represented() {
     HOLDS(zeros_on_surface(with_zeros(1e-2, a, b, 0.0, -1e-8), bounds_with(ROUNDED_F), ROUNDED_F, 1e-3, found));
     HOLDS(found.many == 2 && count(found, true) == 2);
 }
+// t_1 = 3 t_2^2 on a curve along which the other function has three zeros and is a thousandth of a millionth in between.
+static void zeros_on_a_curve_are_counted() {
+    for (const double mix : {0.0, 0.5}) {
+        for (const bool turned : {false, true}) {
+            OnSurface f = {};
+            const auto term = [&](int n, int b) { return term_of<2>(n, turned ? n - b : b); };
+            const double first[][3] = {{1, 0, 1e-2}, {2, 2, -3e-2}}, second[][3] = {{1, 1, -4e-9}, {3, 3, 1e-3}};
+            for (const auto& [n, b, c] : first) f.value[0][term(n, b)] += c, f.value[1][term(n, b)] += mix * c;
+            for (const auto& [n, b, c] : second) f.value[1][term(n, b)] += c;
+            Zeros found;
+            HOLDS(zeros_on_surface(f, bounds_with(1e-15), 1e-15, 5e-3, found));
+            HOLDS(count(found, true) == 3 && found.many == 3);
+            for (const double y : {-2e-3, 0.0, 2e-3}) {
+                const double x = 3.0 * y * y;
+                HOLDS(has_zero(found, turned ? y : x, turned ? x : y, 1e-5));
+            }
+        }
+    }
+}
+// One function vanishes on a line, the other is rounding: what stands for the line lies in the square, and the line leaves it.
+static void an_area_may_leave_the_square() {
+    OnSurface f = {};
+    f.value[0][1] = 1e-2, f.value[0][2] = 4e-3, f.value[1][2] = 1e-13;
+    Zeros found;
+    HOLDS(zeros_on_surface(f, bounds_with(1e-15), ROUNDED_F, 1e-3, found));
+    HOLDS(found.many == 1 && !found.at[0].single && found.at[0].crosses);
+    const Zero& each = found.at[0];
+    HOLDS(near(each.t[0], -0.4 * each.t[1], 1e-9) && std::fabs(each.t[1]) < found.along);
+}
 // Newton's method from a grid finds no zero that is not known.
 static void no_zero_is_missed() {
     unsigned state = 1;
@@ -124,8 +153,7 @@ static void no_zero_is_missed() {
             bool known = false;
             for (int i = 0; i < found.many; ++i) {
                 const Zero& each = found.at[i];
-                known |= near(t[0], each.t(0), each.high[0] - each.t(0) + 1e-9) &&
-                         near(t[1], each.t(1), each.high[1] - each.t(1) + 1e-9);
+                known |= near(t[0], each.in.c[0], each.in.reach(0) + 1e-9) && near(t[1], each.in.c[1], each.in.reach(1) + 1e-9);
             }
             HOLDS(known);
         }
@@ -137,5 +165,7 @@ void test_on_surface() {
     four_zeros_are_found_however_near();
     zeros_that_rounding_does_not_separate_are_one();
     a_minimum_that_all_but_keeps_the_pose_is_represented();
+    zeros_on_a_curve_are_counted();
+    an_area_may_leave_the_square();
     no_zero_is_missed();
 }

@@ -40,13 +40,13 @@ struct Rooted {
 Rooted root_of(const Loop& loop, const Block (&q)[6], const Block& half, unsigned wanted);
 
 // Certified roots, joint values of the arm as written, each with the branch of the box that led there. There is no other root
-// within its radius. singular: roots that stand as one, or one whose Jacobian nearly loses a rank.
+// within its radius. singular: roots that stand as one, or one whose Jacobian nearly loses a rank. stands: it stands for others.
 struct Certified {
     static constexpr int most = 16;
     struct Root {
         double q[6], radius;
         int branch;
-        bool singular;
+        bool singular, stands = false;
     } root[most];
     int many = 0;
     Status status = Status::incomplete;  // complete or clustered: the roots are all

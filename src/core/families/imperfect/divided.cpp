@@ -1,6 +1,7 @@
 // See divided.hpp. Compiled once for every instruction set.
 #include "families/imperfect/divided.hpp"
 
+#include "answers/on_curve.hpp"
 #include "families/imperfect/surroundings.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -46,6 +47,7 @@ struct Divider {
     Patch patch[PATCHES];
     int regions = 0, patches = 0, in_vain = 0, work = 0;  // work: in boxes
     bool blurred = false, lost = false;  // lost: whether a root found no room, or may be another one
+    bool on_curve = false;               // whether what stands for others lies on a curve of solutions
 
     Divider(const Division& all, Certified& to) : of(all), out(to) {}
 
@@ -143,9 +145,10 @@ struct Divider {
         double q[Zeros::most][6], t[2];
         for (int i = 0; i < found.many; ++i) {
             const Zero& each = found.at[i];
-            all.at({each.t(0), each.t(1)}, q[i]);
+            all.at(each.t, q[i]);
             if (!is_solved(q[i], each.single) || !all.holds(q[i], {}, {}, t)) return false;
             if (!each.holds(t)) return false;
+            on_curve |= each.crosses && is_on_curve(of.written, of.goal, q[i]);
         }
         const auto is_inside = [&](const double (&root)[6]) { return all.holds(root, {}, {}, t); };
         const auto is_again = [&](const double (&)[6]) {
@@ -154,7 +157,7 @@ struct Divider {
             return again;
         };
         if (!forget(is_inside, is_again)) return false;
-        for (int i = 0; i < found.many; ++i) keep_root(q[i], branch), blurred |= !found.at[i].single;
+        for (int i = 0; i < found.many; ++i) keep_root(q[i], branch, found.at[i].single);
         patch[patches++ % PATCHES] = all;
         return true;
     }
@@ -187,18 +190,23 @@ struct Divider {
             return again;
         };
         if (!forget([&](const double (&root)[6]) { return holds(all, root); }, is_again)) return false;
-        for (int i = 0; i < found.many; ++i) keep_root(q[i], branch), blurred |= !found.at[i].single;
+        for (int i = 0; i < found.many; ++i) keep_root(q[i], branch, found.at[i].single);
         return true;
     }
-    void keep_root(const double (&q)[6], int branch) { lost |= !out.add(q, 0.0, branch, true); }
-    // Removes the known roots in a region, which have been found again. Returns false where one has not.
+    void keep_root(const double (&q)[6], int branch, bool single) {
+        if (out.add(q, 0.0, branch, true)) out.root[out.many - 1].stands = !single;
+        else lost = true;
+        blurred |= !single;
+    }
+    // Removes the known roots in a region that have been found again. What stands for others stays: they may lie outside. Returns
+    // false where another one has not been found.
     bool forget(const auto& is_inside, const auto& is_again) {
         int kept = 0;
         Certified::Root left[Certified::most];
         for (int i = 0; i < out.many; ++i) {
-            const bool inside = is_inside(out.root[i].q);
-            if (inside && !is_again(out.root[i].q)) return false;
-            if (!inside) left[kept++] = out.root[i];
+            const bool inside = is_inside(out.root[i].q), again = inside && is_again(out.root[i].q);
+            if (inside && !again && !out.root[i].stands) return false;
+            if (!again) left[kept++] = out.root[i];
         }
         for (int i = 0; i < kept; ++i) out.root[i] = left[i];
         out.many = kept;
@@ -348,7 +356,7 @@ struct Divider {
                 const int before_look = regions + patches;
                 look_near(now[l], widest[l]), work += BOXES_OF_A_LOOK;
                 in_vain += regions + patches == before_look;
-                if (in_vain > LOOKS_IN_VAIN) return false;
+                if (in_vain > LOOKS_IN_VAIN || on_curve) return false;
                 if (is_decided(now[l])) continue;
                 now[l].look = NARROWER * widest[l];
             }
