@@ -10,9 +10,12 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from arms import random_arm
+from arms_general import ur_with_right_angles
 from cases import Case, described, from_catalogue
 from numpy.typing import NDArray
 from oracle import angle_distance
+
+import urdf_ik
 
 Array = NDArray[np.float64]
 
@@ -120,6 +123,33 @@ def test_two_folds_at_once_are_counted() -> None:
             known = s[n].to_array()
             apart = angle_distance(known[:, None], solution.to_array()[None])
             assert apart.min(axis=0).max() < 0.3, pose
+
+
+@pytest.mark.parametrize("quarter", [1.57079632679, 1.5707963, 1.5708])
+def test_folds_behind_short_lever_arms_are_decided(quarter: float) -> None:
+    """With rounded right angles an aligned wrist is a short lever arm, and the fold behind it is hardly known."""
+    case = described(ur_with_right_angles(quarter))
+    q = round_vectors(400)
+    assert not lacks(case, q).any(), q[lacks(case, q)]
+    assert np.mean(case.arm.ik(case.oracle.poses(q)).status == "incomplete") <= 0.035
+
+
+@pytest.mark.parametrize("beyond", [1e-13, 3e-13, 1e-12])
+def test_two_roots_that_are_hardly_not_real_stand_as_one_solution(beyond: float) -> None:
+    """An elbow that misses its reach by less than the tolerance is returned straight, and keeps the pose."""
+    arm = ur_with_right_angles(0.5 * np.pi)
+    case = described(arm)
+    q = np.array([0.3, -0.7, 0.0, 0.4, 0.9, 0.2])
+    second, fourth = (urdf_ik.load(arm.urdf, base="base", tip=f"link_{k}").fk(q[:k])[:3] for k in (2, 4))
+    outwards, axis = fourth[:, 3] - second[:, 3], second[:, 2]
+    outwards -= (outwards @ axis) * axis
+    T = case.oracle.poses(q[None])[0]
+    T[:3, 3] += beyond * outwards / np.linalg.norm(outwards)
+    s = case.arm.ik(T)
+    assert s.status == "clustered"
+    straight = angle_distance(s.to_array(), q) < 1e-4
+    assert np.count_nonzero(straight) == 1
+    assert np.abs(case.oracle.poses(s.to_array()[straight]) - T).max() < 1e-10
 
 
 @pytest.mark.parametrize("kind", KINDS)

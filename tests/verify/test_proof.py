@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arms_general import calibrated_ur, crx_like, irb140_like, jaco_like
+from arms_general import calibrated_ur, crx_like, irb140_like, jaco_like, upright_ur, ur_with_right_angles
 from cases import described, from_catalogue
 from flint import arb
 
@@ -89,10 +89,13 @@ def test_a_missing_doubled_or_wrong_solution_is_refused(general: tuple[Loop, np.
         assert verdict(loop, each, None) is False
 
 
-@pytest.mark.parametrize("name", ["zyyzyz_6r", "puma_560", "ur5", "calibrated"])
+MADE = {"calibrated": calibrated_ur, "parallel axes that are oblique": lambda: ur_with_right_angles(1.5708)}
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "puma_560", "ur5", *MADE])
 def test_answers_of_closed_forms_are_accepted_and_shortened_ones_refused(name: str) -> None:
     """By eight roots of the nearest ideal arm, or all sixteen of a calibrated one."""
-    arm = described(calibrated_ur()).arm if name == "calibrated" else from_catalogue(name).arm
+    arm = (described(MADE[name]()) if name in MADE else from_catalogue(name)).arm
     T = arm.fk(Q)
     solutions = arm.ik(T).q
     solutions = solutions[np.isfinite(solutions).all(-1)]
@@ -156,6 +159,23 @@ def test_an_answer_without_its_double_solution_is_not_accepted() -> None:
     assert whole[0] is True, whole
     less = examine(loop, solutions[apart >= 1e-5], s.proof, np.random.default_rng(0), clustered=True)
     assert less[0] is None and "no solution stands for it" in less[1]
+
+
+@pytest.mark.parametrize("quarters", [(1, 1, 2, -1, -1, -1), (2, 1, 2, -1, 1, -1)])
+def test_where_two_folds_meet_a_solution_stands_for_four_roots(quarters: tuple[int, ...]) -> None:
+    """Four roots are within 1e-5 rad. The answer is clustered: it would not pass as complete, or without a solution."""
+    arm = described(upright_ur()).arm
+    T = arm.fk(0.5 * np.pi * np.array(quarters))
+    s = arm.ik(T)
+    assert s.status == "clustered"
+    loop, solutions = Loop.of(arm.chain, T), s.q[s.valid]
+
+    def says(some: np.ndarray, *, clustered: bool = True) -> bool | None:
+        return examine(loop, some, s.proof, np.random.default_rng(0), clustered=clustered)[0]
+
+    assert says(solutions) is True
+    assert says(solutions, clustered=False) is not True
+    assert all(says(np.delete(solutions, k, 0)) is False for k in range(len(solutions)))
 
 
 @pytest.mark.parametrize(

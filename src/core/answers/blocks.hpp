@@ -227,14 +227,14 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
         const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
         project_rotation(T, proper);
         const Goal<double> projected = goal_of(proper);
-        const Boxes boxes = boxes_of<Family>(arm, projected);
-        Filled filled = filled_by(arm, boxes, columns);
-        Status status = decided(arm, boxes, filled);
-        if (unsure && !is_settled(arm, projected, boxes, filled, columns)) {
+        const Boxes boxes = boxes_of<Family>(arm, projected, arm.ideal.signs);
+        const Filled filled = filled_by(arm.ideal, boxes, columns);
+        Status status = decided(arm.ideal, boxes, filled);
+        if (unsure && !is_settled(arm.written, projected, boxes, filled, columns)) {
             look_around<Family>(arm, goal, seen, reference, columns, unsure);
-            filled = filled_by(arm, boxes, columns), status = decided(arm, boxes, filled);
+            status = decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
         }
-        if (status == Status::incomplete) status = decided_by_curves_and_clusters(arm, projected, boxes, filled, columns);
+        if (status == Status::incomplete) status = decided_closely<Family>(arm, projected, boxes, columns);
         set_status(columns.flags[0], status);
     } else {
         Family::closely(arm, goal, seen, reference, columns, wanted);
@@ -289,7 +289,7 @@ template <class Family> PART void branches_beyond(const typename Family::Arm& ar
         if constexpr (branches_have_signs<Family>()) {
             const Seen<Block> seen = to_frame_1(spread<Block>(goal_of(batch.T + 16 * i)), arm.ideal);
             for (int first = 0; first < 8; first += BLOCK) {
-                const Branch<Block> at = branches_from<Family>(arm, seen, first);
+                const Branch<Block> at = branches_from<Family>(arm, seen, first, arm.ideal.signs);
                 for (int j = 0; j < 6; ++j) {
                     const Block q = wrap(angle(at.turn[j]) - arm.ideal.offset[j]);
                     for (int l = 0; l < BLOCK; ++l) to[6 * (first + l) + j] = q[l];

@@ -34,9 +34,9 @@ template <class Family> constexpr bool branches_have_signs() {
     return requires { requires Family::by_signs; };
 }
 
-// Branches from `first` on, one per lane, each for its own target.
-template <class Family, class V> STEP Branch<V> branches_from(const typename Family::Arm& arm, const Seen<V>& seen, int first) {
-    const auto& of = arm.ideal.signs;
+// Branches from `first` on, one per lane, each for its own target; `of`: the signs of their roots.
+template <class Family, class V>
+STEP Branch<V> branches_from(const typename Family::Arm& arm, const Seen<V>& seen, int first, const double (&of)[3][8]) {
     const auto signs = [&](int k) { return V(load<Block>(of[k] + first)); };
     return Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
 }
@@ -81,8 +81,8 @@ STEP void box(const Branch<Ball<Block>>& at, int first, Boxes& to) {
 // Each for targets within `turn` [rad] and `shift` [m] of its own.
 template <class Family>
 PART void include(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
-                  Boxes& to) {
-    box(branches_from<Family, Ball<Block>>(arm, within(target, turn, shift), first), first, to);
+                  const double (&signs)[3][8], Boxes& to) {
+    box(branches_from<Family, Ball<Block>>(arm, within(target, turn, shift), first, signs), first, to);
 }
 
 // A block of boxes of any branches: joint angles within `rest` of middle + along t, |t| <= 1, offsets included; and the arcs.
@@ -143,20 +143,42 @@ PART void include_within(const typename Family::Arm& arm, const Seen<Block>& tar
     }
 }
 
-// The boxes that hold a joint vector, given by the points of its joints' angles (offsets included) on the circle, or are so near to
-// it that what they hold stands as one with it.
-PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
-    unsigned out = 0;
-    for (int first = 0; first < 8; first += BLOCK) {
-        Block beyond = -1.0;
-        for (int j = 0; j < 6; ++j) {
-            const Block c = load<Block>(boxes.c[j] + first) - at[j].c, s = load<Block>(boxes.s[j] + first) - at[j].s;
-            beyond = max(beyond, root(c * c + s * s) - load<Block>(boxes.chord[j] + first));
-        }
-        out |= bits(beyond <= Block(NEARER_THAN_ROUNDING)) << first;
-    }
-    return out;
-}
+// What a pose's solutions tell of its boxes. A solution is in a box too if it is so near to it that what the box holds stands as
+// one with it.
+struct Filled {
+    unsigned in[8] = {};  // by column: the boxes, by branch, that its solution lies in
+    unsigned owned = 0, met = 0;  // the boxes with a solution of their own, and with a solution
+    bool all = true;  // every solution lies in a box
+};
+Filled filled_by(const IdealFrames& ideal, const Boxes& boxes, const Columns<6>& columns);
+
+// The status of an exact arm's pose; the boxes in `counted` hold nothing but what the columns have. A box whose joints are all
+// fixed holds at most one solution, since the signs of the roots tell the branches apart: a solution of its own decides it, up to
+// the rounding of the pose where a root may have either sign. A box without one is decided if each of its open roots is tiny, and
+// one of its twins, which differ from it in the signs of tiny roots alone, has a solution and is beside it. Behind a short lever
+// arm twins are half a turn apart, and do not stand for each other.
+Status decided(const IdealFrames& ideal, const Boxes& boxes, const Filled& filled, unsigned counted = 0);
+
+// Whether nothing is left to be found: each box is empty, has a solution of its own, or leaves joints free and holds a solution at
+// which all joints with wide arcs turn about one line. The pose fixes only the sum of these turns, so such a box holds no more than
+// the curve of that solution.
+bool is_settled(const Written<6>& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
+                const Columns<6>& columns);
+
+// The boxes, by branch, that hold nothing but what the columns have since a solution is at their fold. A fold that keeps the pose
+// to the tolerance is added to the columns where its box has no solution.
+//
+// A box meets its twins at folds: solutions of targets at which its open roots are zero. `folds` encloses them: the closed form
+// with zeros in place of these roots. Behind a short lever arm, or another fold, an open margin is known to half of the digits or
+// less, and the box is wide; its fold is not, since the root is left out.
+//
+// The fold's box is at most NEARER_THAN_ROUNDING wide. Let s be a solution in a box. Either each open margin is tiny at the fold:
+// then joint vectors that keep the pose to about these margins lead from s to the fold. Or one root is open, and a joint vector in
+// the fold's box keeps the pose to FINISHED: the fold itself, or a solution q with the signs of the box's other roots. On the way
+// from the pose to the one which that reaches exactly, s meets its twin at a fold, or becomes the fold, or the twin of q, whose
+// root is at most as large as the fold's box. A solution in the fold's box stands as one with all of these.
+unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const Goal<double>& goal, const Boxes& boxes,
+                          const Boxes& folds, const Columns<6>& columns);
 
 // The boxes, by branch, that lie in a ball with a counted number of roots (certificate/cluster.hpp) which are nearer to each other
 // than rounding, about a solution in the columns: where two or three steps lose their roots at once, each box has room for all of
@@ -164,116 +186,36 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
 unsigned boxes_in_clusters(const Written<6>& arm, const Goal<double>& goal, const double (&offset)[6], const Columns<6>& columns,
                            const Boxes& boxes);
 
-// What a pose's solutions tell of its boxes.
-struct Filled {
-    unsigned in[8] = {};  // by column: the boxes, by branch, that its solution lies in
-    unsigned owned = 0, met = 0;  // the boxes with a solution of their own, and with a solution
-    bool all = true;  // every solution lies in a box
-};
-template <class Arm> PART Filled filled_by(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
-    Filled out;
-    for (int k = 0; k < columns.many; ++k) {
-        if (!columns.valid(k)) continue;
-        Row<8> angles = 0.0;
-        for (int j = 0; j < 6; ++j) angles.set(j, columns.row(k)[j] + arm.ideal.offset[j]);
-        const Turn<Row<8>> points = cos_sin_of_any(angles);
-        Turn<double> at[6];
-        for (int j = 0; j < 6; ++j) at[j] = {points.c[j], points.s[j]};
-        const unsigned in = inside(boxes, at) & ~boxes.empty & 255u;
-        out.in[k] = in, out.all = out.all && in;
-        out.met |= in;
-        // One column owns one box: a sure one rather than another.
-        unsigned alone = in & ~boxes.free & ~out.owned;
-        if (alone & boxes.sure()) alone &= boxes.sure();
-        out.owned |= alone & -alone;
-    }
-    return out;
-}
-
-// The status of an exact arm's pose; the boxes in `counted` hold nothing but what the columns have. A box whose joints are all
-// fixed holds at most one solution, since the signs of the roots tell the branches apart: a solution of its own decides it, up to
-// the rounding of the pose where a root may have either sign. A box without one is decided if each of its open roots is tiny, and
-// one of its twins, which differ from it in the signs of tiny roots alone, has a solution and is beside it. Behind a short lever
-// arm twins are half a turn apart, and do not stand for each other.
-template <class Arm>
-PART Status decided(const Arm& arm, const Boxes& boxes, const Filled& filled, unsigned counted = 0) {
-    if (!filled.all) return Status::incomplete;
-    const unsigned there = ~boxes.empty & 255u, owned = filled.owned;
-    // A solution on the curve of a box that leaves a joint free decides the status, whatever is open elsewhere.
-    if (boxes.free & there & ~owned & filled.met) return Status::continuum;
-    Status status = owned & ~boxes.sure() || counted & there ? Status::clustered : Status::complete;
-    for (int b = 0; b < 8; ++b) {
-        const unsigned bit = 1u << b;
-        if (!(there & ~owned & ~counted & bit)) continue;
-        if (boxes.free & bit) return Status::incomplete;
-        unsigned twins = 0;
-        for (int j = 0; j < 6; ++j) {
-            if (boxes.chord[j][b] > BESIDE) return Status::incomplete;
-        }
-        for (int k = 0; k < 3; ++k) {
-            if (boxes.open[k] & ~boxes.tiny[k] & bit) return Status::incomplete;
-        }
-        for (int c = 0; c < 8; ++c) {
-            bool near = true;
-            for (int k = 0; k < 3; ++k) near = near && (boxes.tiny[k] & bit || arm.ideal.signs[k][b] == arm.ideal.signs[k][c]);
-            for (int j = 0; j < 6; ++j) {
-                near = near && abs(boxes.c[j][b] - boxes.c[j][c]) + abs(boxes.s[j][b] - boxes.s[j][c]) <= BESIDE;
-            }
-            twins |= unsigned(near) << c;
-        }
-        if (!(twins & owned)) return Status::incomplete;
-        status = Status::clustered;
-    }
-    return status;
-}
-
-// The boxes of one pose of an exact arm. Its rotation is a rotation.
-template <class Family> PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal) {
+// The boxes of one pose of an exact arm, for all targets within `beyond` [rad, share of size] of it. Its rotation is a rotation.
+template <class Family>
+PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal, const double (&signs)[3][8], double beyond = 0.0) {
     const Seen<double> seen = to_frame_1(goal, arm.ideal);
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const Slack off = slack_of(arm.ideal, seen);
     Boxes out;
-    for (int first = 0; first < 8; first += BLOCK) { include<Family>(arm, {target.R, target.p}, off.turn, off.shift, first, out); }
+    for (int first = 0; first < 8; first += BLOCK) {
+        include<Family>(arm, {target.R, target.p}, off.turn + beyond, off.shift + beyond * arm.ideal.size, first, signs, out);
+    }
     return out;
 }
 
-// Whether nothing is left to be found: each box is empty, has a solution of its own, or leaves joints free and holds a solution at
-// which all joints with wide arcs turn about one line. The pose fixes only the sum of these turns, so such a box holds no more than
-// the curve of that solution.
-template <class Arm>
-PART bool is_settled(const Arm& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
-                     const Columns<6>& columns) {
-    unsigned settled = (boxes.empty | filled.owned) & 255u;
-    if ((settled | (filled.met & boxes.free)) != 255u) return false;
-    for (int k = 0; k < columns.many; ++k) {
-        unsigned rest = filled.in[k] & boxes.free & ~settled;
-        if (!rest) continue;
-        Six<double> J[6];
-        error_and_jacobian(arm.written, goal, columns.row(k), J);
-        for (; rest; rest &= rest - 1) {
-            const int b = __builtin_ctz(rest);
-            int first = -1;
-            double apart = 0.0;
-            for (int j = 0; j < 6; ++j) {
-                if (boxes.chord[j][b] <= NEARER_THAN_ROUNDING) continue;
-                if (first < 0) first = j;
-                const Six<double>&a = J[first], &c = J[j];
-                const double same = a[3] * c[3] + a[4] * c[4] + a[5] * c[5] < 0.0 ? -1.0 : 1.0;
-                for (int i = 0; i < 6; ++i) apart = max(apart, abs(a[i] - same * c[i]));
-            }
-            if (apart <= NEARER_THAN_ROUNDING) settled |= 1u << b;
-        }
-    }
-    return settled == 255u;
-}
-
-// The status where the boxes alone leave it open: of a curve through a solution, or of clusters.
-template <class Arm>
-PART Status decided_by_curves_and_clusters(const Arm& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
-                                           const Columns<6>& columns) {
+// The status where the boxes alone leave it open: of a curve through a solution, of folds, or of clusters.
+template <class Family>
+PART Status decided_closely(const typename Family::Arm& arm, const Goal<double>& goal, const Boxes& boxes,
+                            const Columns<6>& columns) {
     if (keep_curve(arm.written, goal, columns)) return Status::continuum;
+    double signs[3][8];
+    for (int k = 0; k < 3; ++k) {
+        for (int b = 0; b < 8; ++b) signs[k][b] = boxes.open[k] >> b & 1u ? 0.0 : arm.ideal.signs[k][b];
+    }
+    // A joint vector whose pose error is computed as FINISHED, with as much rounding, has its own target in these boxes' set.
+    const Boxes folds = boxes_of<Family>(arm, goal, signs, 2.0 * FINISHED);
+    const unsigned folded = boxes_with_folds(arm.written, arm.ideal, goal, boxes, folds, columns);
+    const Filled filled = filled_by(arm.ideal, boxes, columns);
+    const Status status = decided(arm.ideal, boxes, filled, folded);
+    if (status != Status::incomplete) return status;
     const unsigned counted = boxes_in_clusters(arm.written, goal, arm.ideal.offset, columns, boxes);
-    return counted ? decided(arm, boxes, filled, counted) : Status::incomplete;
+    return counted ? decided(arm.ideal, boxes, filled, folded | counted) : Status::incomplete;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -55,7 +55,7 @@ PART Status status_by_roots(const typename Family::Arm& arm, const Goal<double>&
     }
     // Wide discs leave joints free that the pose does not.
     const bool wide = boxes.free & either & ~boxes.empty;
-    const Status status = wide ? Status::incomplete : decided(arm, boxes, filled_by(arm, boxes, columns));
+    const Status status = wide ? Status::incomplete : decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
     return status == Status::incomplete && keep_curve(arm.written, goal, columns) ? Status::continuum : status;
 }
 

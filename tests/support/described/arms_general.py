@@ -188,6 +188,31 @@ def rounded_ur(decimals: int = 4) -> DescribedArm:
     return _along_z("rounded_ur", "2||3||4, 1x2, 5x6", origins)
 
 
+def ur_with_right_angles(quarter: float) -> DescribedArm:
+    """An arm like a UR, exact, in which a right angle is written with some digits [rad]."""
+    places = ((0, 0, 0.13), (0, 0, 0), (-0.11, 0, 0), (-0.096, 0, 0.0634), (0, -0.075, 0), (0, 0.0456, 0), (0, 0, 0))
+    angles = (0.0, quarter, 0.0, 0.0, quarter, -quarter, 0.0)
+    origins = [(place, (angle, 0, 0)) for place, angle in zip(places, angles, strict=True)]
+    return _along_z("ur_with_right_angles", "2||3||4, 1x2, 5x6", origins)
+
+
+def upright_ur() -> DescribedArm:
+    """A UR5e with joints about z and y, of which two frames are a quarter turn off, as a rounded decimal."""
+    quarter = 1.570796
+    origins = [
+        ((0, 0, 0.163), (0, 0, 0)),
+        ((0, 0.138, 0), (0, quarter, 0)),
+        ((0, -0.131, 0.425), (0, 0, 0)),
+        ((0, 0, 0.392), (0, quarter, 0)),
+        ((0, 0.127, 0), (0, 0, 0)),
+        ((0, 0, 0.1), (0, 0, 0)),
+        ((0, 0.24, 0), (-1.570793, -1.570793, 0)),
+    ]
+    axes = [Z, Y, Y, Y, Z, Y]
+    urdf = serial_urdf("upright_ur", origins, [*axes, None])
+    return DescribedArm("upright_ur", "2||3||4, 1x2, 5x6", urdf, np.array(axes), np.zeros((6, 3)))
+
+
 def calibrated_ur() -> DescribedArm:
     """A UR10e with deviations of the size that a factory calibration writes: up to 1 mm and 15 mrad."""
     origins = [

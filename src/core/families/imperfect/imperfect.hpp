@@ -73,14 +73,16 @@ template <class Family> struct Imperfect {
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
-        const Branch<Block> at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
+        const auto& of = *static_cast<const typename Family::Arm*>(arm);
+        const Branch<Block> at = branches_from<Family>(of, seen, first, of.ideal.signs);
         for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
         store(at.arms, to.arms + first);
     }
 
     static PART void include_branches(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
                                       Boxes& to) {
-        include<Family>(*static_cast<const typename Family::Arm*>(arm), target, turn, shift, first, to);
+        const auto& of = *static_cast<const typename Family::Arm*>(arm);
+        include<Family>(of, target, turn, shift, first, of.ideal.signs, to);
     }
 
     static PART void include_boxes(const void* arm, const Targets& targets, const Signs<Block>& signs, const Arcs<Block>& known,

@@ -347,22 +347,27 @@ def _answered(
 ) -> tuple[bool | None, str]:
     """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one.
 
+    Where two folds meet, a solution of a clustered answer may be nearest to a pair of roots that is not real, and stand
+    for the real ones beside it.
     A solution that keeps the pose, but is near no real root, leaves a clustered answer open: another rounding of the
     pose may have it. Of any other answer it is refused. So does a cluster around real numbers without a solution: its
     roots may be real.
     """
     near: list[list[int]] = [[] for _ in singles]
+    between: list[list[acb]] = []  # solutions that stand for real roots and for a pair that is not real
     undecided = ""
     for n, q in enumerate(answer.solutions):
         here = exact(q)
         to_single = [root.distance(here) for root in singles]
         best = min(range(len(singles)), key=lambda k: float(to_single[k]), default=None)
         if best is not None and _as_one(loop, singles[best], here):
-            if not singles[best].real:
+            if singles[best].real:
+                near[best].append(n)
+            elif answer.clustered and any(root.real and _as_one(loop, root, here) for root in singles):
+                between.append(here)
+            else:
                 off = float(largest([acb(value.imag) for value in singles[best].centre]))
                 undecided = f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
-            else:
-                near[best].append(n)
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
             if not answer.clustered or not largest(loop.residual(loop.values(here))) < _SAME_POSE:
                 return False, f"solution {n} is near no real root"
@@ -371,11 +376,11 @@ def _answered(
         stands = any(group.distance(exact(q)) < group.radius + _SOLUTION for q in answer.solutions)
         if not stands and not any(abs(c.imag) > group.radius for c in group.centre):
             undecided = f"cluster {k} may be real, and no solution stands for it"
-    answered = [root for root, answers in zip(singles, near, strict=True) if answers]
+    answered = [root.centre for root, answers in zip(singles, near, strict=True) if answers] + between
     for root, answers in zip(singles, near, strict=True):
         if len(answers) > 1:
             return False, f"solutions {answers[0]} and {answers[1]} are one root"
-        if root.real and not answers and not any(_as_one(loop, root, other.centre) for other in answered):
+        if root.real and not answers and not any(_as_one(loop, root, other) for other in answered):
             values = ", ".join(f"{float(c.real):.9f}" for c in root.centre)
             return False, f"the real root ({values}) is not among the solutions"
     return (None, undecided) if undecided else (True, "")

@@ -72,7 +72,8 @@ def _parallel(axes: Axes, first: int) -> Axes | None:
     for k in (first, first + 2):
         axis, at = axes[k]
         cosine = sum((a * b for a, b in zip(axis, middle, strict=True)), arb(0))
-        sine = sum(((a - b * cosine.mid()) ** 2 for a, b in zip(axis, middle, strict=True)), arb(0))
+        across = [a - b * cosine.mid() for a, b in zip(axis, middle, strict=True)]
+        sine = sum((x * x for x in across), arb(0))  # x ** 2 has no value where a ball holds zero
         if not (sine < _NEAR**2 and abs(cosine) > 0.5):
             return None
         out[k] = (middle if cosine > 0 else [-x for x in middle], at)

@@ -127,7 +127,7 @@ class ClusterEnclosure:
 
     def distance(self, q: Sequence[acb]) -> arb:
         """The distance of q from the centre in the 2-norm [rad], whole turns aside."""
-        return sum((abs(d) ** 2 for d in _between(self.centre, q)), arb(0)).sqrt()
+        return sum((abs(d) * abs(d) for d in _between(self.centre, q)), arb(0)).sqrt()
 
 
 def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho: float) -> ClusterEnclosure | str:
