@@ -1,5 +1,6 @@
-// Certificates of roots far from real. With |Im q| up to 10 rad the loop's rounding in doubles exceeds what a certificate allows,
-// so the loop and its twists are computed in numbers of twice the digits.
+// Certificates of roots far from real, or beside a singularity. With |Im q| up to 10 rad, or a Jacobian that all but loses a rank,
+// the loop's rounding in doubles exceeds what a certificate allows, so the loop and its twists are computed in numbers of twice the
+// digits.
 //
 // The rotations of the steps and of the target are then those nearest to the stored ones. The bounds of loop.hpp hold with the
 // unit of these numbers. What remains is the rounding of twists to doubles.

@@ -14,7 +14,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Rounds of Newton's method to a complex solution: moved axes are up to 1e-5 off, and convergence is quadratic.
 inline constexpr int ROUNDS_TO_PAIRS = 6;
 // Roots with e^(sum of |imaginary parts|) above FAR_FROM_REAL, whose bound on Newton's step is below CONVERGING [rad], are
-// certified with twice the digits where doubles fail.
+// certified with twice the digits where doubles fail. So are the others of a pose that is not proven otherwise: beside a
+// singularity.
 inline constexpr double FAR_FROM_REAL = 100.0, CONVERGING = 0.1;
 // Joint vectors this near to each other [rad] lead to the same cluster: only the first is tried.
 inline constexpr double ALIKE = 1e-4;
@@ -30,6 +31,7 @@ struct SearchState {
     OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
     int reals_counted = -1;
     bool by_zeros = false;  // whether a determinant has as many zeros as real roots are certified and lie in clusters
+    bool precisely = false;  // whether roots that doubles fail to certify are certified with twice the digits, wherever they lie
     bool certifies = false;  // whether real roots are certified: all joints turn
     int zeros = -1;  // real roots that there can be at most; -1 where that is open
     Loop loop = {};
@@ -157,8 +159,10 @@ PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, Sear
 PART void account_for(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, CBlock (&z)[6], unsigned lanes) {
     Growth growth;
     Certificate c = certify_complex(search.loop, z, lanes, ROUNDS_TO_PAIRS, growth);
-    // Far from real rounding alone may fail a certificate.
-    if (const unsigned far = bits((growth.all > Block(FAR_FROM_REAL)) & (c.eta < Block(CONVERGING))) & lanes & ~bits(c.holds)) {
+    // Far from real, and beside a singularity, rounding alone may fail a certificate.
+    const unsigned tried = search.precisely ? lanes : bits(growth.all > Block(FAR_FROM_REAL)) & lanes;
+    const unsigned far = tried & bits(c.eta < Block(CONVERGING)) & ~bits(c.holds);
+    if (far) {
         Growth own;
         CBlock at[6];
         for (int k = 0; k < 6; ++k) at[k] = z[k];
@@ -186,9 +190,14 @@ PART void account_for(const EliminationArm& arm, const Goal<double>& goal, Searc
             PairOfRoots root = {{}, c.inner[l], c.outer[l]};
             for (int k = 0; k < 6; ++k) root.z[k][0] = z[k].re[l], root.z[k][1] = z[k].im[l];
             add_pair(search.account, root);
-        } else {
-            starts.lanes |= 1u << l;
+            continue;
         }
+        starts.lanes |= 1u << l;
+        // A root and its conjugate in the ball that holds one are the same, a real one.
+        if (!(far >> l & 1) || !(c.inner[l] + 2.0 * growth.imaginary[l] < c.outer[l])) continue;
+        RealRoot root = {{}, c.inner[l] + growth.imaginary[l], c.outer[l] - growth.imaginary[l], 0.0};
+        for (int k = 0; k < 6; ++k) root.q[k] = atan2(z[k].im[l], z[k].re[l]);
+        add_real(search.account, root);
     }
     if (!starts.lanes) return;
     for (int k = 0; k < 6; ++k) starts.q[k] = atan2(z[k].im, z[k].re);

@@ -279,7 +279,10 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
         if (search.on_curve) return false;
         // A result with singular ends needs a second attempt that agrees.
         if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
-        if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
+        // One that is not proven is tried once more with twice the digits.
+        const bool ends = all == Arrived::regular || (all == Arrived::settled && settled);
+        if (ends && (search.precisely || !search.provable)) return true;
+        search.precisely |= search.provable;
         settled |= all == Arrived::settled;
     }
     search_all_over(arm, goal, search);
