@@ -16,7 +16,7 @@ inline constexpr int ROUNDS_TO_PAIRS = 6;
 // Roots with e^(sum of |imaginary parts|) above FAR_FROM_REAL, whose bound on Newton's step is below CONVERGING [rad], are
 // certified with twice the digits where doubles fail. So are the others of a pose that is not proven otherwise: beside a
 // singularity.
-inline constexpr double FAR_FROM_REAL = 100.0, CONVERGING = 0.1;
+inline constexpr double CONVERGING = 0.1;
 // Joint vectors this near to each other [rad] lead to the same cluster: only the first is tried.
 inline constexpr double ALIKE = 1e-4;
 
