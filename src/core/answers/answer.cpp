@@ -20,6 +20,7 @@ static STEP void start_near_candidate(const double (&q)[6], int k, int lane, Blo
 
 void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], int b, int marks, bool near,
             const Columns<6>& columns) {
+    if (arm.raw) return keep(columns, b, q, marks);
     const double enough = arm.exact ? arm.tolerances.reach : CONVERGED;
     // least: a lower bound on the smallest singular value of the Jacobian.
     const auto keep_if_new = [&](double (&at)[6], double error, double least) {

@@ -30,6 +30,41 @@ inline constexpr double BOXED = 1e-3;
 // the members of what the ideal arm leaves free apart. Below KEEPS_CURVES these members keep the pose to about the tolerance of
 // solutions, so curves are looked for first.
 inline constexpr double FINEST = 1e-13, KEEPS_CURVES = 1e-9;
+// A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
+// apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
+inline constexpr double FAR_OFF = 4e-3;
+
+// Collects candidates until a block is full; Newton's method then runs on all of them side by side.
+struct Waiting {
+    const Written<6>& written;
+    const Goal<double>& goal;
+    const Columns<6>& columns;
+    Block q[6];
+    int marks[BLOCK], filled = 0;
+
+    STEP void add(const double* candidate, int kinds) {
+        for (int j = 0; j < 6; ++j) q[j].set(filled, candidate[j]);
+        marks[filled] = kinds;
+        if (++filled == BLOCK) follow();
+    }
+    PART void follow() {
+        const int many = filled;
+        if (!many) return;
+        for (; filled < BLOCK; ++filled) {
+            for (int j = 0; j < 6; ++j) q[j].set(filled, q[j][0]);
+        }
+        filled = 0;
+        // Most of them may lead to no solution.
+        const auto end = polish<true>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE});
+        for (int l = 0; l < many; ++l) {
+            double at[6];
+            for (int j = 0; j < 6; ++j) at[j] = q[j][l];
+            if (!(end.error[l] <= CONVERGED) || !is_new(written, goal, columns, at)) continue;
+            urdf_ik::URDF_IK_LEVEL::add(written, goal, columns, 0, at,
+                                        end.least[l] < NEAR_FOLD ? singular_marks(written, goal, at, marks[l]) : 0);
+        }
+    }
+};
 
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
@@ -41,6 +76,7 @@ template <class Family> struct Imperfect {
         const auto& of = *static_cast<const typename Family::Arm*>(arm);
         const Branch<Block> at = branches_from<Family>(of, seen, first, of.ideal.signs);
         for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
+        store(at.arms, to.arms + first);
     }
 
     static PART void include_branches(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
@@ -60,6 +96,7 @@ template <class Family> struct Imperfect {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
         unsigned open = 255;
+        bool loose = by_quartic;
         const double off = arm.family.ideal.imperfection;
         const bool close = off < CLOSE_BY;
         if constexpr (!by_quartic) {
@@ -94,6 +131,7 @@ template <class Family> struct Imperfect {
             }
             known = follow_branches(arm.both, seen, {&arm.family, answer}, known);
             open = known.open;
+            loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
             const Written<6>& written = arm.family.written;
             // The branches' own solutions first: they take the branch's column.
             for (int k = 0; k < 16; ++k) {
@@ -109,12 +147,42 @@ template <class Family> struct Imperfect {
                 if (!are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], Status::incomplete);
                 return;
             }
-            if (close && are_all(arm.elimination, goal, columns)) return;
+            if ((close || loose) && are_all(arm.elimination, goal, columns)) return;
         }
         if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
+        if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
         Status status = complete(arm.elimination, goal, columns);
-        if (status == Status::incomplete && keep_curve(arm.family.written, goal, columns)) status = Status::continuum;
+        if (status == Status::incomplete) {
+            if (by_quartic) all_around(arm, goal, seen, columns);
+            if (keep_curve(arm.family.written, goal, columns)) status = Status::continuum;
+        }
         set_status(columns.flags[0], status);
+    }
+
+    // A joint that the ideal arm leaves free has a few values on the arm as written: the ideal arm is solved with its nearly free
+    // joints at values around the circle. A joint that is free on a part of the circle only is put at the nearer end of this part.
+    // A branch whose solution is the same for three values that do not all lie on one half of the circle does not depend on them
+    // and is not solved again.
+    static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
+        Waiting waiting = {arm.family.written, goal, columns, {}, {}};
+        double first[6 * 8], room[6 * 8];
+        std::uint8_t flags[8];
+        const Columns<6> there = {room, flags, 8};
+        unsigned fixed = 255;
+        for (int k = 0; k < AROUND; ++k) {
+            Reference<6> at = reference_of<6>(nullptr);
+            for (double& each : at.q) each = PI * (2.0 * (5 * k % AROUND) / AROUND - 1.0);
+            there.clear();
+            Family::closely(arm.loose, goal, seen, at, there, k < 3 ? 255u : ~fixed & 255u);
+            for (int b = 0; b < 8; ++b) {
+                bool same = k > 0;
+                for (int j = 0; j < 6; ++j) same = same && there.row(b)[j] == first[6 * b + j];
+                if (k > 0 && !same) fixed &= ~(1u << b);
+                if (k == 0) __builtin_memcpy(first + 6 * b, there.row(b), sizeof(double) * 6);
+                if (there.valid(b) && !same) waiting.add(there.row(b), flags[b] & ~VALID);
+            }
+        }
+        waiting.follow();
     }
 };
 
