@@ -34,8 +34,8 @@ inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
-// Attempts at continuation, each from another known pose.
-inline constexpr int ATTEMPTS = 2;
+// Attempts at continuation, each from another known pose; and starts all over the joint space if none of them decides.
+inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
 // ---- one variant of the elimination ------------------------------------------------------------------------------------
 
@@ -229,9 +229,26 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
     return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }
 
+// ---- starts where nothing else helps ---------------------------------------------------------------------------------------
+
+// Newton's method from starts all over the joint space.
+PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
+    Scatter scatter = Scatter::number(0);
+    for (int from = 0; from < ALL_OVER; from += BLOCK) {
+        Candidates starts;
+        starts.lanes = (1u << BLOCK) - 1;
+        for (int l = 0; l < BLOCK; ++l) {
+            for (int j = 0; j < 6; ++j) { starts.q[j].set(l, scatter.next() * (arm.written.slides[j] ? arm.written.size : PI)); }
+        }
+        int column[BLOCK];
+        columns_from<true>(arm, goal, search, starts, 30, column);
+    }
+}
+
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
-// Elimination, then continuation. Returns whether it is certain that no solution is missing.
+// Elimination, then continuation, then starts all over the joint space if doubts remain. Returns whether it is certain that no
+// solution is missing.
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Eliminant own, other;
     const bool alike = !arm.counter_apart, counting = counts(arm.counter);
@@ -268,7 +285,8 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
         search.precisely |= search.provable;
         settled |= all == Arrived::settled;
     }
-    return false;
+    search_all_over(arm, goal, search);
+    return count();
 }
 
 // Certifies the solutions that are there.
