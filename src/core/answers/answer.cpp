@@ -5,6 +5,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 template Polished<double> polish_one<false>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
+template Polished<Block> polish_block<true>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,
+                                            const MaskOf<Block>&);
+template Polished<Block> polish_block<false>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,
+                                             const MaskOf<Block>&);
 template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);
 template Weakest<6> weakest_at(const Written<6>&, const Goal<double>&, const double (&)[6]);
 
@@ -38,7 +42,7 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
     for (int from = 0; from < STARTS_AROUND_CANDIDATE; from += BLOCK) {
         Block start[6];
         for (int l = 0; l < BLOCK; ++l) start_near_candidate(q, from + l, l, start);
-        const Polished<Block> end = polish<true>(arm, spread<Block>(goal), start, course);
+        const Polished<Block> end = polish_block<true>(arm, spread<Block>(goal), start, course);
         for (int l = 0; l < BLOCK; ++l) {
             for (int j = 0; j < 6; ++j) at[j] = wrap(start[j][l]);
             keep_if_new(at, end.error[l], end.least[l]);

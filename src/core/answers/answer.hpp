@@ -229,6 +229,10 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
             const Columns<6>& columns);
 
 // For arms of six joints compiled once, in answer.cpp.
+extern template Polished<Block> polish_block<true>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,
+                                                   const MaskOf<Block>&);
+extern template Polished<Block> polish_block<false>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,
+                                                    const MaskOf<Block>&);
 extern template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 extern template Polished<double> polish_one<false>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 extern template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);

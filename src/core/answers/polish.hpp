@@ -159,7 +159,12 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
     return out;
 }
 
-// The same for one candidate.
+// The same as a call, for a block of candidates, and for one.
+template <bool damped, class Model>
+SHARED Polished<Block> polish_block(const Model& arm, const Goal<Block>& goal, Block (&q)[Model::joints], const Course& course,
+                                    const MaskOf<Block>& moves = Block(0.0) <= Block(0.0)) {
+    return polish<damped>(arm, goal, q, course, moves);
+}
 template <bool damped, class Model>
 SHARED Polished<double> polish_one(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], const Course& course) {
     return polish<damped>(arm, goal, q, course);

@@ -140,8 +140,7 @@ template <bool damped>
 PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts, int rounds,
                        int (&column)[BLOCK]) {
     const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
-    const Polished<Block> out =
-        polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
+    const Polished<Block> out = polish_block<damped>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
     const unsigned good = bits(out.error <= Block(search.enough)) & starts.lanes;
     if (search.certifies && good) account_for(search, starts.q, good, out.least);
     for (int l = 0; l < BLOCK; ++l) {

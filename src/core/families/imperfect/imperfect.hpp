@@ -55,7 +55,7 @@ struct Waiting {
         }
         filled = 0;
         // Most of them may lead to no solution.
-        const auto end = polish<true>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE});
+        const auto end = polish_block<true>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE});
         for (int l = 0; l < many; ++l) {
             double at[6];
             for (int j = 0; j < 6; ++j) at[j] = q[j][l];

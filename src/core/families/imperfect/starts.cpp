@@ -20,7 +20,7 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& st
     Block q[6], from[6], chosen, moved = 0.0;
     for (int j = 0; j < 6; ++j) q[j] = from[j] = atan2(load<Block>(start.s[j] + first), load<Block>(start.c[j] + first));
     for (int l = 0; l < BLOCK; ++l) chosen.set(l, open >> l & 1);
-    const Polished<Block> end = polish<false>(arm.written, goal, q, FROM_BRANCHES, chosen > Block(0.5));
+    const Polished<Block> end = polish_block<false>(arm.written, goal, q, FROM_BRANCHES, chosen > Block(0.5));
     for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - from[j])));
     const unsigned reached = open & bits(end.error <= Block(CONVERGED));
     const unsigned found = reached & bits((moved <= 0.5 * end.least) & (end.least >= Block(arm.written.tolerances.singular)));
