@@ -114,7 +114,6 @@ def test_a_hidden_ghost_is_not_seen_and_a_pinned_one_stays(shown: Shown) -> None
     page.get_by_role("button", name="Show", exact=True).click()
     shown.wait(lambda: hidden.count() == len(state.ghosts) - 1, "one is shown again")
     its = changed(shown.pixels(), alone)
-    assert its.sum() > 300
     page.get_by_role("button", name="Pin", exact=True).click()
     page.get_by_role("button", name=re.compile(r"pinned\)$")).wait_for()
     far = state.target.copy()
@@ -124,7 +123,10 @@ def test_a_hidden_ghost_is_not_seen_and_a_pinned_one_stays(shown: Shown) -> None
     with_it = shown.pixels()
     page.get_by_role("button", name="Unpin", exact=True).click()
     shown.wait(lambda: not shown.viewer.state.pinned, "it is free again")
-    assert (changed(with_it, shown.pixels()) & its).sum() > 0.7 * its.sum()
+    without = shown.pixels()
+    its &= ~changed(alone, without)  # the target's handles, which a page may draw anew between two pictures, are gone with it
+    assert its.sum() > 300
+    assert (changed(with_it, without) & its).sum() > 0.7 * its.sum()
 
 
 def test_keys_go_to_the_next_solution_and_back(shown: Shown) -> None:
