@@ -124,7 +124,8 @@ def test_a_hidden_ghost_is_not_seen_and_a_pinned_one_stays(shown: Shown) -> None
     page.get_by_role("button", name="Unpin", exact=True).click()
     shown.wait(lambda: not shown.viewer.state.pinned, "it is free again")
     without = shown.pixels()
-    its &= ~changed(alone, without)  # the target's handles, which a page may draw anew between two pictures, are gone with it
+    # The target's handles, which a page may draw anew between two pictures, have gone with it.
+    its &= ~changed(alone, without)
     assert its.sum() > 300
     assert (changed(with_it, without) & its).sum() > 0.7 * its.sum()
 
