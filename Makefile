@@ -27,11 +27,12 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep signals soak nightly bench million clean
+.PHONY: help run test test-all lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep signals soak nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
 	@echo "make test     the tests and the notebooks, a process a core; ARGS='-k name' narrows them down, ARGS='-n 0' takes one process"
+	@echo "make test-all what is slower or rarer than make test: killed schedulers, browsers, exported arms, wide sweeps"
 	@echo "make lint     ruff, mypy, clang-format, and notebooks without outputs"
 	@echo "make docs     the pages in docs/_build/html, notebooks executed; warnings are errors"
 	@echo "make format   lays out the core's sources as make lint wants them"
@@ -56,7 +57,10 @@ run: $(VENV)/.run-installed
 	@$(BIN)/urdf-ik ik zyyzyz_6r $(ARGS)
 
 test: $(VENV)/.dev-installed
-	$(BIN)/python -m pytest $(IN_PARALLEL) $(ARGS)
+	$(BIN)/python -m pytest -m "not slow" --durations=10 $(IN_PARALLEL) $(ARGS)
+
+test-all: $(VENV)/.dev-installed
+	$(BIN)/python -m pytest -m slow --durations=10 $(IN_PARALLEL) $(ARGS)
 
 lint: $(VENV)/.dev-installed
 	$(BIN)/ruff check .

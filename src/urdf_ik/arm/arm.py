@@ -2,45 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
 
 from urdf_ik.arm import changes
 from urdf_ik.arm.html import html
 from urdf_ik.cell.cell import Cell
+from urdf_ik.cell.tool import Shapes
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik import preparation
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.nearest import nearest
 from urdf_ik.ik.pose_solving import for_task, solve
-from urdf_ik.ik.redundancy import values
+from urdf_ik.ik.redundancy import Intervals, Sweep, values
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
-from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions import IKSolutions, limits
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.redundancy import Redundancy
+from urdf_ik.kinematics.structure import Structure
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.paths.tracker import Tracker
 from urdf_ik.support import inputs
+from urdf_ik.support.watch import Progress
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-
     from urdf_ik.cell.swept_motions import Motions
-    from urdf_ik.cell.tool import Shapes
     from urdf_ik.cell.world import World
-    from urdf_ik.ik.redundancy import Intervals, Sweep
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-    from urdf_ik.kinematics.structure import Structure
-    from urdf_ik.model.urdf import UrdfModel
     from urdf_ik.paths import Plan
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from numpy.typing import ArrayLike
 
 from urdf_ik.cell import tool
 from urdf_ik.cell.cell import Cell
+from urdf_ik.cell.tool import Shapes
 from urdf_ik.ik import pose_solving, preparation
-from urdf_ik.kinematics.chain import from_urdf, velocity_limits
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain import Chain, from_urdf, velocity_limits
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import ArrayLike
-
-    from urdf_ik.cell.tool import Shapes
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-    from urdf_ik.model.urdf import UrdfModel
 
 
 class Parts(NamedTuple):

@@ -11,12 +11,12 @@ import os
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.arm.arm import assemble
+from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.errors import UrdfError, printable
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
@@ -24,9 +24,6 @@ from urdf_ik.model import urdf
 from urdf_ik.model.xml import TEXT
 from urdf_ik.support import files
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.arm.arm import Arm
 
 FORMAT, VERSION = "urdf-ik compiled arm", 1
 MOST_BYTES = 2**26

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.ik.solutions.tables import stick_picture
+from urdf_ik.ik.solver import Solver
 from urdf_ik.support.display import table
 from urdf_ik.support.palette import colours
-
-if TYPE_CHECKING:
-    from urdf_ik.ik.solver import Solver
 
 
 def html(solver: Solver) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 from urdf_ik.arm import compiled
 from urdf_ik.arm.arm import Arm, assemble
@@ -15,9 +16,6 @@ from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
 from urdf_ik.model.srdf import chain_groups, disabled_pairs, groups_beside
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 
 def load(

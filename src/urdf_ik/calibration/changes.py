@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from urdf_ik.kinematics.derivatives import Parameter
+from urdf_ik.kinematics.derivatives import Parameter
 
 MM, DEG = 1e3, 180.0 / np.pi
 """Millimetres a metre, degrees a radian."""

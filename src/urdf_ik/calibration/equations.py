@@ -7,21 +7,15 @@ pose of the measured marker in the tip. Each is a fixed joint with a first estim
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.calibration.measurements import Measurements
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.serial import TreeJoint
 from urdf_ik.kinematics.derivatives import Parameter, WrittenChain, written
 from urdf_ik.model.poses import to_rotvec, to_rpy
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.calibration.measurements import Measurements
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 BASE, MARKER, CENTRE, PLANE = "the base", "the marker", "the fixed point", "the plane"
 """Names of what is fitted beside the URDF, as parameters have them."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.calibration.changes import Change, Errors
 from urdf_ik.calibration.equations import Equations, equations
 from urdf_ik.calibration.measurements import Measurements
@@ -16,17 +19,8 @@ from urdf_ik.calibration.report import Calibration
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.derivatives import Parameter, written
 from urdf_ik.support import inputs
-from urdf_ik.support.watch import TimeIsUp, Watch
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
+from urdf_ik.support.watch import Progress, TimeIsUp, Watch
+from urdf_ik.typing import Array
 
 LOSSES = ("soft_l1", "huber", "cauchy", "linear")
 FITS = ("origins", "offsets", "everything")

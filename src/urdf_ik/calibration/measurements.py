@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import io
+import os
 from dataclasses import dataclass
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import check_poses
 from urdf_ik.paths import read_waypoints
 from urdf_ik.paths.waypoint_files import ORIENTATIONS, POSITION
 from urdf_ik.support import files, inputs, number_files
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    import os
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 KINDS = {"pose": 6, "position": 3, "distance": 1, "plane": 1}
 """What may be measured, and how many numbers a measurement fixes."""

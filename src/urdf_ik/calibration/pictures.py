@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.calibration.changes import Change
-
-    Array = NDArray[np.float64]
+from urdf_ik.calibration.changes import Change
+from urdf_ik.typing import Array
 
 STYLE = "body{font-family:sans-serif;margin:2em;max-width:70em}td,th{padding:0 .6em;text-align:left}svg{display:block}"
 _WIDTH, _HEIGHT, _EDGE = 720, 220, 48

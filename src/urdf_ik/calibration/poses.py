@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.calibration.measurements import Measurements
+from urdf_ik.calibration.report import Calibration
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.calibration.report import Calibration
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _CANDIDATES = 500
 _NO_LIMIT = np.pi  # rad: an angle without limits is drawn from one turn

@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from urdf_ik.arm import load
+from urdf_ik.arm import Arm, load
 from urdf_ik.calibration import pictures
 from urdf_ik.calibration.changes import DEG, MM, Change, Errors
-from urdf_ik.calibration.equations import BASE, MARKER
+from urdf_ik.calibration.equations import BASE, MARKER, Equations
+from urdf_ik.calibration.measurements import Measurements
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.edits import text_of, with_numbers
 from urdf_ik.support import files
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section, json_text, plain
-
-if TYPE_CHECKING:
-    import os
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.calibration.equations import Equations
-    from urdf_ik.calibration.measurements import Measurements
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)

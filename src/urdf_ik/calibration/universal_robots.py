@@ -7,22 +7,19 @@ description package writes into the URDF as they stand.
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.model.poses import pose, to_rotvec
+from urdf_ik.model.urdf import Joint
 from urdf_ik.model.urdf.edits import text_of, with_numbers
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    import os
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.model.urdf import Joint
 
 JOINTS = {
     "shoulder": "shoulder_pan_joint",

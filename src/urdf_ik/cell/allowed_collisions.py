@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.cell.coal_check import ShapePair
+from urdf_ik.cell.coal_check import ArmShapes, LinkCheck, ShapePair
 from urdf_ik.errors import ArgumentError, listed, printable
 from urdf_ik.support.text import aligned, nearest, quoted
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
-
-    from urdf_ik.cell.coal_check import ArmShapes, LinkCheck
-
-    Pair = tuple[str, str]
+Pair = tuple[str, str]
 
 RIGID, ADJACENT, SRDF, ALWAYS_COLLIDE, USER = "rigid", "adjacent", "srdf", "always", "allowed"
 """Reasons why a pair is allowed to touch: no movable joint between its links, exactly one, a line in the SRDF,

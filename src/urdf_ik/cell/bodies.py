@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain, TreeJoint
-
-    Array = NDArray[np.float64]
+from urdf_ik.kinematics.chain import Chain, TreeJoint
+from urdf_ik.typing import Array
 
 
 class Placed(NamedTuple):

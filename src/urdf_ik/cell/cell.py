@@ -4,30 +4,27 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.cell.pinocchio import missing as without_pinocchio
 from urdf_ik.errors import ArgumentError
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import ArrayLike, NDArray
-
     from urdf_ik.cell.collision_model import CollisionModel
     from urdf_ik.cell.collision_queries import Nearest
     from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import World
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.model.urdf import UrdfModel
-
-    Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

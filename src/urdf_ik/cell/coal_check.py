@@ -7,31 +7,25 @@ from __future__ import annotations
 
 import heapq
 import threading
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import coal
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from urdf_ik.cell import coal_shapes
-from urdf_ik.cell.bodies import Bodies
+from urdf_ik.cell.bodies import Bodies, Placed
 from urdf_ik.cell.distance_bounds import QUERY_ERROR, DistanceBounds
-from urdf_ik.cell.obstacles.index import index_of
+from urdf_ik.cell.obstacles.index import ObstacleIndex, Standing, index_of
 from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.tolerances import LARGEST
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.bodies import Placed
-    from urdf_ik.cell.obstacles.index import ObstacleIndex, Standing
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.intp]
-    Pair = tuple[str, str]
+Indices = NDArray[np.intp]
+Pair = tuple[str, str]
 
 REACH = 0.1
 """First radius [m] of the search for an obstacle near an arm without pairs of links; each further search takes four

@@ -5,27 +5,21 @@ from __future__ import annotations
 import weakref
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import coal
 import numpy as np
 import pinocchio as pin
 from lxml import etree
+from numpy.typing import NDArray
 
 from urdf_ik.cell.obstacles.field import DistanceField
 from urdf_ik.cell.obstacles.tree import cell_codes
-from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Sphere, cloud, reason_of
+from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Shape, Sphere, cloud, reason_of
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes
-from urdf_ik.model.urdf import resolve_mesh
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.shapes import Shape
-    from urdf_ik.model.urdf import UrdfModel
-
-    Array = NDArray[np.float64]
+from urdf_ik.model.urdf import UrdfModel, resolve_mesh
+from urdf_ik.typing import Array
 
 BALLS = 4
 """Balls by which each shape of an arm is covered."""

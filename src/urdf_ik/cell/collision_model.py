@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable, Collection, Iterable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.cell import allowed_collisions, coal_shapes
+from urdf_ik.cell.allowed_collisions import Table
 from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, LinkCheck
 from urdf_ik.cell.collision_queries import CollisionQueries, Seen
 from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import srdf as srdf_reader
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Collection, Iterable, Mapping
-
-    from urdf_ik.cell.allowed_collisions import Table
-    from urdf_ik.cell.world import World
-    from urdf_ik.model.urdf import UrdfModel
-
-    Pair = tuple[str, str]
+Pair = tuple[str, str]
 
 SAMPLES, MOST_SAMPLES = 200, 10**6
 """Random joint vectors by which pairs that always collide are found, and the most of them."""

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.cell import swept_motions
 from urdf_ik.cell.coal_check import ArmShapes, CoalCheck
 from urdf_ik.cell.pinocchio_reference import Reference, finite
+from urdf_ik.cell.swept_motions import Motions
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, printable
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.cell.swept_motions import Motions
-
-    Array = NDArray[np.float64]
-    Pair = tuple[str, str]
+Pair = tuple[str, str]
 
 
 class Nearest(NamedTuple):

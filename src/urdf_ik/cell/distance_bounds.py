@@ -6,20 +6,17 @@ link and an obstacle are never listed one by one: the index of the obstacles ret
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Collection, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+from urdf_ik.cell.bodies import Bodies, Placed
+from urdf_ik.cell.obstacles.index import ObstacleIndex
+from urdf_ik.typing import Array
 
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.bodies import Bodies, Placed
-    from urdf_ik.cell.obstacles.index import ObstacleIndex
-
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.intp]
+Indices = NDArray[np.intp]
 
 QUERY_ERROR = 1e-5
 """Bound on the error of coal's distances [m]: its iterations stop at 1e-6."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import threading
+from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.cell.pinocchio.installed import pin
 from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
@@ -15,14 +18,7 @@ from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import STILL
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator, Mapping
-
-    from numpy.typing import ArrayLike, NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 HALF_TURN = np.pi
 HALF_SLIDE = 1.0

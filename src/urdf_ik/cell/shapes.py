@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, UrdfError, printable
 from urdf_ik.model import meshes
@@ -19,14 +21,7 @@ from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    Array = NDArray[np.float64]
-
+from urdf_ik.typing import Array
 
 SPECK = 1e-8
 """Size of the triangle in place of each point of a cloud [m]: coal needs triangles with an area."""

@@ -8,25 +8,20 @@ piece is halved. Nothing is sampled: even the thinnest wall between two joint ve
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from urdf_ik.cell.distance_bounds import QUERY_ERROR
+from urdf_ik.cell.coal_check import CoalCheck
+from urdf_ik.cell.distance_bounds import QUERY_ERROR, Open
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.coal_check import CoalCheck
-    from urdf_ik.cell.distance_bounds import Open
-
-    Array = NDArray[np.float64]
-    Pair = tuple[str, str]
+Pair = tuple[str, str]
 
 TOUCH = 1e-4
 """Clearance beyond the margin [m] below which two shapes count as in contact. No finite number of distances can prove a

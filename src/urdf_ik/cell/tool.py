@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from lxml import etree
@@ -12,18 +13,10 @@ from lxml import etree
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model import poses, urdf
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.model.xml import require_name
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.model.urdf import UrdfModel
-
-    Array = NDArray[np.float64]
-
+from urdf_ik.typing import Array
 
 Shapes = Sequence[Shape | tuple[Shape, Any]] | Shape
 """What a tool is made of: shapes, each alone or with its pose in the link that the tool is mounted on."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import os
 from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from lxml import etree
@@ -18,16 +20,7 @@ from urdf_ik.model import meshes, poses, urdf
 from urdf_ik.support import files, forks
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import nearest, quoted
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Iterator, Sequence
-    from typing import IO
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-
+from urdf_ik.typing import Array
 
 SHOWN = 8
 """The ``repr`` of a world names at most so many obstacles."""

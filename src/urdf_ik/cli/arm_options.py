@@ -7,25 +7,22 @@ import sys
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 from typer import Argument, Option
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
+from urdf_ik.cli.options import PoseOptions
 from urdf_ik.cli.prompt.completion import links, robots_and_files
 from urdf_ik.errors import escaped
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.cli.options import PoseOptions
-    from urdf_ik.model.urdf import UrdfModel
 
 _XYZ = ("x", "y", "z")
 _MOST_WARNINGS = 10

@@ -10,18 +10,16 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, escaped, printable
 from urdf_ik.support import files, number_files
 from urdf_ik.support import text as texts
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 STDIN = "-"
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")

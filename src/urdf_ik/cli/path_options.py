@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions, read_world
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import PoseOptions, SettingsOf
 from urdf_ik.cli.progress import Elapsed
+from urdf_ik.cli.solutions.targets import Target
+from urdf_ik.paths import Plan
 from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.support.settings import Form, settings_of
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.solutions.targets import Target
-    from urdf_ik.paths import Plan
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from urdf_ik.cli.console import Coloured
 from urdf_ik.cli.options import is_terminal
 from urdf_ik.errors import escaped
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
     from rich.table import Table
     from rich.text import Text
 

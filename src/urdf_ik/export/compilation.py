@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+import os
+from typing import Any
 
 import numpy as np
 from lxml import etree
 
 from urdf_ik import __version__, _core
-from urdf_ik.arm import compiled
+from urdf_ik.arm import Arm, compiled
 from urdf_ik.arm.compiled import FORMAT, VERSION
 from urdf_ik.errors import UnsupportedArm, UrdfError
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.model.urdf import Joint, UrdfModel
 from urdf_ik.support import files, inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import json_text
-
-if TYPE_CHECKING:
-    import os
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.model.urdf import Joint, UrdfModel
 
 _CHECKS = 6
 _SHAPES = ("visual", "collision", "inertial")

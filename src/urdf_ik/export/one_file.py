@@ -5,17 +5,15 @@ from __future__ import annotations
 import json
 import re
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik import __version__
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.export.compilation import compile
 from urdf_ik.export.solver_text import Node, inlined, macros, node_of, struct_of
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
 
 _SPACE = f"urdf_ik_{__version__.replace('.', '_')}"
 

@@ -7,20 +7,17 @@ import json
 from base64 import b64encode
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.export.compilation import compile
 from urdf_ik.export.postures import example
 from urdf_ik.support import inputs
 from urdf_ik.support.palette import colours
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from urdf_ik.arm import Arm
 
 WEB = Path(__file__).resolve().parent / "web"
 """The folder of the npm module, whose parts the page holds."""

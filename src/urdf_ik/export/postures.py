@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import UnsupportedArm
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
 
 # Joint vectors among which one is chosen, and their seed.
 _DRAWS, _SEED = 64, 0

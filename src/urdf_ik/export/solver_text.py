@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 from urdf_ik._core import Solver
 from urdf_ik.cmake import core
 from urdf_ik.errors import UnsupportedArm
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 _CLOSED, _SINGLY = "solve_closed_form", "solve_singly"
 _FORMS = "families/closed_forms/"

@@ -18,24 +18,19 @@ if it has a cusp).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
-    Node = tuple[int, ...]
+Node = tuple[int, ...]
 
 _MOVING = (1, 2, 3, 4)
 _NODES = 16  # along each of these joints

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import sweep
 from urdf_ik.ik.redundancy.interval_search import intervals
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import spread
 from urdf_ik.model.poses import check_poses
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
 
 
 def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.redundancy import Region, region_search
 from urdf_ik.ik.redundancy import nearest as along_parameter
-from urdf_ik.ik.redundancy import region_search
 from urdf_ik.ik.representatives import near_each
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solutions.distances import Metric
+from urdf_ik.ik.solver import Solver
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from urdf_ik.ik.redundancy import Region
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solutions.distances import Metric
-    from urdf_ik.ik.solver import Solver
 
 
 def nearest(

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.tasks import Targets
 from urdf_ik.kinematics.chain.redundancy import spread
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.ik.tasks import Targets
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 def solve(

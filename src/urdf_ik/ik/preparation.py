@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, UnsupportedArm
@@ -13,19 +17,14 @@ from urdf_ik.ik.families.wrappers import axis_free
 from urdf_ik.ik.refusals import check_free_axis, check_given
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.tasks import TASKS, Targets, control_of
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.structure import analyse
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-
     from urdf_ik.ik.contacts import Contacts
-    from urdf_ik.kinematics.chain import Chain
 
 
 def prepare(

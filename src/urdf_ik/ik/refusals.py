@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations, islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik._core import Solver
 from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, printable
 from urdf_ik.ik import families
-from urdf_ik.ik.families import RedundantMember, coupled
+from urdf_ik.ik.families import FamilyMember, RedundantMember, coupled
 from urdf_ik.ik.families.registry import MOST_JOINTS
-from urdf_ik.kinematics.chain import CoupledChain, dependent_joints, kinds_of
-from urdf_ik.kinematics.structure import analyse
+from urdf_ik.kinematics.chain import Chain, CoupledChain, dependent_joints, kinds_of
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from urdf_ik.ik.families import FamilyMember
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-    from urdf_ik.kinematics.structure import Structure
 
 _MOST_TRIED = 40
 """Choices of joints to lock that are tried for an error's way out."""

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import distances
 from urdf_ik.ik.solutions.ik_solutions import IKSolutions
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 def near_each(solutions: IKSolutions, q_ref: Array) -> IKSolutions:

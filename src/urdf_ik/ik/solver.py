@@ -8,24 +8,19 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import UnsupportedArm
-from urdf_ik.ik.families import RedundantMember
+from urdf_ik.ik.families import FamilyMember, RedundantMember
 from urdf_ik.ik.refusals import unsupported
+from urdf_ik.ik.tasks import Control, Targets
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.kinematics.chain.redundancy import Redundancy
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from urdf_ik import _core
     from urdf_ik.ik.contacts import Contacts
-    from urdf_ik.ik.families import FamilyMember
-    from urdf_ik.ik.tasks import Control, Targets
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

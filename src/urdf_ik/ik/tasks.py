@@ -7,7 +7,7 @@ z and a direction), 'planar position' (x, y in the arm's plane), 'planar pose' (
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,19 +15,12 @@ from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik import families
 from urdf_ik.ik.families import FamilyMember, few_joints, planar
 from urdf_ik.ik.families.wrappers import axis_added
-from urdf_ik.kinematics.chain import least_stretches, sampled
+from urdf_ik.kinematics.chain import Chain, least_stretches, sampled
 from urdf_ik.kinematics.chain.plane import Plane, plane_of
-from urdf_ik.kinematics.structure import analyse
+from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _WIDTH = {"position": 3, "position and axis": 6, "planar position": 2, "planar pose": 3}
 TASKS = ("pose", *_WIDTH)

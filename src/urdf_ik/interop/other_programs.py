@@ -6,22 +6,18 @@ Pinocchio's configurations are methods of the arm: ``arm.to_pinocchio(q)`` and `
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 __all__ = [
     "RerunArm",

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Vector = NDArray[np.float64]
+Vector = NDArray[np.float64]
 
 
 _KINDS = {"revolute": "R", "continuous": "R", "prismatic": "P"}

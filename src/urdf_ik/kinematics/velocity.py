@@ -8,22 +8,18 @@ of prismatic joints, are divided by it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 PARTS = {"all": slice(0, 6), "translation": slice(0, 3), "rotation": slice(3, 6)}
 """Rows of the Jacobian that a question may be about."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -12,12 +13,7 @@ from lxml import etree
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.model import meshes as mesh_files
 from urdf_ik.model.poses import pose
-from urdf_ik.model.urdf.urdf_model import resolve_mesh
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.model.urdf.urdf_model import UrdfModel
+from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
 
 _GREY = (180, 180, 185)
 COARSE = 400

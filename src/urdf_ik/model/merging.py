@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from lxml import etree
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import to_rpy
-from urdf_ik.model.urdf import read
+from urdf_ik.model.urdf import UrdfModel, read
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.model.urdf import UrdfModel
 
 _NAMING = ("link", "joint", "material")
 

@@ -5,18 +5,16 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from lxml import etree
+from numpy.typing import NDArray
 
 from urdf_ik.errors import MissingPackage, UrdfError
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.xml import Source
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 INSTALL = "pip install 'urdf-ik[mjcf]'"
 WORLD = "world"

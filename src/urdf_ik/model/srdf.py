@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.model.xml import child, children, open_source, parse, tag
 from urdf_ik.support.text import nearest, quoted
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Collection
 
 __all__ = ["chain_groups", "disabled_pairs", "group_states", "groups_beside", "states_beside"]
 

@@ -8,17 +8,15 @@ import io
 import os
 import re
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from lxml import etree
 
 from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.support import files
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 TEXT = "<text>"
 MAX_BYTES = 8 * 2**20

@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.ik.nearest import nearest as nearest_solution
-from urdf_ik.paths.path_settings import COSTS
+from urdf_ik.ik.solver import Solver
+from urdf_ik.paths.path_settings import COSTS, PathSettings
 from urdf_ik.paths.planner import graph
 from urdf_ik.paths.planner.joint_steps import Joints
+from urdf_ik.paths.planner.obstacles import Obstacles
 from urdf_ik.paths.planner.straightness import Tolerance
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import largest_apart
 from urdf_ik.support.text import quoted
 from urdf_ik.support.watch import Watch
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.path_settings import PathSettings
-    from urdf_ik.paths.planner.obstacles import Obstacles
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 POSITION, ROTATION = 1e-3, 0.02
 """Default tolerance: greatest distance of the tip from the straight segment between two waypoints [m, rad]."""

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import local_names
-
-if TYPE_CHECKING:
-    from urdf_ik.paths.planned_motion import Plan
+from urdf_ik.paths.planned_motion import Plan
 
 
 def followed(plan: Plan) -> Plan:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from urdf_ik.cell import World
 from urdf_ik.support.settings import Form, documented, setting
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.cell import World
 
 COSTS = ("l1", "l2", "max", "time")
 

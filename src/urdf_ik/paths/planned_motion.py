@@ -4,32 +4,27 @@ from __future__ import annotations
 
 import csv
 import io
+import os
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import IKSolutions, limits
 from urdf_ik.ik.solutions.derivatives import joint_rates
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths import plan_display
+from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 from urdf_ik.support.display import short
 from urdf_ik.support.text import json_text
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.planner.obstacles import Obstacles
-    from urdf_ik.paths.timing import Timed
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 class Change(NamedTuple):

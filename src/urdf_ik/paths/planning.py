@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.cell.cell import Cell
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.ik.solver import Solver
 from urdf_ik.paths import checked_settings as settings_of
 from urdf_ik.paths import waypoints
+from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.followed_names import followed
 from urdf_ik.paths.path_settings import PathSettings
-from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
+from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
 from urdf_ik.paths.planner.assembly import cut_coarse, made, not_found, offer, priced
+from urdf_ik.paths.planner.nodes import Nodes
 from urdf_ik.paths.planner.obstacles import Obstacles
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.stops import stops_of
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 from urdf_ik.support.watch import TimeIsUp
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.cell import Cell
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.planned_motion import Plan
-    from urdf_ik.paths.planner.nodes import Nodes
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
+Ints = NDArray[np.int64]
 
 
 def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import logging
+import os
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +17,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.paths.checked_settings import each_joint, velocities
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import json_text
-
-if TYPE_CHECKING:
-    import os
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _GRID_POINTS = 4
 """Places a waypoint at which the time-optimal speed is computed."""

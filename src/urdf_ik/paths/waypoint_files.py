@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import warnings
-from typing import IO, TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import IO
 
 import numpy as np
 
@@ -11,14 +13,7 @@ from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import pose
 from urdf_ik.paths.waypoints import read
 from urdf_ik.support import number_files
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 POSITION = ("x", "y", "z")
 ORIENTATIONS = {

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
 from urdf_ik.errors import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from urdf_ik.support.text import Section
+from urdf_ik.support.text import Section
 
 _SHORT_LINES = 4
 _GOOD, _BAD = "#2e7d32", "#c62828"

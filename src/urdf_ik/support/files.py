@@ -7,16 +7,12 @@ import os
 import secrets
 import stat
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
-from urdf_ik.errors import ArgumentError, printable
+from urdf_ik.errors import ArgumentError, UrdfIkError, printable
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.errors import UrdfIkError
 
 STDIN = "standard input"
 _QUOTED = 200

@@ -8,25 +8,21 @@ import math
 import numbers
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, UrdfIkError
 from urdf_ik.support import sequences
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-    Error = Callable[[str], UrdfIkError]
+Error = Callable[[str], UrdfIkError]
 
 Threads = int | Literal["auto"]
 """How many threads share a piece of work: see :func:`threads`."""

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.support import inputs
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Progress = Callable[[int, int], object]
-    """Called with how many things of all are behind the work."""
+Progress = Callable[[int, int], object]
+"""Called with how many things of all are behind the work."""
 
 
 class TimeIsUp(Exception):

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import Reference
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.ik.solutions import IKSolutions
-
-    Array = NDArray[np.float64]
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.typing import Array
 
 
 def reference_of(arm: Arm) -> Reference:

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, angle_between, apart, moved, same_limit, within
 from urdf_ik.verify.description import MISSING, Description, Shape, Step, matrix
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 
 def differences(a: Description, b: Description, tolerance: Tolerance = DEFAULT) -> tuple[Difference, ...]:

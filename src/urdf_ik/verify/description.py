@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from lxml import etree
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import UrdfIkError, printable
 from urdf_ik.model.poses import pose
 from urdf_ik.model.urdf import resolve_mesh
+from urdf_ik.typing import Array
 from urdf_ik.verify.arms import parameters_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
 
 MISSING = "missing"
 """Stands for the digest of a mesh whose file is not there."""

@@ -8,7 +8,9 @@
 
 from __future__ import annotations
 
-from typing import IO, TYPE_CHECKING, Any
+import os
+from collections.abc import Mapping, Sequence
+from typing import IO, Any
 
 from urdf_ik.arm import Arm, load
 from urdf_ik.errors import ArgumentError
@@ -16,10 +18,6 @@ from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.verify.crosscheck import PROPERTIES, check
 from urdf_ik.verify.crosscheck.report import Report
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Mapping, Sequence
 
 __all__ = ["assert_agrees_with_pinocchio", "verdict"]
 

@@ -8,25 +8,20 @@ in the tree. If the list has grown too long, the next index builds a new tree.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.cell.coal_shapes import Pieces, Solid
+from urdf_ik.cell.obstacles.field import DistanceField
 from urdf_ik.cell.obstacles.tree import SLACK, BoxTree, Found
-from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Points, Sphere
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Points, Shape, Sphere
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.coal_shapes import Pieces, Solid
-    from urdf_ik.cell.obstacles.field import DistanceField
-    from urdf_ik.cell.shapes import Shape
-
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.intp]
+Indices = NDArray[np.intp]
 
 FEW = 64
 """A world with at most so many pieces of obstacles has no tree: a scan of all pieces is as fast."""

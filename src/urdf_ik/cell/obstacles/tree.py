@@ -7,15 +7,14 @@ proposes, and coal's narrow phase decides about each proposed pair as it does wi
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from urdf_ik.typing import Array
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.intp]
+Indices = NDArray[np.intp]
 
 FANOUT = 16
 """Children of a node: wide nodes make the tree shallow, and a level costs a few NumPy calls however wide it is."""

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from urdf_ik.cli import console, tables
 from urdf_ik.errors import UrdfIkError, listed
+from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.model.urdf.limbs import Limb
-
-if TYPE_CHECKING:
-    from urdf_ik.model.urdf import UrdfModel
 
 _MOST_JOINTS = 7
 """Chains with more joints are not analysed for the table: each choice of joints to lock is an arm of its own."""

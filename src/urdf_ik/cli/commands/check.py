@@ -24,7 +24,7 @@ Examples:
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from typer import Option
@@ -35,9 +35,7 @@ from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.store_options import StoreOptions
-
-if TYPE_CHECKING:
-    from urdf_ik.verify import ProofCheck, completeness, crosscheck, surveys
+from urdf_ik.verify import ProofCheck, completeness, crosscheck, surveys
 
 
 def command(

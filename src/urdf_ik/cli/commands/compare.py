@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import string
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -27,9 +27,7 @@ from urdf_ik.cli.commands.verify import Degrees, Ignored, Millimetres
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.several_arms import SeveralArms
-
-if TYPE_CHECKING:
-    from urdf_ik.verify.comparison import Comparison, ManyArms
+from urdf_ik.verify.comparison import Comparison, ManyArms
 
 TimeLimit = Annotated[
     float | None,

@@ -11,15 +11,13 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from typer import Argument, Option
 
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions
-
-if TYPE_CHECKING:
-    from urdf_ik.kinematics.dh import DHTable
+from urdf_ik.kinematics.dh import DHTable
 
 _TABLE_FILES = (".csv", ".json")
 

@@ -15,25 +15,19 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
+from urdf_ik.cell.collision_model import CollisionModel
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.solutions.checked import flags
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.cell.collision_model import CollisionModel
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.ik.solutions import IKSolutions
-
-    Array = NDArray[np.float64]
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.typing import Array
 
 _MOST_INTERVALS = 8
 

@@ -10,23 +10,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 from typer import Option
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import Format
 from urdf_ik.cli.prompt.completion import data_files
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.console import Angles
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 def command(

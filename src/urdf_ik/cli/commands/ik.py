@@ -19,27 +19,24 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 from typer import Option
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.cli import console, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import POSES, Format
 from urdf_ik.cli.progress import Progress
+from urdf_ik.cli.solutions.targets import Target
+from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support.inputs import MOST_POSES
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.solutions.targets import Target
-    from urdf_ik.ik.solutions import IKSolutions
 
 
 class Metric(StrEnum):

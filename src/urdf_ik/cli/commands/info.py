@@ -12,18 +12,16 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from typer import Option
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.kinematics.structure import AxisPair, AxisTriple
+from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 
 _NUMBER = "a number, which orders the solutions of one pose and says nothing about another one"
 _SIGN = "the sign of the Jacobian's determinant, which changes only across a singularity"

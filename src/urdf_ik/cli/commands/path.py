@@ -21,19 +21,17 @@ from typer import Option
 
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
-from urdf_ik.cli.path_options import PathOptions, followed
+from urdf_ik.cli.path_options import Followed, PathOptions, followed
 from urdf_ik.errors import ArgumentError, escaped
+from urdf_ik.paths import Plan
+from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.path_options import Followed
-    from urdf_ik.paths import Plan
-    from urdf_ik.paths.timing import Timed
 
 SUFFIXES = (".csv", ".json", ".npz")
 # Whether the straight joint motion of a change touches something.

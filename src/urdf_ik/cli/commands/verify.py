@@ -16,18 +16,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import options
 from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.verify.baselines import Baseline
+from urdf_ik.verify.baselines import Baseline
 
 LockFile = Annotated[Path, typer.Argument(metavar="LOCK", help="The lock file that `urdf-ik freeze` wrote.")]
 Millimetres = Annotated[

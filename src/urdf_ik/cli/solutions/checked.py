@@ -5,23 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.cell.pinocchio import missing as without_pinocchio
 from urdf_ik.cli import console
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.solutions import redundancy as parameters
 from urdf_ik.ik.solutions import IKSolutions, Singular
 from urdf_ik.ik.solutions.distances import measure
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.cli.console import Angles
 
 # Solutions that Pinocchio measures between two reports of progress.
 _BATCH = 512

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.console import Angles
+from urdf_ik.arm import Arm
+from urdf_ik.cli.console import Angles
 
 
 def own_values(arm: Arm, q: NDArray[np.float64]) -> NDArray[np.float64] | None:

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.cli import tables
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.solutions import checked, redundancy
+from urdf_ik.cli.solutions.checked import CheckedSolutions
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.solutions.checked import CheckedSolutions
 
 SUMMARY_ABOVE = 20
 """A table shows the solutions of at most this many poses."""

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import console
+from urdf_ik.cli.console import Angles
+from urdf_ik.cli.options import PoseOptions
 from urdf_ik.cli.solutions.redundancy import own_values
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.options import PoseOptions
 
 ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
     "--rpy": ("roll", "pitch", "yaw"),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,17 +16,11 @@ from urdf_ik.ik.families import hollow_wrist
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Driven, driven
-from urdf_ik.kinematics.chain import is_redundant
+from urdf_ik.kinematics.chain import Chain, is_redundant
 from urdf_ik.kinematics.chain.mimic import MOST_TURNS, CoupledChain
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 MOST_JOINTS, MOST_AXES = 4, 12
 # Axes this close to parallel [rad] count as parallel where turns are added up: far below the bounds' own slack.

@@ -9,8 +9,9 @@ do so, from base to tip and from tip to base, the one with the best conditioned 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,19 +19,10 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Written
-from urdf_ik.kinematics.chain import is_redundant, kinds_of
-from urdf_ik.kinematics.structure import closest_points
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
+from urdf_ik.kinematics.structure import Structure, closest_points
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 # A position step worth having: its smallest singular value at the middle one of sampled joint vectors.
 _CONDITION = 3e-3

@@ -5,17 +5,13 @@ By elimination to one joint, and by continuation of all complex solutions where 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim
-
-if TYPE_CHECKING:
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.structure import Structure
 
 
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:

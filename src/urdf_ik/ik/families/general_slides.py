@@ -3,24 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim
-from urdf_ik.kinematics.chain import is_redundant, kinds_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
+from urdf_ik.kinematics.structure import Structure
 
 
 def _matches(structure: Structure) -> bool:

@@ -7,7 +7,7 @@ both. The point is known from the target and the joint's value, and so are joint
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,18 +16,11 @@ from urdf_ik.ik.families import spherical_wrist
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Driven, driven
-from urdf_ik.kinematics.chain import CoupledChain
-from urdf_ik.kinematics.structure import analyse
+from urdf_ik.kinematics.chain import Chain, CoupledChain
+from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _COLUMNS = 32
 # Samples of the wrist's joint a turn, and turns at most.

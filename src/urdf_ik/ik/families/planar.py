@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,17 +15,11 @@ from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import Ends
 from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import Written
-from urdf_ik.kinematics.chain import kinds_of
+from urdf_ik.kinematics.chain import Chain, kinds_of
 from urdf_ik.kinematics.chain.plane import axes_across
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _ELBOW = ("elbow left", "elbow right")
 # Links shorter than this [share of size] are left to the general way.

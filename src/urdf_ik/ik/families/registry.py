@@ -5,7 +5,7 @@ A new family is a row here: see docs/families.md.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from urdf_ik.ik.families import (
     coupled,
@@ -22,17 +22,11 @@ from urdf_ik.ik.families import (
     srs,
     three_parallel,
 )
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.wrappers import axis_added, imperfect, joint_given
 from urdf_ik.ik.families.wrappers.mirrored import mirrored
-from urdf_ik.kinematics.chain import typical_stretch
-from urdf_ik.kinematics.structure import analyse
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from urdf_ik.ik.families.parts.family import Family, FamilyMember
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
+from urdf_ik.kinematics.chain import Chain, typical_stretch
+from urdf_ik.kinematics.structure import Structure, analyse
 
 FEW_JOINTS: list[Family] = [planar.FAMILY, few_joints.FAMILY]
 """Families of one to five joints."""

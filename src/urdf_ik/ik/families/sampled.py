@@ -8,7 +8,7 @@ nothing can be prepared for them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,17 +17,11 @@ from urdf_ik.ik.families.parts.family import Family, FamilyMember, RedundantMemb
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim, Written, written
-from urdf_ik.kinematics.chain import is_redundant, kinds_of
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.chain.redundancy import locked_joint
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

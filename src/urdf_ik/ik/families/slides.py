@@ -6,25 +6,20 @@ The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/co
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.few_joints import Joint, PositionStep, position_step
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim, Written, written
-from urdf_ik.kinematics.chain import is_redundant, kinds_of
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

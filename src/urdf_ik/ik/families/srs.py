@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,16 +14,11 @@ from urdf_ik.ik.families.parts.family import Family, RedundantMember, in_words
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.ideal import Ends, snapped
 from urdf_ik.ik.families.parts.written import Written, written
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import swivel_of
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 NAMES = tuple(
     f"shoulder {shoulder}, elbow {up}, wrist {wrist}"

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
-
-import numpy as np
+from typing import ClassVar
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
@@ -21,14 +19,9 @@ from urdf_ik.ik.families.parts.ideal import (
 )
 from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.structure import Structure
+from urdf_ik.typing import Array
 
 _PLANAR = "the rest is a planar arm"
 

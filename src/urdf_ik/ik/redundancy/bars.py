@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.redundancy.intervals import Interval, Intervals
 from urdf_ik.ik.solutions import limits
 from urdf_ik.support.angles import TURN
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.redundancy.intervals import Interval, Intervals
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 ENDS = {
     "limit": ("#0072b2", "a joint's limit"),

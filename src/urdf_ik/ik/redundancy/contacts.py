@@ -7,17 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.ik.redundancy.interval_arrays import End
+from urdf_ik.ik.redundancy.interval_arrays import End, Found
+from urdf_ik.ik.redundancy.self_motion import Curves
 from urdf_ik.support.angles import shortest
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from urdf_ik.ik.contacts import Bodies
-    from urdf_ik.ik.redundancy.interval_arrays import Found
-    from urdf_ik.ik.redundancy.self_motion import Curves
-
-    Array = NDArray[np.float64]
 
 STEP = 0.05
 """rad or shares of the arm's size along a curve between two joint vectors that are asked about first."""

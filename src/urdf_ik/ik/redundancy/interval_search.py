@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik import _core
+from urdf_ik.ik.families.parts.family import RedundantMember
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import last_axis, swivel
 from urdf_ik.ik.redundancy.contacts import without_contacts
@@ -22,22 +24,14 @@ from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.intervals import Intervals
 from urdf_ik.ik.redundancy.self_motion import Curves
 from urdf_ik.ik.redundancy.values import only_parameter
-from urdf_ik.kinematics.chain.redundancy import SWIVEL
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain.redundancy import SWIVEL, Redundancy
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, wrapped
 from urdf_ik.support.read_only import frozen
-from urdf_ik.support.watch import Watch
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.families.parts.family import RedundantMember
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 
 GRID, GRID_GENERAL = 32, 24
 """Values at which everything is solved: where a closed form does that, and where the elimination does."""

@@ -5,32 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import self_motion
 from urdf_ik.ik.redundancy.interval_arrays import End, Found
 from urdf_ik.ik.redundancy.self_motion import Curves
-from urdf_ik.ik.solutions import distances, indices
-from urdf_ik.ik.solutions.distances import QUALITIES
+from urdf_ik.ik.solutions import IKSolutions, distances, indices
+from urdf_ik.ik.solutions.distances import QUALITIES, Metric, Quality
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import Section, aligned, quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solutions.distances import Metric, Quality
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True)

@@ -6,25 +6,20 @@ branch has the solutions of v = 0 all round, and the limits of the last joint cu
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik import _core
+from urdf_ik.ik.families.parts.family import RedundantMember
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_arrays import End, Found
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
+from urdf_ik.ik.solver import Solver
 from urdf_ik.support import tolerances
 from urdf_ik.support.angles import wrapped
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.families.parts.family import RedundantMember
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
-    Columns = NDArray[np.intp]
+Columns = NDArray[np.intp]
 
 
 def sense(solver: Solver, plan: RedundantMember) -> float:

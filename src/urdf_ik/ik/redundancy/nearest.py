@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.representatives import near_each
-from urdf_ik.ik.solutions import distances
+from urdf_ik.ik.solutions import IKSolutions, distances
+from urdf_ik.ik.solutions.distances import Metric
+from urdf_ik.ik.solver import Solver
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solutions.distances import Metric
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 def nearest(

@@ -9,29 +9,23 @@ optimum is local: the best of those that the starts lead to. A region is only ca
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.region import Region
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.ik.solutions import distances, limits
+from urdf_ik.ik.solutions import IKSolutions, distances, limits
+from urdf_ik.ik.solver import Solver
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 SAMPLES = 64
 """Samples along one direction; twice as many with every direction more, up to ``MOST_SAMPLES``."""

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik._core import SelfMotion
 from urdf_ik.errors import UnsupportedArm
+from urdf_ik.ik.redundancy.interval_arrays import Found
 from urdf_ik.ik.solutions import distances, limits
+from urdf_ik.ik.solutions.distances import Measure, Quality
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
+from urdf_ik.kinematics.chain.redundancy import Redundancy
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik._core import SelfMotion
-    from urdf_ik.ik.redundancy.interval_arrays import Found
-    from urdf_ik.ik.solutions.distances import Measure, Quality
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-
-    Array = NDArray[np.float64]
-    Columns = NDArray[np.intp]
-    Cost = Callable[[Array, Columns], Array]
-    """(joint vectors (k, n), numbers of their poses (k,)) -> costs (k,)."""
+Columns = NDArray[np.intp]
+Cost = Callable[[Array, Columns], Array]
+"""(joint vectors (k, n), numbers of their poses (k,)) -> costs (k,)."""
 
 # Share of the way between two samples at which the search for a minimum ends.
 _FINEST = 1e-8

@@ -6,29 +6,23 @@ They rest on :meth:`urdf_ik.Arm.intervals`, which says more: each branch by itse
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import intervals, span
 from urdf_ik.ik.redundancy.values import only_parameter
 from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.watch import Watch
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
-
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 
 # Values that are tried where no curve can be followed.
 _GRID = 65

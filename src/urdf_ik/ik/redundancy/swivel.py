@@ -9,26 +9,22 @@ such an expression vanishes: at two values at most (Shimizu, Kakuya, Yoon, Kitag
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.ik.families.parts.family import RedundantMember
 from urdf_ik.ik.families.srs import SrsArm
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
 from urdf_ik.support.angles import TURN
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.families.parts.family import RedundantMember
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
-    Columns = NDArray[np.intp]
-    Mask = NDArray[np.bool_]
+Columns = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 _AT = TURN / 3.0 * np.array([0.0, 1.0, -1.0])
 """Swivel angles at which the arm is solved: three values fix a, b and c."""

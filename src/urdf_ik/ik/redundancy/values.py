@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.ik.families import RedundantMember
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.padding import filled
 from urdf_ik.model.poses import check_poses
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.families import RedundantMember
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 REACHED = 1e-6
 """m and rad: a joint vector whose pose is farther from a target, whatever the rotation about a free axis, misses it."""

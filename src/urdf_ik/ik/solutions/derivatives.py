@@ -7,25 +7,20 @@ values or the arm by a small amount b, the joints follow it by A^-1 b. Where A l
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.ik.solutions.solution import KeptSolutions
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
 from urdf_ik.kinematics.derivatives import Points, curvature, rates_by_geometry, second_rate, written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solutions.solution import KeptSolutions
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 AXES = ("base", "tip")
 # Rounding of a Jacobian and of its inverse, in units in the last place of its largest entries, a joint.

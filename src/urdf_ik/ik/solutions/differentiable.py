@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from numpy.typing import ArrayLike
 
 from urdf_ik.ik.solutions import derivatives
 from urdf_ik.ik.solutions.solution import KeptSolutions
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 class DifferentiableSolutions(KeptSolutions):

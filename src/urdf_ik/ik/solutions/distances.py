@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.ik.solver import Solver
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
-
-if TYPE_CHECKING:
-    from urdf_ik.ik.solver import Solver
 
 Array = NDArray[np.float64]
 Metric = Literal["l2", "max", "time"]

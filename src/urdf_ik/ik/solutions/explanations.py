@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions.solution import KeptSolutions, Step
 from urdf_ik.support import inputs
 from urdf_ik.support.text import aligned, quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.ik.solutions.solution import KeptSolutions, Step
 
 _MOST_ROWS = 32
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import distances, explanations, limits, tables
@@ -17,11 +18,7 @@ from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 class IKSolutions(DifferentiableSolutions):

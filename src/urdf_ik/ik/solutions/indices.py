@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import sequences
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 def picked(shape: tuple[int, ...], index: Any) -> NDArray[np.intp]:

@@ -10,19 +10,15 @@ pose; along a path :mod:`urdf_ik.paths.followed_names` keeps it.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.padding import filled
 from urdf_ik.kinematics.chain.redundancy import LOCKED_JOINT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _LOCAL = ("solution ", "further ", "position ")
 # Rows of the Jacobian by the task; there is a determinant where as many joints move.

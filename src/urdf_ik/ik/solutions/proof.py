@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.support.read_only import frozen
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-    Complex = NDArray[np.complex128]
+Complex = NDArray[np.complex128]
 
 WORDS = {0: "complete", 32: "incomplete", 64: "clustered", 96: "continuum"}
 """Statuses by the bits of a pose's first column."""

@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik._core import Answer
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import indices, local_names
 from urdf_ik.ik.solutions.proof import WORDS
 from urdf_ik.ik.solutions.turn_names import suffix
+from urdf_ik.ik.solver import Solver
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.display import html_of
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import Section, quoted
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
     from urdf_ik.ik.contacts import Bodies
-    from urdf_ik.ik.solver import Solver
 
-    Array = NDArray[np.float64]
-    Columns = NDArray[np.intp]
-    Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
+Columns = NDArray[np.intp]
+Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
 
 # A pose's status stands in two bits of its first column's flags; the lower one says that solutions may be missing.
 _STATUS, _UNCERTAIN = np.uint8(5), np.uint8(32)

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import MissingPackage
 from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.explanations import parameters_in_words
 from urdf_ik.ik.solutions.solution import Singular
 from urdf_ik.kinematics import velocity
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.display import Markup, table
 from urdf_ik.support.palette import colours
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 INSTALL = "pip install 'urdf-ik[tables]'"
 MOST_ROWS = 32

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.interop.autograd.newton import Given, step
 from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-
 
 _KEPT = 32  # arms whose compiled functions are kept
 

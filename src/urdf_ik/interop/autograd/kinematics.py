@@ -5,18 +5,15 @@ Both libraries call these functions alike, so that ``xp`` is either; ``constant`
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.kinematics.derivatives import WrittenChain
 from urdf_ik.kinematics.derivatives.swivel import ELBOW, SHOULDER, WRIST, Points
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.kinematics.derivatives import WrittenChain
-
-    Lines = dict[int, tuple[Any, Any]]
+Lines = dict[int, tuple[Any, Any]]
 
 _UNITS = np.eye(3)
 

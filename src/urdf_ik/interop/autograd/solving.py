@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions.derivatives import inverse, swivel_points
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
 from urdf_ik.kinematics.derivatives import WrittenChain, slopes, written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FOLDS = ("raise", "nan", "clip")
 """What happens to the derivative at a singular solution: refused in words, NaN, or that of damped least squares."""

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import MissingPackage
 from urdf_ik.interop.autograd.newton import Given, step
 from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
 
 
 def geometry(arm: Arm) -> Any:

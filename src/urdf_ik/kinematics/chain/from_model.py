@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.kinematics.chain.mimic import coupled, follows
 from urdf_ik.kinematics.chain.serial import Chain, Follower, TreeJoint
-from urdf_ik.model.urdf import MOVABLE
+from urdf_ik.model.urdf import MOVABLE, Joint, UrdfModel
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.model.urdf import Joint, UrdfModel
 
 
 def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None) -> Chain:

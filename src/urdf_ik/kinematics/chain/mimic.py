@@ -7,23 +7,17 @@ mimic follows the joint at the end of the row, and a driver beside the chain cou
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.kinematics.chain.serial import Chain, held_values, standing
+from urdf_ik.model.urdf import Joint, UrdfModel
 from urdf_ik.support.tolerances import STILL
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.model.urdf import Joint, UrdfModel
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 MOST_TURNS = 12
 """Multipliers are read as fractions with denominators up to this."""

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain.serial import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 # A direction with less than this across another one is no direction to measure from.
 _CLEAR = 0.3

@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
+from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain.serial import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _SAMPLES = 60
 

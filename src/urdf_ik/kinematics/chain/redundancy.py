@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, wrapped
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-    from urdf_ik.kinematics.chain.serial import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 SWIVEL, LOCKED_JOINT, FREE_AXIS = "swivel", "locked joint", "free axis"
 

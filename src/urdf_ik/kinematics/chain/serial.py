@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, ChainError
@@ -15,9 +16,6 @@ from urdf_ik.kinematics.chain.padding import filled, over_gaps
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
 
 _AnyChain = TypeVar("_AnyChain", bound="Chain")
 

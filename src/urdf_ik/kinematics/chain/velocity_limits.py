@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-from urdf_ik.model.urdf import MOVABLE
+from urdf_ik.kinematics.chain.serial import Chain
+from urdf_ik.model.urdf import MOVABLE, UrdfModel
 from urdf_ik.support.tolerances import LARGEST
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain.serial import Chain
-    from urdf_ik.model.urdf import UrdfModel
 
 
 def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:

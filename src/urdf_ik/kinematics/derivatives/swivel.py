@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.derivatives.second_order import curvature
 from urdf_ik.kinematics.derivatives.written import written
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 SHOULDER, ELBOW, WRIST = slice(0, 3), 3, slice(4, 7)
 _STEP = 1e-30  # of a complex step, whose error is its square

@@ -5,25 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.mimic import follows
+from urdf_ik.kinematics.chain.serial import TreeJoint
 from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.serial import TreeJoint
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FIELDS = ("xyz", "rpy", "axis", "offset")
 

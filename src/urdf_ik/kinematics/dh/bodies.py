@@ -8,19 +8,13 @@ only the last one collides.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.kinematics.dh.fields import TableFields
 from urdf_ik.kinematics.dh.frames import slide_z
 from urdf_ik.model.poses import pose
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.dh.fields import TableFields
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _HUB = 0.045
 """Radius of a hub as a share of the arm's reach."""

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
-from urdf_ik.kinematics.dh.fields import table_error
+from urdf_ik.kinematics.dh.fields import TableFields, table_error
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs, sequences
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.kinematics.dh.fields import TableFields
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 CONVENTIONS = ("standard", "modified")
 COLUMNS = ("alpha", "a", "d", "theta")

@@ -9,26 +9,19 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from urdf_ik.errors import PoseError
 from urdf_ik.kinematics.dh.checks import COLUMNS, CONVENTIONS
-from urdf_ik.kinematics.dh.fields import table_error
+from urdf_ik.kinematics.dh.fields import TableFields, table_error
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import aligned, quoted
-
-if TYPE_CHECKING:
-    import os
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.dh.fields import TableFields
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 MAX_BYTES = 2**20
 """Greatest size of a table's file; one of 500 joints has less than a tenth of it."""

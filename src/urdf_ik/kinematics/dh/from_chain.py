@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.kinematics.dh.frames import denavit_hartenberg, rotation_z, slide_z, step_x
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.dh.frames import DHFrames, denavit_hartenberg, rotation_z, slide_z, step_x
 from urdf_ik.kinematics.structure import closest_points
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import wrapped
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.dh.frames import DHFrames
-
-    Array = NDArray[np.float64]
-
+from urdf_ik.typing import Array
 
 # Shares of the arm's size, or rad: what rounding leaves of zero in one number, and in a product of four matrices.
 _ROUNDING, _ROUNDING_OF_STEP = 2e-15, 1e-14

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
 from urdf_ik.kinematics.dh import files
-from urdf_ik.kinematics.dh.bodies import bodies
-from urdf_ik.kinematics.dh.fields import table_error
+from urdf_ik.kinematics.dh.bodies import Body, bodies
+from urdf_ik.kinematics.dh.fields import TableFields, table_error
 from urdf_ik.model.poses import to_rpy
 from urdf_ik.support.text import aligned, quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.dh.bodies import Body
-    from urdf_ik.kinematics.dh.fields import TableFields
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _COLOURS = {"graphite": "0.18 0.19 0.21", "silver": "0.78 0.80 0.83", "orange": "0.95 0.48 0.10"}
 _EFFORT, _VELOCITY = 100, {"revolute": 3, "continuous": 3, "prismatic": 1}

@@ -8,22 +8,19 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, JobError, MissingPackage, UnsupportedArm
 from urdf_ik.maps.datasets.samples import CHUNK, Drawing, Samples
 from urdf_ik.maps.datasets.stored_samples import FORMAT, VERSION, StoredSamples
 from urdf_ik.maps.engine import Folder, free_space, run, zarr_writer
 from urdf_ik.maps.engine.store_folder import checked_path, finished
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
 
 PARQUET = "data sets in Parquet need pyarrow; install it with: pip install 'urdf-ik[scale]'"
 KINDS = (".zarr", ".parquet")

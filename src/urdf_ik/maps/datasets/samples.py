@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.kinematics import velocity
 from urdf_ik.maps.engine.arm_jobs import ArmQuestion
 from urdf_ik.support.angles import TURN
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 CHUNK = 2**14
 """Samples that are drawn with one stream of random numbers."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from urdf_ik import _core
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 
 Pairs = tuple[tuple[str, str], ...]
 

@@ -18,15 +18,12 @@ import uuid
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.errors import ArgumentError, JobError, MissingPackage, printable
-from urdf_ik.maps.engine.arm_jobs import versions
+from urdf_ik.maps.engine.arm_jobs import Job, versions
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.maps.engine.arm_jobs import Job
 
 INSTALL = "long work on workers needs Dask; install it with: pip install 'urdf-ik[scale]'"
 ANSWER_WITHIN = 10.0

@@ -11,14 +11,11 @@ import hashlib
 import json
 import os
 import zlib
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 from urdf_ik.errors import JobError
 from urdf_ik.support import files
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 MAX_BYTES = 2**27
 """Greatest size of a journal [bytes]."""

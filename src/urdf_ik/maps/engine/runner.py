@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from urdf_ik.maps.engine.arm_jobs import Job
+from urdf_ik.maps.engine.store_folder import Folder
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from urdf_ik.maps.engine.arm_jobs import Job
-    from urdf_ik.maps.engine.store_folder import Folder
 
 Tick = Callable[[int, int], object]
 

@@ -8,12 +8,9 @@ import json
 import os
 import socket
 import time
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from urdf_ik.errors import JobError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 class Lock:

@@ -6,17 +6,15 @@ import math
 import os
 import struct
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import JobError, UrdfIkError, printable
 from urdf_ik.maps.engine import zarr_writer
 from urdf_ik.support import files
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 MAX_METADATA = 2**24
 """Greatest size of a group's metadata [bytes]."""

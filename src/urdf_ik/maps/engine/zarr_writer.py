@@ -13,15 +13,13 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import MissingPackage
 from urdf_ik.support.text import plain
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 INSTALL = "stores need Zarr; install it with: pip install 'urdf-ik[scale]'"
 LEVEL = 1

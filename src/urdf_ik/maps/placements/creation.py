@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.maps.engine import Folder, free_space, run, zarr_writer
 from urdf_ik.maps.engine.store_folder import checked_path, finished
@@ -19,14 +22,7 @@ from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 MOST_TURNS = 3600
 """Headings at each position."""

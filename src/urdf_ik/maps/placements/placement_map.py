@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, JobError, printable
 from urdf_ik.maps.engine import free_space
@@ -19,11 +20,7 @@ from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
 from urdf_ik.support.files import name_of
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FORMAT, VERSION = "urdf-ik placements", 1
 SHOWN = {name: score.words for name, score in SCORES.items()}

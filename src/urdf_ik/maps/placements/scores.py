@@ -6,25 +6,21 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.maps.engine import zarr_writer
 from urdf_ik.maps.engine.arm_jobs import ArmQuestion
+from urdf_ik.maps.workspaces import Grid
 from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.maps.workspaces.store.blocks import Blocks
 from urdf_ik.model.poses import pose
 from urdf_ik.support.angles import TURN
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.maps.workspaces import Grid
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 AXES = ("x", "y", "z", "heading")
 BASES = 64

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.maps.workspaces.grid import Grid
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.maps.workspaces.grid import Grid
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 MANY = 512
 """Orientations beyond which a tree finds the nearest one faster than a comparison with all of them."""

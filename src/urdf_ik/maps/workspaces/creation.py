@@ -5,24 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.maps.workspaces.grid import grid_of, require_memory, require_room
 from urdf_ik.maps.workspaces.orientations import NOTHING, sampled, samples
 from urdf_ik.maps.workspaces.question import HELD, Question
 from urdf_ik.maps.workspaces.store.block_jobs import fill
+from urdf_ik.maps.workspaces.store.stored_map import StoredMap
 from urdf_ik.maps.workspaces.workspace_map import WorkspaceMap
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.maps.workspaces.store.stored_map import StoredMap
 
 CHUNK = 2**14
 """Poses that are solved at a time: so few that their answers stay in the processor's cache."""

@@ -7,17 +7,13 @@ approach to global modelling", Quarterly Journal of the Royal Meteorological Soc
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import pose
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
 
 Array = NDArray[np.float64]
 

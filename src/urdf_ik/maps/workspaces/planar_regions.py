@@ -4,27 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits
+from urdf_ik.kinematics.chain.plane import Plane
 from urdf_ik.maps.workspaces.arcs import Circle, Region, region
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.kinematics.chain.plane import Plane
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 ELBOWS = ("elbow left", "elbow right")
 """Left or right of the line from the first axis to the tip, as the plane's normal sees it; the solver's branches."""

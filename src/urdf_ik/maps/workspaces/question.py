@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.engine import versions
 from urdf_ik.maps.engine.arm_jobs import ArmQuestion, urdf_digest
+from urdf_ik.maps.workspaces.grid import Grid
 from urdf_ik.maps.workspaces.orientations import Targets, sampled
 from urdf_ik.maps.workspaces.solution_counts import Counting, sum_over_samples
 from urdf_ik.maps.workspaces.workspace_map import About
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.maps.workspaces.grid import Grid
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 class Held(NamedTuple):

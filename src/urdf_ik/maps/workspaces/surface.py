@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.maps.workspaces.store.stored_map import StoredMap
+from urdf_ik.maps.workspaces.workspace_map import WorkspaceMap
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.maps.workspaces.store.stored_map import StoredMap
-    from urdf_ik.maps.workspaces.workspace_map import WorkspaceMap
 
 # Corners of the face of a unit cube at the far end of each axis, counter-clockwise as seen from outside.
 _FACES = (

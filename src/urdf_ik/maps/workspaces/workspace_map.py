@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.workspaces import map_files
@@ -16,15 +19,9 @@ from urdf_ik.maps.workspaces.totals import BranchShare, Totals
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Mapping
-
-    from numpy.typing import ArrayLike, NDArray
-
-    Array = NDArray[np.float64]
-    Counts = NDArray[np.uint8]
+Counts = NDArray[np.uint8]
 
 # Arrays of a file: those of every map, the requested ones, and the types other than uint8.
 _ALWAYS = ("samples", "solutions", "branch_poses")

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from lxml import etree
 
 from urdf_ik.errors import UrdfError, listed
+from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 from urdf_ik.support.text import nearest, quoted
 from urdf_ik.support.tolerances import LARGEST
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from urdf_ik.model.urdf.defects import Defects
 
 _T = TypeVar("_T")
 

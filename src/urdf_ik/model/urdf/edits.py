@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.model.urdf.urdf_model import UrdfModel
 from urdf_ik.model.xml import open_source
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from urdf_ik.model.urdf.urdf_model import UrdfModel
 
 _ATTRIBUTE = r"""(\s{name}\s*=\s*)("[^"]*"|'[^']*')"""
 _TAG_END = re.compile(r"""(?:[^"'>]|"[^"]*"|'[^']*')*>""")

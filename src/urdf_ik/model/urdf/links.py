@@ -7,17 +7,15 @@ therefore omits a defective part, and the defect is recorded.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.model.urdf.checks import Place
+from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import child, children, tag, written_tag
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.model.urdf.defects import Defects
 
 MAX_PARTS = 10_000
 """Shapes, inertias and materials of a URDF at most."""

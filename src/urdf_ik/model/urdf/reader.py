@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
 from lxml import etree
@@ -18,9 +18,6 @@ from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.urdf.urdf_model import UrdfModel, yourdfpy_model
 from urdf_ik.model.xml import open_source, parse
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 
 def read(

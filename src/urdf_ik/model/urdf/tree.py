@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.errors import UrdfError, listed, printable
 from urdf_ik.model.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
+from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, children, is_xacro, written_tag
 from urdf_ik.support.text import nearest, quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from urdf_ik.model.urdf.defects import Defects
 
 MAX_LINKS = 500
 """Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lxml import etree
 
@@ -21,9 +21,6 @@ from urdf_ik.model.urdf.limbs import Limb
 from urdf_ik.model.urdf.yourdfpy_import import yourdfpy
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import nearest, quoted
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.ik.solutions import limits
 from urdf_ik.paths import waypoints
-from urdf_ik.paths.planned_motion import Change, Plan
-from urdf_ik.paths.planner.graph import CHANGE, MISMATCH, Graph, Pricing
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.planned_motion import Stop
-    from urdf_ik.paths.planner.graph import Layers, Way
-    from urdf_ik.paths.planner.search import Search
-
-    Array = NDArray[np.float64]
+from urdf_ik.paths.checked_settings import CheckedSettings
+from urdf_ik.paths.planned_motion import Change, Plan, Stop
+from urdf_ik.paths.planner.graph import CHANGE, MISMATCH, Graph, Layers, Pricing, Way
+from urdf_ik.paths.planner.search import Search
+from urdf_ik.typing import Array
 
 COARSE_TURN, COARSE_MOVE = 0.5, 0.15
 """rad and share of the arm's size: longer segments are cut into equal pieces before the arm is solved."""

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from urdf_ik.ik.redundancy.interval_search import span
+from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.paths.checked_settings import CheckedSettings
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FIRST, FINEST = 64, 256
 """Values of the parameter at which a waypoint is looked at: to find one, and to say that it is closed."""

@@ -9,25 +9,21 @@ follows from the nodes. The cheapest way from every state to the last waypoint i
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.paths.planner import refinement
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.straightness import Tolerance, keeps_straight
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
-    Mask = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik import _core
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import TURN
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
+Ints = NDArray[np.int64]
 
 MOST_IMAGES = 5
 """A joint with more images inside its limits than these turns without end, as far as a path is concerned."""

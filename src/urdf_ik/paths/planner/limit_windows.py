@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import limits
+from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.nodes import Nodes
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.paths.checked_settings import CheckedSettings
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 ROUNDS = 6
 """How often the place of the greatest room is closed in upon; each round halves the step."""

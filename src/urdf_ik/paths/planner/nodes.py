@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.solver import Solver
 from urdf_ik.paths.planner.graph import Layers
+from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.refinement import WIDEST
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.planner.joint_steps import Joints
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
-    Mask = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 SAME = 1e-6
 """rad or m: joint vectors that differ by less in every joint are one node."""

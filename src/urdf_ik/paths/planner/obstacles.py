@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.swept_motions import TOUCH
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell import CollisionModel
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 
 SLACK = 2.0 * TOUCH

@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.assembly import Refined, add_margins, cut_coarse, made, not_found, offer, priced
 from urdf_ik.paths.planner.closed_waypoints import FINEST, closed_waypoint, grid_values, is_closed
-from urdf_ik.paths.planner.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing
+from urdf_ik.paths.planner.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing, Way
 from urdf_ik.paths.planner.limit_windows import narrow
+from urdf_ik.paths.planner.nodes import Nodes
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.smoothing import smoothed
 from urdf_ik.paths.planner.stops import stops_of
 from urdf_ik.support.angles import shortest
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.planner.graph import Way
-    from urdf_ik.paths.planner.nodes import Nodes
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FEWEST, MOST, WANTED = 48, 768, 250
 """Values of the parameter on the first grid, at some of the waypoints, and how many nodes of a waypoint are wanted:

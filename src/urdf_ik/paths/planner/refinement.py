@@ -7,26 +7,22 @@ to another branch passes.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.paths.planner.straightness import keeps_straight
+from urdf_ik.ik.solver import Solver
+from urdf_ik.paths.planner.joint_steps import Joints
+from urdf_ik.paths.planner.straightness import Tolerance, keeps_straight
 from urdf_ik.paths.waypoints import interpolated, twists
 from urdf_ik.support.angles import shortest
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.planner.joint_steps import Joints
-    from urdf_ik.paths.planner.straightness import Tolerance
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
-    Mask = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 DEEPEST = 8
 """How often a segment is cut in halves."""

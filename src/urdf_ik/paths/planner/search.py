@@ -8,24 +8,17 @@ search", ICAPS 2016).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-from urdf_ik.paths.planner.graph import CHANGE
+from urdf_ik.ik.solver import Solver
+from urdf_ik.paths.planner.graph import CHANGE, Graph, Way
+from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.paths.planner.straightness import Tolerance
+from urdf_ik.support.watch import Watch
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.planner.graph import Graph, Way
-    from urdf_ik.paths.planner.obstacles import Obstacles
-    from urdf_ik.paths.planner.straightness import Tolerance
-    from urdf_ik.support.watch import Watch
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
-    Mask = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 class Search:

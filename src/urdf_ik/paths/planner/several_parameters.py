@@ -10,18 +10,22 @@ cheapest in the neighbourhood of the plans that it began with; with other costs 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice, product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from urdf_ik.ik import preparation
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
+from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner.assembly import Refined, cut_coarse, made, offer, priced
 from urdf_ik.paths.planner.graph import COSTS
@@ -31,16 +35,7 @@ from urdf_ik.paths.planner.obstacles import Obstacles
 from urdf_ik.paths.planner.redundant import COARSE_MOVE, COARSE_TURN
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.support.angles import shortest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.checked_settings import CheckedSettings
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 VALUES = 5
 """Values at which each of the others is held, its default among them."""

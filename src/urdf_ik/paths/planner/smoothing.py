@@ -7,21 +7,15 @@ then a quadratic function of all d, in which only neighbours meet: its minimum i
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from urdf_ik.ik.pose_solving import solve
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.planner.assembly import Refined
-    from urdf_ik.paths.planner.obstacles import Obstacles
-
-    Array = NDArray[np.float64]
+from urdf_ik.paths.checked_settings import CheckedSettings
+from urdf_ik.paths.planner.assembly import Refined
+from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.typing import Array
 
 ROUNDS = 12
 """Steps of Newton's method at most."""

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.ik.explanation import explain
+from urdf_ik.ik.solver import Solver
+from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.limit_windows import central, room
+from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.straightness import keeps_straight
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.planner.search import Search
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
+Ints = NDArray[np.int64]
 
 _LOOKED_AT = 16
 """States at the farthest waypoint of which it is found out why they lead no farther."""

@@ -17,20 +17,16 @@ square of the segment's rotation, adds to the bound of the position.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.paths.waypoints import interpolated
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 PROVEN = 0.25
 """Share of a tolerance that the bound between two samples may take; the samples must keep within the rest."""

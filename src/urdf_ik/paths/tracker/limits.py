@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solver import Solver
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:

@@ -11,10 +11,12 @@ proof: where singularities lie closer to each other than a piece is long, a fold
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from urdf_ik._core import Step
 from urdf_ik._core import Tracker as CoreTracker
@@ -22,19 +24,12 @@ from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik.families.parts import written as task
 from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.ik.solutions.limits import check_inside
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import CoupledChain
 from urdf_ik.model.poses import check_poses
 from urdf_ik.paths.tracker.limits import limits_of, positive
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.ik.solver import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 RECENTRING = 1.0
 """1/s: the rate at which the joints of a redundant arm leave the outer tenth of their ranges, by default."""

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from numpy.typing import ArrayLike
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
+from urdf_ik.maps.workspaces import PlanarWorkspace, Region
 from urdf_ik.show.plot import figures
 from urdf_ik.support import inputs, palette
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.maps.workspaces import PlanarWorkspace, Region
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _FRAME = ("tab:red", "tab:green", "tab:blue")
 _BLUE, _, OVERLAP_COLOUR, _, _ORANGE = palette.colours(5)

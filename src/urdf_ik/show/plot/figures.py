@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.ik.solutions.tables import stick
 from urdf_ik.model import link_shapes
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _DRAWS, _SEED = 200, 0
 

@@ -9,14 +9,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from urdf_ik.arm import arm_of
+from urdf_ik.ik.redundancy import Intervals
 from urdf_ik.ik.redundancy.bars import ENDS, bars
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from urdf_ik.ik.redundancy import Intervals
 
 _WIDTH, _ROW, _LEAST = 8.0, 0.32, 2.4
 

@@ -8,10 +8,14 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from urdf_ik.arm import arm_of
+from urdf_ik.arm import Arm, arm_of
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions import limits as joint_limits
+from urdf_ik.maps.placements import PlacementMap
+from urdf_ik.maps.workspaces import PlanarWorkspace, StoredMap, WorkspaceMap
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.show.plot import figures
 from urdf_ik.support import files, inputs
@@ -20,12 +24,6 @@ from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.maps.placements import PlacementMap
-    from urdf_ik.maps.workspaces import PlanarWorkspace, StoredMap, WorkspaceMap
 
 SUFFIXES = (".png", ".svg", ".pdf")
 """Endings of the files that a picture is written to."""

@@ -9,20 +9,18 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.ik.solutions import limits
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.show.plot import figures
 from urdf_ik.support import inputs
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
 
 # Inches: the picture, a slider, and what is left around them.
 _WIDE, _HIGH, _ROW, _EDGE = 6.4, 5.6, 0.34, 0.3

@@ -9,22 +9,20 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
-from urdf_ik.arm import arm_of
+from urdf_ik.arm import Arm, arm_of
 from urdf_ik.ik.solutions import limits as joint_limits
+from urdf_ik.paths import Plan
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
-    from urdf_ik.paths import Plan
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 VALUES = 16
 """Values of the redundancy parameter at which all solutions are drawn."""

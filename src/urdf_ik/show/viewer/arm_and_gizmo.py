@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
+from urdf_ik.show.viewer.state import State
 from urdf_ik.support import palette
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.show.viewer.state import State
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _OPACITY, _PINNED_OPACITY = 0.4, 0.75
 # rad, and share of the arm's size, by which links of two solutions differ that are not in the same place.

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.ik.solutions import limits
 from urdf_ik.show.viewer import interval_strip
 from urdf_ik.show.viewer.arm_and_gizmo import colours
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.show.viewer.state import State
+from urdf_ik.show.viewer.state import State
 
 READING = threading.Lock()
 """Held from the reading of what a page moved until it is asked for: viser's calls run in threads side by side, and one

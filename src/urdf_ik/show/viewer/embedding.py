@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from urdf_ik.ik.solutions.tables import stick_picture
+from urdf_ik.show.viewer.state import State
 from urdf_ik.support.palette import colours
-
-if TYPE_CHECKING:
-    from urdf_ik.show.viewer.state import State
 
 
 class Embedded(NamedTuple):

@@ -12,17 +12,14 @@ import http
 import ipaddress
 import logging
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 from urdf_ik.errors import MissingPackage
 from urdf_ik.show.viewer import address
 from urdf_ik.support import forks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 MAX_MESSAGE = 2**20
 """Greatest size of a message of the page [bytes]; it sends files in parts of half of that."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.redundancy import Intervals
 from urdf_ik.ik.redundancy.bars import ENDS, Bar, bars
-
-if TYPE_CHECKING:
-    from urdf_ik.ik.redundancy import Intervals
-    from urdf_ik.show.viewer.state import State
+from urdf_ik.show.viewer.state import State
 
 # The line at the present value.
 _HERE = "#d55e00"

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, UrdfIkError
-from urdf_ik.maps.workspaces import VALUES, boundary
+from urdf_ik.maps.workspaces import VALUES, StoredMap, Surface, WorkspaceMap, boundary
 from urdf_ik.maps.workspaces.grid import AXES
 from urdf_ik.maps.workspaces.question import require_map_of
 from urdf_ik.show.viewer.arm_panel import on_change, plain, slider_of, turn_to
 from urdf_ik.support import palette
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.maps.workspaces import StoredMap, Surface, WorkspaceMap
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _BAR = np.linspace(0.0, 1.0, 400)
 _BAR_HEIGHT = 12  # pixels

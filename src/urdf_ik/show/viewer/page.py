@@ -3,45 +3,40 @@
 from __future__ import annotations
 
 import io
+import os
 import threading
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik import export
-from urdf_ik.arm import load
+from urdf_ik.arm import Arm, load
+from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
+from urdf_ik.maps.workspaces import StoredMap, WorkspaceMap
 from urdf_ik.model.poses import pose
+from urdf_ik.paths import Plan
+from urdf_ik.paths.planned_motion import Stop
 from urdf_ik.show.viewer import address, guard, page_messages, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
 from urdf_ik.show.viewer.arm_panel import READING, STYLE, Panel, plain
 from urdf_ik.show.viewer.embedding import Embedded, picture
+from urdf_ik.show.viewer.map_view import MapView
 from urdf_ik.show.viewer.path_panel import PathPanel
+from urdf_ik.show.viewer.playback import Track
 from urdf_ik.show.viewer.request_queue import Latest
+from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
 from urdf_ik.show.viewer.work import recording, saved_page, sources
 from urdf_ik.show.viewer.work.cameras import Cameras
 from urdf_ik.show.viewer.work.panel import WorkPanel
 from urdf_ik.show.viewer.work.uploads import Uploads
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    import os
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import World
-    from urdf_ik.maps.workspaces import StoredMap, WorkspaceMap
-    from urdf_ik.paths import Plan
-    from urdf_ik.paths.planned_motion import Stop
-    from urdf_ik.show.viewer.map_view import MapView
-    from urdf_ik.show.viewer.playback import Track
-    from urdf_ik.show.viewer.state import State
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
 """The command that installs what the viewer needs."""

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
+from urdf_ik.paths.planned_motion import Stop
 from urdf_ik.show.viewer.arm_and_gizmo import colours
 from urdf_ik.show.viewer.arm_panel import on_change, plain, send_again
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.paths.planned_motion import Stop
-    from urdf_ik.show.viewer.playback import Track
+from urdf_ik.show.viewer.playback import Track
 
 _PLAY, _PAUSE = "Play", "Pause"
 _STEP = 0.1

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.paths import Plan
+from urdf_ik.paths.planned_motion import Stop
 from urdf_ik.show.viewer import state as states
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.paths import Plan
-    from urdf_ik.paths.planned_motion import Stop
-    from urdf_ik.show.viewer.state import State
-
-    Array = NDArray[np.float64]
+from urdf_ik.show.viewer.state import State
+from urdf_ik.typing import Array
 
 FRAME = 0.05
 """s between two frames of a plan that is played."""

@@ -6,24 +6,17 @@ A :class:`State` does not change; each of the functions below returns the one th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import CollisionModel, World
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.export.postures import example
-from urdf_ik.ik.solutions import Singular, distances, limits
+from urdf_ik.ik.redundancy import Intervals
+from urdf_ik.ik.solutions import IKSolutions, Singular, distances, limits
 from urdf_ik.model import srdf
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import CollisionModel, World
-    from urdf_ik.ik.redundancy import Intervals
-    from urdf_ik.ik.solutions import IKSolutions
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 SHOWN = ("all", "inside the limits", "without a mark", "none")
 """Which ghosts may be drawn."""

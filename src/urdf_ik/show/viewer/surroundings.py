@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import trimesh
 
-from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
+from urdf_ik.cell import World
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Shape, Sphere
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
+from urdf_ik.paths.planned_motion import Stop
 from urdf_ik.show.viewer.arm_and_gizmo import colours
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell import World
-    from urdf_ik.cell.shapes import Shape
-    from urdf_ik.paths.planned_motion import Stop
-    from urdf_ik.show.viewer.playback import Track
-
-    Array = NDArray[np.float64]
+from urdf_ik.show.viewer.playback import Track
+from urdf_ik.typing import Array
 
 _COLOUR, _OPACITY = (150, 140, 125), 0.75
 _PLANE_OPACITY, _PLANE = 0.35, 0.01

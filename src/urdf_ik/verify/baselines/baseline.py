@@ -4,28 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import os
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import files
 from urdf_ik.support.text import plain, quoted
+from urdf_ik.support.watch import Progress
 from urdf_ik.verify.baselines.records import KINDS, Answer, Planted, Pose, Recorded
 from urdf_ik.verify.baselines.verification import Verification, verify
 from urdf_ik.verify.description import Row, from_dict
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 FORMAT, VERSION = "urdf-ik lock", 1
 MOST_BYTES = 2**26

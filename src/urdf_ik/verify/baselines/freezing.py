@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
-from urdf_ik.support.watch import Watch
+from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.baseline import Baseline
 from urdf_ik.verify.baselines.pose_sampling import AT_ONCE, COUNTS, DRAWN, made_by, planted_vectors, solved
+from urdf_ik.verify.baselines.records import Pose
 from urdf_ik.verify.description import described
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.support.watch import Progress
-    from urdf_ik.verify.baselines.records import Pose
 
 SIZE = 200_000
 """Bytes that a lock file has at most, unless the poses of its user need more."""

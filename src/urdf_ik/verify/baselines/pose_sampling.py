@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import CollisionModel
+from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.typing import Array
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.records import Answer, Planted, Pose, answer_rows, pose_row
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import CollisionModel
-    from urdf_ik.cell.pinocchio_reference import Reference
-    from urdf_ik.ik.solutions import IKSolutions
-
-    Array = NDArray[np.float64]
 
 COUNTS = {"random": 20, "round": 10, "near limits": 10, "near singularity": 10}
 """Poses of each kind that are solved."""

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.typing import Array
 from urdf_ik.verify.description import Description, Row, flat, matrix
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 KINDS = ("random", "round", "at limits", "near limits", "near singularity", "own")
 """Kinds of poses; 'own' are the user's."""

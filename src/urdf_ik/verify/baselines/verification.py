@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell import CollisionModel
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, printable
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
-from urdf_ik.support.watch import Watch
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.pose_sampling import AT_ONCE, answered, least_singular_value
 from urdf_ik.verify.baselines.records import Answer, Pose, Recorded
@@ -22,18 +26,6 @@ from urdf_ik.verify.change_search import differences, greatest_change, order_of
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
 from urdf_ik.verify.reports import Report, outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import CollisionModel
-    from urdf_ik.cell.pinocchio_reference import Reference
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 LOOSEST = 1e-2
 """Joint values [rad or m] further apart than this are no rounding, however near a singularity."""

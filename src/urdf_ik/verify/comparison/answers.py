@@ -5,23 +5,18 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 from urdf_ik.verify import arms
 from urdf_ik.verify.comparison.report import BranchChange, Reach, ToolError
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell.pinocchio_reference import Reference
-    from urdf_ik.ik.solutions import IKSolutions
-
-    Array = NDArray[np.float64]
 
 # 'solution 3', 'further 1': such a number says nothing about the posture, unlike 'elbow up'.
 _NUMBERED = re.compile(r"\d+$")

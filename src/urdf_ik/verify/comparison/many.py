@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError, printable
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
-from urdf_ik.support.watch import Watch
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 from urdf_ik.verify import arms as of_arms
 from urdf_ik.verify.baselines.pose_sampling import contacts
 from urdf_ik.verify.reports import Written
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 NOT_CHECKED = "not checked"
 UNREACHED, OUTSIDE, TOUCHING, FREE, UNKNOWN = "not reached", "outside limits", "contact", "free", "contacts not checked"

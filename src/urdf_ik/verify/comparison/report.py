@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
 from urdf_ik.verify.change import DEFAULT, Difference, same_limit, summed
 from urdf_ik.verify.reports import Written
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 _MM = 1000.0
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.model.poses import as_pose_array, check_poses
@@ -16,15 +18,6 @@ from urdf_ik.verify.change_search import differences
 from urdf_ik.verify.comparison import answers
 from urdf_ik.verify.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
 from urdf_ik.verify.description import described
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
 
 _SAMPLES = 20_000
 _ROUNDING = 1e-9  # rad, m: an imperfection that is no more than rounded decimals

@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
 
+from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.support import inputs
-from urdf_ik.support.watch import Watch
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 from urdf_ik.verify.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
 from urdf_ik.verify.completeness.sameness import Sameness, Unmatched, distance_to_singularity, plant
 from urdf_ik.verify.completeness.second_way import SecondWay
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 _CHUNK = 16  # poses at a time
 

@@ -5,18 +5,11 @@ It shares only the chain's forward kinematics with the solvers, so a fault of a 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import shortest
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 CONVERGED = 2e-14
 """Error [rad, share of the arm's size] that a regular solution has after Newton's method, with room to spare."""

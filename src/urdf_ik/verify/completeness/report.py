@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from urdf_ik.support.text import Section
+from urdf_ik.verify.completeness.sameness import Unmatched
 from urdf_ik.verify.crosscheck.properties import EXACT
 from urdf_ik.verify.reports import Report, outcome
-
-if TYPE_CHECKING:
-    from urdf_ik.verify.completeness.sameness import Unmatched
 
 SOLVER, SECOND, BOTH = "the solver", "the second way", "both"
 

@@ -15,22 +15,16 @@ A joint vector that misses the pose by more than 1e-9 under Pinocchio is not a s
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import largest_apart, shortest
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
 from urdf_ik.verify.completeness.newton import descend, errors
 from urdf_ik.verify.crosscheck.properties import EXACT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.cell.pinocchio_reference import Reference
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
 
 SAME = 1e-6
 ROUNDING = 1e-13

@@ -11,21 +11,16 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import largest_apart, shortest
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
 from urdf_ik.verify.completeness.newton import CONVERGED, descend, errors
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
 
 STARTS = 200
 _CUTS = (1, 3, 5)

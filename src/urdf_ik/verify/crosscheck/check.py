@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pinocchio as pin
 
+from urdf_ik.arm import Arm
 from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfError
 from urdf_ik.support import inputs
-from urdf_ik.support.watch import Watch
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 from urdf_ik.verify.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.verify.crosscheck.report import Report
-
-if TYPE_CHECKING:
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 PROPERTIES = (
     "joints and limits",

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from urdf_ik.cell.pinocchio_reference import finite, pose_errors
+from urdf_ik.arm import Arm
+from urdf_ik.cell import CollisionModel
+from urdf_ik.cell.pinocchio_reference import Reference, finite, pose_errors
 from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
+from urdf_ik.typing import Array
 from urdf_ik.verify.crosscheck.report import Row
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell import CollisionModel
-    from urdf_ik.cell.pinocchio_reference import Reference
-    from urdf_ik.ik.solutions import IKSolutions
-
-    Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
 """Kinematics: two programs that evaluate the same formula in a different order [m per m of the arm; rad]."""

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support.text import Section, quoted
 from urdf_ik.verify import reports
 from urdf_ik.verify.reports import outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _HEADER = ("property", "worst", "tolerance", "unit", "checked", "result")
 

@@ -4,29 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 from urdf_ik.support.text import quoted
-from urdf_ik.support.watch import Watch
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.pose_sampling import least_singular_value, near_singularity, round_vectors
 from urdf_ik.verify.completeness.sameness import Sameness
 from urdf_ik.verify.crosscheck.properties import EXACT
 from urdf_ik.verify.judging.report import DOUBLED, FAILED, MISSING, OUTSIDE, WRONG, Fault, Judgement, Kind
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cell.pinocchio_reference import Reference
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 Solve = Callable[[Any], Any]
 """A solver: a pose (4, 4) [m] of the tip in the base in, joint vectors (k, n) [rad or m] out; or these and flags (k,)

@@ -13,21 +13,17 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, printable
 from urdf_ik.model.poses import pose
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 from urdf_ik.verify.judging.toolbox import in_c, in_python
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
 
 Solve = Callable[[Any], Any]
 

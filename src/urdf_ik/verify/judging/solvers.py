@@ -13,23 +13,17 @@ import subprocess
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from types import TracebackType
+from typing import Any, Self
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 from urdf_ik.verify.judging import peers
 from urdf_ik.verify.judging.c_library import CLibrary
-
-if TYPE_CHECKING:
-    from types import TracebackType
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
 
 FORMS = (
     "module:function, file.py:function, process:COMMAND, ikfast:LIBRARY.so, library:LIBRARY.so,ARM.json, or the "

@@ -12,22 +12,16 @@ import shutil
 import subprocess
 import tempfile
 import warnings
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import MissingPackage, UnsupportedArm, UrdfIkError, printable
 from urdf_ik.kinematics.dh import DHTable
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 NAME = "roboticstoolbox-python"
 _QUARTER = 1e-9

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,22 +16,17 @@ try:
 except ImportError as error:  # python-flint is an extra
     raise MissingPackage("proofs are checked in ball arithmetic: pip install 'urdf-ik[proof]'") from error
 
+from collections.abc import Sequence
+
+from urdf_ik.arm import Arm
+from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.support.watch import Progress
+from urdf_ik.typing import Array
 from urdf_ik.verify.proof.families import EIGHT, ideal
 from urdf_ik.verify.proof.loop import Loop, exact, largest
 from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, single_root
 from urdf_ik.verify.proof.search import outside, search
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.support.watch import Progress
-
-    Array = NDArray[np.float64]
 
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
 _ROUNDS = 20  # of the search for complex roots

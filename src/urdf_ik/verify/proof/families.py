@@ -10,15 +10,10 @@ solutions of the arm as written lie in these eight boxes.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from flint import acb, acb_mat, arb
 
-from urdf_ik.verify.proof.loop import Loop, twist
-
-if TYPE_CHECKING:
-    from urdf_ik.verify.proof.loop import Axes
+from urdf_ik.verify.proof.loop import Axes, Loop, twist
 
 EIGHT = 8
 _NEAR = 0.05  # a structure further off than this share of the arm, or this many rad, is not tried

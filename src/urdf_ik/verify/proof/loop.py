@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb, acb_mat, arb, ctx
+from numpy.typing import NDArray
 
 from urdf_ik.errors import UnsupportedArm
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.typing import Array
 
 Axes = tuple[tuple[list[arb], list[arb]], ...]
 

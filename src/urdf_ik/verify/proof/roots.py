@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import factorial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb, acb_mat, arb
+from numpy.typing import NDArray
 
 from urdf_ik.verify.proof.loop import Loop, box, exact, is_identity, largest, midpoints
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
 _STEPS = 8  # from fifteen digits to the precision, where the root is single
 _LEAST, _GREATEST = arb(2) ** -150, arb(2) ** -4  # half widths of the boxes that are tried

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from flint import acb, arb
+from numpy.typing import NDArray
 
 from urdf_ik.verify.proof.loop import ORDER, Loop, exact
 from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, single_root
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Complex = NDArray[np.complex128]
+Complex = NDArray[np.complex128]
 
 Found = tuple[list[Enclosure], list[ClusterEnclosure]]
 

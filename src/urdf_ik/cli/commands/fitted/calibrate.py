@@ -16,16 +16,14 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.options import ReportFormat
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
 
 
 class Kind(StrEnum):

@@ -13,23 +13,21 @@ Examples:
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from typer import Option
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.store_options import StoreOptions
 from urdf_ik.errors import ArgumentError
+from urdf_ik.maps import placements
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.maps import placements
 
 
 def command(

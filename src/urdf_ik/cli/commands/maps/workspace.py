@@ -15,21 +15,19 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from typer import Option
 
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.store_options import StoreOptions
+from urdf_ik.maps import workspaces
 from urdf_ik.support import files
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.maps import workspaces
 
 _VALUES = ("collision-free", "manipulability", "margin", "clearance")
 

@@ -19,23 +19,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from typer import Argument, Option
 
+from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import Value
 from urdf_ik.cli.path_options import PathOptions, followed
 from urdf_ik.cli.progress import Progress
+from urdf_ik.cli.solutions.targets import Target
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.solutions.targets import Target
 
 
 class Picture(StrEnum):

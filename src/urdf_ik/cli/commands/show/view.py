@@ -16,9 +16,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 from typer import Option
 
 from urdf_ik.cli import console, interrupts, options
@@ -26,12 +28,7 @@ from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.options import Value
 from urdf_ik.cli.path_options import PathOptions, followed
 from urdf_ik.errors import escaped
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from urdf_ik.show.viewer import Viewer
+from urdf_ik.show.viewer import Viewer
 
 
 @dataclass(frozen=True)

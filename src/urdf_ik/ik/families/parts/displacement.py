@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.dh.frames import DHFrames
-
-    Array = NDArray[np.float64]
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.dh.frames import DHFrames
+from urdf_ik.typing import Array
 
 # Rounding of one step's numbers here, about sixteen operations with an error of 2^-53 each.
 _ROUNDING = 2e-15

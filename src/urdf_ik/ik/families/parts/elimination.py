@@ -12,20 +12,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik._core import known_poses, try_elimination
 from urdf_ik.ik.families.parts.inexact import UNKNOWN, PreciseFactors, inexact
 from urdf_ik.ik.families.parts.written import Written, written
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.typing import Array
 
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)

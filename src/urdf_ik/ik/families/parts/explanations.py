@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik._core import Solver
-
-    Array = NDArray[np.float64]
+from urdf_ik._core import Solver
+from urdf_ik.typing import Array
 
 
 def compared(*lengths: float) -> tuple[str, ...]:

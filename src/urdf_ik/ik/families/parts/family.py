@@ -5,22 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.ideal import Ends
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.redundancy import Redundancy
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik._core import SelfMotion, Solver
-    from urdf_ik.ik.families.parts.ideal import Ends
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.redundancy import Redundancy
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _AXES = re.compile(r"\{([\d, ]+)\}")
 

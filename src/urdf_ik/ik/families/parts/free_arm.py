@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from urdf_ik.ik.families.parts.ideal import Ends
-    from urdf_ik.ik.families.parts.written import Written
+from urdf_ik.ik.families.parts.ideal import Ends
+from urdf_ik.ik.families.parts.written import Written
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

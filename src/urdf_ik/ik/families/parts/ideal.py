@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.ik.families.parts.displacement import Displacement, displacement
-from urdf_ik.kinematics.dh.frames import denavit_hartenberg
+from urdf_ik.ik.families.parts.written import Written
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.dh.frames import DHFrames, denavit_hartenberg
+from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.families.parts.written import Written
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.dh.frames import DHFrames
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 LITTLE = 3e-3
 """Share of the arm's size: a distance up to here may be what a calibration has added, and names no branch."""

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from urdf_ik.typing import Array
 
-    Array = NDArray[np.float64]
-    Fixed = NDArray[np.object_]  # integers, in units of 2^-_DIGITS
+Fixed = NDArray[np.object_]  # integers, in units of 2^-_DIGITS
 
 _LINE = 15
 _DIGITS = 160

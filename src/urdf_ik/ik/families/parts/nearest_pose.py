@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 
 from urdf_ik.ik.families.parts.explanations import beyond_links
+from urdf_ik.ik.families.parts.ideal import Ends
 from urdf_ik.ik.families.parts.written import Aim
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.ik.families.parts.ideal import Ends
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 _STARTS, _ROUNDS = 32, 40
 _AXES = "xyz"

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.mimic import CoupledChain
 from urdf_ik.support.tolerances import SolverTolerances
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.mimic import CoupledChain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 POSE, POSITION, AXIS, PLANAR_POSITION, PLANAR_POSE = range(5)
 """What the joints control of the tip, in the order of ``Task`` in src/core/kinematics/arm.hpp."""

@@ -6,8 +6,9 @@ the five joints as written.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,19 +16,11 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.family import FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Written
-from urdf_ik.kinematics.chain import is_redundant
-from urdf_ik.kinematics.structure import analyse
+from urdf_ik.kinematics.chain import Chain, is_redundant
+from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], FamilyMember | None]
+Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 # Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
 _OBLIQUE = 1.05

@@ -7,7 +7,7 @@ joint vectors are those of the arm, and one plan serves every value.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,15 +16,10 @@ from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers.axis_added import with_axis_behind
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import free_axis
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.chain.free_axis import FreeAxis
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,7 +7,7 @@ solutions are searched.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -17,23 +17,15 @@ from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers.one_given import OneGiven
-from urdf_ik.kinematics.chain import is_redundant, kinds_of, typical_stretch
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of, typical_stretch
 from urdf_ik.kinematics.chain import sampled as sampled_vectors
 from urdf_ik.kinematics.chain.redundancy import locked_joint
-from urdf_ik.kinematics.structure import analyse
+from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], FamilyMember | None]
+Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 # If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as
 # shares of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -11,14 +11,9 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import EliminationArm, elimination_arm
 from urdf_ik.ik.families.parts.family import FamilyMember
 from urdf_ik.ik.families.parts.ideal import ClosedFormArm
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh.frames import rotation_z
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 # Most boxes that are looked at; of arms that are at least so far off [rad, share of size], whose boxes hardly shrink.
 _BOXES, _COARSE_BOXES, _COARSE = 8000, 64, 5e-4

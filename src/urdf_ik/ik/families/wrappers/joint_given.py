@@ -7,7 +7,8 @@ held, the others are a different arm for every value: see :mod:`urdf_ik.ik.famil
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,22 +19,14 @@ from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers import degenerate, middle_given
 from urdf_ik.ik.families.wrappers.imperfect import without_boxes
 from urdf_ik.ik.families.wrappers.one_given import OneGiven
-from urdf_ik.kinematics.chain import is_redundant, kinds_of
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.redundancy import locked_joint
-from urdf_ik.kinematics.structure import analyse
+from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.structure import Structure
-
-    Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], FamilyMember | None]
+Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 COSTS = ("in closed form", "by a quartic", "in closed form nearby, and refined", "by elimination")
 """How six joints are solved, the cheapest first: 0.3, 1, 10 and 60 us a pose, by the tables of docs/speed.md."""

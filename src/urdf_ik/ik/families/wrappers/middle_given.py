@@ -7,26 +7,21 @@ each of them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik._core import SelfMotion
 from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from urdf_ik.kinematics.chain import Chain
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 KEPT = 1024
 """Number of plans that are kept, the most recently used ones."""

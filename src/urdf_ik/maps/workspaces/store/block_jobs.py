@@ -6,23 +6,19 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.engine import Folder, run, zarr_writer
 from urdf_ik.maps.engine.store_folder import checked_path, finished
-from urdf_ik.maps.workspaces.grid import AXES, require_memory, require_room
+from urdf_ik.maps.workspaces.grid import AXES, Grid, require_memory, require_room
 from urdf_ik.maps.workspaces.question import HELD, Question
 from urdf_ik.maps.workspaces.store.blocks import Blocks
 from urdf_ik.maps.workspaces.store.stored_map import FORMAT, VERSION, StoredMap
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.maps.workspaces.grid import Grid
-    from urdf_ik.maps.workspaces.workspace_map import About
+from urdf_ik.maps.workspaces.workspace_map import About
 
 BLOCK = 2**20
 """Poses of a block where each step of the solution is a quadratic: about a second's work."""

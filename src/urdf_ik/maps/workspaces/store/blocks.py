@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.maps.workspaces.grid import Grid
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from urdf_ik.maps.workspaces.grid import Grid
 
 Shape = tuple[int, int, int]
 Part = tuple[slice, slice, slice]

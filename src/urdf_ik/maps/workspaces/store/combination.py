@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.engine import zarr_writer
@@ -15,14 +16,9 @@ from urdf_ik.maps.engine.store_folder import read_question
 from urdf_ik.maps.workspaces.grid import Grid
 from urdf_ik.maps.workspaces.question import HELD
 from urdf_ik.maps.workspaces.store.block_jobs import Layout, write
-from urdf_ik.maps.workspaces.store.blocks import Blocks
+from urdf_ik.maps.workspaces.store.blocks import Blocks, Part
 from urdf_ik.maps.workspaces.store.stored_map import StoredMap
 from urdf_ik.support import inputs
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.maps.workspaces.store.blocks import Part
 
 _OF_ONE_STORE = ("grid", "block", "holds")  # what may differ between maps that are joined
 _ALIGNED = 1e-6  # share of a voxel by which the lattices of two maps may be off

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import JobError, printable
 from urdf_ik.maps.engine import free_space
@@ -15,19 +16,13 @@ from urdf_ik.maps.engine.zarr_reader import OpenedGroup
 from urdf_ik.maps.workspaces.cells import cells
 from urdf_ik.maps.workspaces.grid import Grid, require_memory
 from urdf_ik.maps.workspaces.question import HELD
-from urdf_ik.maps.workspaces.store.blocks import Blocks
+from urdf_ik.maps.workspaces.store.blocks import Blocks, Part
 from urdf_ik.maps.workspaces.totals import Totals, summed
 from urdf_ik.maps.workspaces.workspace_map import About, MapSlice, WorkspaceMap, read
 from urdf_ik.support import inputs
 from urdf_ik.support.files import name_of
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.maps.workspaces.store.blocks import Part
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FORMAT, VERSION = "urdf-ik workspace map in Zarr", 1
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    View = tuple[NDArray[np.float64], NDArray[np.float64]]
+View = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Cameras:

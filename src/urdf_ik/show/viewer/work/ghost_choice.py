@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
+from urdf_ik.arm import Arm
 from urdf_ik.show.viewer import state as states
+from urdf_ik.show.viewer.state import State
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.show.viewer.state import State
-
-    Change = Callable[[Callable[[State], State]], None]
+Change = Callable[[Callable[[State], State]], None]
 
 EVERY = "every branch"
 """What the actions are done to where no branch is named."""

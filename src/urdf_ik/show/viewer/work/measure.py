@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.model.poses import to_rotvec
 from urdf_ik.show.viewer.arm_panel import plain
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.show.viewer.state import State
-
-    Array = NDArray[np.float64]
+from urdf_ik.show.viewer.state import State
+from urdf_ik.typing import Array
 
 NOTHING, TARGET = "-", "target"
 """No frame, and the frame that is dragged; all other frames are those of links."""

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.show.viewer import state as states
+from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.work import typed_text
 from urdf_ik.show.viewer.work.ghost_choice import GhostChoice
 from urdf_ik.show.viewer.work.measure import Measure
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.arm import Arm
-    from urdf_ik.show.viewer.state import State
-
-    Change = Callable[[Callable[[State], State]], None]
+Change = Callable[[Callable[[State], State]], None]
 
 _NO_POSTURE = "posture ..."
 NEXT, BEFORE = "N", "P"

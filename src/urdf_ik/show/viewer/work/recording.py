@@ -6,17 +6,15 @@ import io
 import threading
 import time
 import zipfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
     from PIL import Image
-
     Frame = tuple[float, Image.Image]
 
 KINDS = ("GIF", "PNG files (zip)")

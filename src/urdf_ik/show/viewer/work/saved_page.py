@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 from urdf_ik.show.viewer.arm_and_gizmo import colours
-
-if TYPE_CHECKING:
-    from urdf_ik.show.viewer.state import State
+from urdf_ik.show.viewer.state import State
 
 _STYLE = (
     "position:fixed;left:1em;bottom:1em;z-index:9;margin:0;padding:.6em .9em;border-radius:.4em;list-style:none;"

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdf_ik.model import catalogue
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _NO_CHOICE = "catalogue ..."
 

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import check_poses, pose
 from urdf_ik.support.text import quoted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 FORMS = ("Python", "JSON")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")

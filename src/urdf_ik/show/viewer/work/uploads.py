@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from urdf_ik.errors import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 MAX_BYTES = 16 * 2**20
 """Greatest size of a file; a URDF of 500 links has less than one of these."""
