@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test test-all lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep signals soak nightly bench million clean
+.PHONY: help run test test-all lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep signals nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -47,9 +47,9 @@ help:
 	@echo "make outside  compiled arms in C++ and C against Python, 1,000 poses each; ARGS=--timed measures batches"
 	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
 	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
-	@echo "make soak     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
-	@echo "make nightly  make test, sweep, signals, soak, sanitize and million"
-	@echo "make bench    all tables of docs/speed.md, ten minutes; ARGS=--quick takes one; ARGS='--before PYTHON' adds another version"
+	@echo "make     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
+	@echo "make nightly  make test, test-all, sweep, sanitize and million"
+	@echo "make bench    six joints beside other solvers: the first table of docs/speed.md; ARGS='--poses 20' is quick"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
 	@echo "make clean    remove .venv and what tools left behind"
 
@@ -119,13 +119,10 @@ sweep: $(VENV)/.dev-installed
 signals: $(VENV)/.dev-installed
 	URDF_IK_MOMENTS=210 $(BIN)/python -m pytest -q -s tests/cli/test_interrupts.py -k any_moment $(ARGS)
 
-soak: $(VENV)/.dev-installed
-	@$(BIN)/python tools/soak.py $(ARGS)
-
-nightly: test sweep signals soak sanitize million
+nightly: test sweep signals sanitize million
 
 bench: $(VENV)/.bench-installed
-	@$(BIN)/python benchmarks/report.py $(ARGS)
+	@$(BIN)/python benchmarks/bench.py --md $(ARGS)
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)

@@ -18,7 +18,7 @@ LIVE = """```{raw} html
 ```
 
 Drag the target: each solution is a ghost with a name. `urdf-ik export zyyzyz_6r --html arm.html` writes this
-[page](how-to/web.md), which needs no server.
+[page](how-to/cpp.md#a-page-that-needs-no-server), which needs no server.
 """
 DRAWN = """![All branches of an arm in one pose](_generated/branches.png)
 

@@ -14,7 +14,7 @@ from command import call, succeed
 import urdf_ik
 from urdf_ik.model import catalogue
 
-PAGE = (Path(__file__).parents[2] / "docs" / "ten-tasks.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "start.md").read_text(encoding="utf-8").partition("## Ten tasks")[2]
 LINES = re.findall(r"^urdf-ik .*$", PAGE, re.MULTILINE)
 SEAM = "x,y,z,roll,pitch,yaw\n0.4,-0.2,0.3,0,1.5707963,0\n0.4,0,0.3,0,1.5707963,0\n0.4,0.2,0.3,0,1.5707963,0\n"
 

@@ -18,7 +18,7 @@ DOCS = ROOT / "docs"
 MADE = {"_build", "_generated", "reference", "notebooks", "changelog.md", "contributing.md"}
 PAGES = sorted(page for page in DOCS.rglob("*.md") if page.relative_to(DOCS).parts[0] not in MADE)
 # Blocks that run one after the other, each followed by what it prints.
-SHOWN = [page for page in PAGES if "```python\n" in page.read_text() and page.stem not in ("families", "scale")]
+SHOWN = [page for page in PAGES if "```python\n" in page.read_text()]
 
 
 @pytest.mark.filterwarnings("ignore:no QP solver:UserWarning")
@@ -98,7 +98,7 @@ def test_formulas_need_no_network() -> None:
 
 def test_every_room_stands_in_the_layout() -> None:
     """Each module and folder of the package is named on the page that says which does what."""
-    page = (DOCS / "layout.md").read_text()
+    page = (ROOT / "CONTRIBUTING.md").read_text()
     package = ROOT / "src" / "urdf_ik"
     rooms = {path.stem for path in package.glob("*.py")} | {path.parent.name for path in package.glob("*/__init__.py")}
     assert {room for room in rooms if not re.search(rf"`{room}/?`", page)} == {"__init__"}
@@ -108,6 +108,6 @@ def test_every_family_has_a_page_that_says_where_it_comes_from() -> None:
     """The explanation names the file of each family's solver or of its Python side."""
     pages = "\n".join(page.read_text() for page in (DOCS / "explanation").glob("*.md"))
     modules = {family.prepare.__module__.rpartition(".")[2] for family in registry.every()}
-    headers = {"general_6r": "elimination.hpp", "general_slides": "slides.md"}
+    headers = {"general_6r": "elimination.hpp", "general_slides": "slides.hpp"}
     missing = [name for name in modules if f"{name}.hpp" not in pages and headers.get(name, "?") not in pages]
     assert not missing, missing

@@ -1,6 +1,6 @@
 """Every family, in the order of cost, and which one an arm is solved as.
 
-A new family is a row here: see docs/families.md.
+A new family is a row here: see CONTRIBUTING.md.
 """
 
 from __future__ import annotations
