@@ -1,7 +1,7 @@
 """Lock files that an earlier release wrote: each arm still has the answers of then.
 
-`urdf-ik freeze` of commit 889e87b wrote them, and a few of the poses of each were kept. An arm without a name in the
-catalogue has its URDF beside its lock.
+They hold every kind of family, and a few poses each. `urdf-ik freeze` of commit 889e87b wrote them. An arm without a
+name in the catalogue has its URDF beside its lock.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ LOCKS = Path(__file__).parent.parent / "goldens" / "locks"
 
 @pytest.mark.parametrize("path", sorted(LOCKS.glob("*.lock.json")), ids=lambda path: path.name.partition(".")[0])
 def test_an_old_lock_verifies_and_is_written_the_same(path: Path) -> None:
-    """Closed forms, rounded, calibrated, general, few and seven joints, slides, mimicry; today's text is that of then."""
+    """Every pose has the solutions of then, and the lock is written as the same text."""
     name = path.name.removesuffix(".lock.json")
     urdf = path.with_name(f"{name}.urdf")
     lock = Baseline.load(path)
