@@ -35,7 +35,6 @@ ROOMS = {
     "show.viewer": "The viewer",
     "interop": "Other programs",
     "maps.workspaces": "Workspaces",
-    "maps.datasets": "Data sets",
     "maps.placements": "Base positions",
     "export": "Outside Python",
     "verify.baselines": "Lock files",

@@ -29,7 +29,6 @@ COMMANDS = (
     "path",
     "plot",
     "placement",
-    "dataset",
 )
 
 
@@ -139,7 +138,6 @@ NEEDED = {
     "plot": ("-o", "no/such.png"),
     "view": ("-o", "no/such.html"),
     "placement": ("-p", "no/such.csv", "--bounds", "0,0,0,1,1,1", "--step", "0.5"),
-    "dataset": ("-n", "1", "--store", "no/such.zarr"),
 }
 
 

@@ -1,8 +1,7 @@
-"""``placement``, ``dataset`` and ``check FOLDER``: what they print is what the library finds; stores and workers."""
+"""``placement`` and ``check FOLDER``: what they print is what the library finds; stores and workers."""
 
 from __future__ import annotations
 
-import json
 import shutil
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from pictures import is_png
 from seams import seam
 
 import urdf_ik
-from urdf_ik.maps import datasets, placements
+from urdf_ik.maps import placements
 from urdf_ik.model import catalogue
 
 BOX = "--bounds=-0.5,-0.5,0,0.5,0.5,0"
@@ -59,22 +58,6 @@ def test_a_path_and_a_world_have_columns_of_their_own(targets: Path, tmp_path: P
     assert placements.opened(store).followed is not None
 
 
-def test_a_data_set_is_that_of_the_library(tmp_path: Path) -> None:
-    """The same bytes as ``urdf_ik.maps.dataset`` makes; the table names every column with its shape."""
-    by_hand = datasets.dataset(urdf_ik.load(ARM), 50, seed=7, collisions=False, store=tmp_path / "one.parquet")
-    store = tmp_path / "two.parquet"
-    table = succeed("dataset", ARM, "-n", "50", "--seed", "7", "--no-collisions", "--store", str(store))
-    assert "50 samples, seed 7" in table and "50 x 8 x 6" in table and "collision" not in table
-    names = sorted(path.name for path in by_hand.path.glob("*.parquet"))
-    assert names == sorted(path.name for path in store.glob("*.parquet"))
-    for name in names:
-        assert (by_hand.path / name).read_bytes() == (store / name).read_bytes()
-    told = json.loads(
-        succeed("dataset", ARM, "-n", "50", "--seed", "7", "--no-collisions", "--store", str(store), "-f", "json")
-    )
-    assert told["columns"]["T"] == [4, 4] and told["seed"] == 7
-
-
 def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
     """A row a file; status 1 where one fails or cannot be read, 0 where all pass; workers do the same work."""
     lab = tmp_path / "lab"
@@ -101,8 +84,6 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
         (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--output", "map.bmp"), "pictures are written as"),
         (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--workers", "2"), "give --store FOLDER, too"),
         (("placement", ARM, "-p", "no.csv", BOX, "--step", "1"), "no.csv"),
-        (("dataset", ARM, "-n", "5", "--store", "samples"), "something.zarr or something.parquet"),
-        (("dataset", ARM, "-n", "5", "--store", "s.zarr", "--workers", "1", "--scheduler", "tcp://x:1"), "--workers"),
         (("check", ARM, "--store", "night"), "a store is for the arms of a folder"),
         (("check", "{folder}", "--lock", "a=1"), "--lock is for an arm"),
     ],

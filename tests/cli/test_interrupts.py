@@ -27,9 +27,8 @@ COMMANDS = {
     "check": ("check", ARM, "-n", "20000"),
     "complete": ("check", ARM, "--complete", "-n", "20000"),
     "workspace": ("workspace", ARM, "--voxel", "0.02", "--store", "map.zarr"),
-    "dataset": ("dataset", ARM, "-n", "2000000", "--store", "samples.zarr"),
-    "workers": ("dataset", ARM, "-n", "2000000", "--store", "samples.zarr", "--workers", "2"),
-    "scheduler": ("dataset", ARM, "-n", "2000000", "--store", "samples.zarr", "--scheduler", "{scheduler}"),
+    "workers": ("workspace", ARM, "--voxel", "0.02", "--store", "map.zarr", "--workers", "2"),
+    "scheduler": ("workspace", ARM, "--voxel", "0.02", "--store", "map.zarr", "--scheduler", "{scheduler}"),
 }
 MOMENTS = int(os.environ.get("URDF_IK_MOMENTS", "21"))
 LATEST = {"workers": 8.0, "scheduler": 6.0}  # s after the first line of the command; others: 4

@@ -27,7 +27,6 @@ from urdf_ik.maps import (
     placements,
     workspaces,
 )
-from urdf_ik.maps.datasets import StoredSamples
 from urdf_ik.show import (
     plot,
 )
@@ -67,7 +66,7 @@ TAKES: dict[str, Callable[[Any], Any]] = {
     "condition number": lambda x: velocity.condition_number(x, Q6), "deviation": TABLE.deviation,
     "table in degrees": lambda x: TABLE.to_json(degrees=x),
     "snap": lambda x: urdf_ik.DHTable.from_chain(SIX.chain, snap=x), "boundary": workspaces.boundary,
-    "opened": workspaces.opened, "placements.opened": placements.opened, "samples": StoredSamples,
+    "opened": workspaces.opened, "placements.opened": placements.opened,
     "read waypoints": urdf_ik.read_waypoints, "look up": MAP.look_up, "values": MAP.values,
     "look up what": lambda x: MAP.look_up([[0.1, 0.1]], zero(x)), "slice": lambda x: MAP.slice(what=x),
     "places": MAP.grid.places, "best places": PLACES.places, "base": PLACES.base, "scores": PLACES.values,
@@ -81,9 +80,7 @@ TAKES: dict[str, Callable[[Any], Any]] = {
     "arguments of a xacro": lambda x: urdf_ik.load("a.xacro", xacro_args=zero(x)),
     "chain": lambda x: urdf_ik.load("<robot/>" if x is None else SIX.model.xml, chain=x),
     "redundancy": lambda x: urdf_ik.load("srs_7r", redundancy=zero(x)),
-    "mesh roots": lambda x: urdf_ik.load("ur5", mesh_roots=zero(x)), "dataset of": lambda x: urdf_ik.maps.dataset(x, 2),
-    "dataset": lambda x: urdf_ik.maps.dataset(TWO, x), "chunk": lambda x: urdf_ik.maps.dataset(TWO, 2, chunk=x),
-    "store": lambda x: urdf_ik.maps.dataset(TWO, 2, store=zero(x)),
+    "mesh roots": lambda x: urdf_ik.load("ur5", mesh_roots=zero(x)),
     "placement": lambda x: urdf_ik.maps.placement(x, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=1.0),
     "step": lambda x: urdf_ik.maps.placement(TWO, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=x),
     "bounds": lambda x: urdf_ik.maps.placement(TWO, T2, bounds=x, step=1.0),

@@ -75,7 +75,6 @@ WHOLE: dict[str, tuple[Callable[[Any], Any], int]] = {
     "threads of intervals": (lambda n: SEVEN.intervals(T7, threads=n), 2),
     "threads of the nearest": (lambda n: SEVEN.ik_nearest(T7, Q7, threads=n), 2),
     "threads of a map": (lambda n: urdf_ik.maps.workspace(TWO, voxel=0.2, orientations=2, threads=n), 2),
-    "threads of samples": (lambda n: urdf_ik.maps.dataset(TWO, 2, threads=n), 2),
     "columns": (lambda n: SOLUTIONS.nearest(Q6, n=n), 2), "line": (lambda n: urdf_ik.line(T6, T6, n), 3),
     "orientations": (lambda n: urdf_ik.maps.workspace(TWO, voxel=0.2, orientations=n), 2),
     "compare": (lambda n: urdf_ik.compare(TWO, TWO, n), 2),

@@ -61,7 +61,6 @@ def more_objects(folder: Path) -> Iterator[Any]:
     stored = urdf_ik.maps.workspace(six, 0.8, 5, store=folder / "map.zarr")
     yield from (map_, stored, map_.totals(), map_.branch_shares(), workspaces.boundary(map_))
     yield from (workspaces.differences(stored, stored), workspaces.planar(two))
-    yield from (urdf_ik.maps.dataset(two, 10), urdf_ik.maps.dataset(two, 10, store=folder / "samples.zarr"))
     bases = urdf_ik.maps.placement(six, six.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
     yield from (bases, bases.places(1), urdf_ik.paths.PathSettings(margin=0.01))
     puma = urdf_ik.model.catalogue.resolve("puma_560").path

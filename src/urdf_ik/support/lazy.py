@@ -20,7 +20,7 @@ def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable
         >>> maps.workspace.__module__
         'urdf_ik.maps.workspaces.creation'
         >>> dir(maps)
-        ['dataset', 'datasets', 'engine', 'placement', 'placements', 'workspace', 'workspaces']
+        ['engine', 'placement', 'placements', 'workspace', 'workspaces']
     """
     module_of = names or {}
 

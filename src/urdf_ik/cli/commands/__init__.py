@@ -25,7 +25,6 @@ GROUPS = {
         "path": "path",
         "calibrate": "fitted.calibrate",
         "placement": "maps.placement",
-        "dataset": "maps.dataset",
         "compile": "outside.compile",
         "export": "outside.export",
     },

@@ -39,7 +39,7 @@ OPTIONAL = {
     "proof": ("python-flint",),
     "torch": ("torch",),
     "jax": ("jax",),
-    "scale": ("dask", "distributed", "zarr", "pyarrow", "xarray"),
+    "scale": ("dask", "distributed", "zarr", "xarray"),
     "timing": ("toppra",),
 }
 _CHECKING = ("pin", "coal")
