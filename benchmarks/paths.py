@@ -30,7 +30,7 @@ import numpy as np
 import timing
 
 import urdf_ik
-from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.paths.checked_settings import Obstacles
 
 # Catalogue names, and joint vectors [rad] that paths go around.
 ARMS: dict[str, tuple[float, ...]] = {

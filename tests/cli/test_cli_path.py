@@ -17,7 +17,7 @@ import urdf_ik
 from urdf_ik.cli import progress
 from urdf_ik.model import catalogue
 from urdf_ik.paths import PathSettings
-from urdf_ik.support.settings import settings_of
+from urdf_ik.paths.path_settings import options
 
 Array = NDArray[np.float64]
 SHORT = 0.3, 20  # m, waypoints
@@ -257,9 +257,9 @@ def test_long_work_says_how_long_it_took(capfd: pytest.CaptureFixture[str], monk
 def test_every_setting_of_a_path_is_an_option(command: str) -> None:
     """Each setting of ``follow`` is an option with its help text, and stands in the documentation of the settings."""
     text = " ".join(succeed(command, "--help", COLUMNS="200").split())
-    for name, setting in settings_of(PathSettings).items():
-        assert f"--{name.replace('_', '-')} " in text and setting.help.removesuffix(".")[:28] in text
-        assert f"{name}: {setting.help.removesuffix('.')}" in str(PathSettings.__doc__)
+    for name, setting in options().items():
+        assert f"--{name.replace('_', '-')} " in text and setting.metadata["help"].removesuffix(".")[:28] in text
+        assert f"{name}: {setting.metadata['help'].removesuffix('.')}" in str(PathSettings.__doc__)
 
 
 def test_weights_and_steps_of_each_joint_are_those_of_follow(file: str) -> None:

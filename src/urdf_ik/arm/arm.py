@@ -27,7 +27,8 @@ from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.model.urdf import UrdfModel
-from urdf_ik.paths.tracker import Tracker
+from urdf_ik.paths.path_settings import takes_settings
+from urdf_ik.paths.target_tracker import Tracker
 from urdf_ik.support import inputs
 from urdf_ik.support.watch import Progress
 from urdf_ik.typing import Array
@@ -295,6 +296,7 @@ class Arm:
         """
         return self.cell.motion_is_free(q0, q1, world, margin)
 
+    @takes_settings
     def follow(self, T: Any, **settings: Any) -> Plan:
         """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
@@ -304,7 +306,7 @@ class Arm:
 
         Args:
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
-            **settings: the fields of :class:`urdf_ik.paths.PathSettings`, such as ``world``, ``margin`` and ``cost``.
+            **settings: see PathSettings.
 
         Returns:
             See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -17,8 +17,8 @@ from typer.models import ArgumentInfo
 
 from urdf_ik import __version__
 from urdf_ik.cli.prompt.completion import data_files
+from urdf_ik.paths import path_settings
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
-from urdf_ik.support.settings import Form, Setting, settings_of
 
 
 class Format(StrEnum):
@@ -206,36 +206,37 @@ class SettingsOf:
     """Marks a field of a record that holds the settings of another record, as typed, by name.
 
     Attributes:
-        record: its settings become the options; see :mod:`urdf_ik.support.settings`.
+        record: its settings become the options; see :mod:`urdf_ik.paths.path_settings`.
     """
 
     record: Any
 
 
-_TYPED: dict[Form, tuple[Any, str]] = {
-    Form.JOINT_VECTOR: (str, "Q1,Q2,..."),
-    Form.NUMBER: (float, "VALUE"),
-    Form.EACH_JOINT: (str, "V|V1,V2,..."),
-    Form.LENGTH_AND_ANGLE: (str, "M,RAD"),
-    Form.FLAG: (bool, ""),
+_TYPED: dict[path_settings.Kind, tuple[Any, str]] = {
+    "joint vector": (str, "Q1,Q2,..."),
+    "number": (float, "VALUE"),
+    "per joint": (str, "V|V1,V2,..."),
+    "length and angle": (str, "M,RAD"),
+    "flag": (bool, ""),
 }
-"""The type and the metavariable of an option for a setting of each form."""
+"""The type and the metavariable of an option for a setting of each kind."""
 _SHARED = {"world": World, "margin": Margin, "collisions": Collisions}
 """Settings whose options other commands have, too."""
 
 
-def _option(name: str, found: Setting) -> Any:
+def _option(name: str, setting: Mapping[str, Any]) -> Any:
     """The option of a setting; None stands for one that is not given."""
     if name in _SHARED:
         return _SHARED[name]
     kind: Any
-    if found.form is Form.CHOICE:
-        kind, metavar = StrEnum(name.title(), {each: each for each in found.choices}), ""
+    if setting["kind"] == "choice":
+        kind, metavar = StrEnum(name.title(), {cost: cost for cost in path_settings.COSTS}), ""
     else:
-        kind, metavar = _TYPED[found.form]
-    if found.form is Form.NUMBER and found.unit:
-        metavar = found.unit.upper()
-    text = f"{found.help.removesuffix('.')}{f' [{found.unit}]' if found.unit else ''}."
+        kind, metavar = _TYPED[setting["kind"]]
+    unit = setting["unit"]
+    if setting["kind"] == "number" and unit:
+        metavar = unit.upper()
+    text = f"{setting['help'].removesuffix('.')}{f' [{unit}]' if unit else ''}."
     return Annotated[kind | None, Option(metavar=metavar or None, help=text)]
 
 
@@ -301,7 +302,7 @@ def hinted_fields(record: Any) -> tuple[tuple[str, Any, Any, tuple[inspect.Param
         hint, inner = hints[each.name], None
         for mark in get_args(hint)[1:]:
             if isinstance(mark, SettingsOf):
-                inner = tuple(_parameter(k, _option(k, found), None) for k, found in settings_of(mark.record).items())
+                inner = tuple(_parameter(k, _option(k, f.metadata), None) for k, f in path_settings.options().items())
             if isinstance(mark, ForEach):
                 inner = tuple(_for_each(one) for one in _parameters(mark.record) if not _is_argument(one.annotation))
         out.append((each.name, hint, inspect.Parameter.empty if each.default is MISSING else each.default, inner))

@@ -17,8 +17,7 @@ from urdf_ik.cli.options import PoseOptions, SettingsOf
 from urdf_ik.cli.progress import Elapsed
 from urdf_ik.cli.solutions.targets import Target
 from urdf_ik.paths import Plan
-from urdf_ik.paths.path_settings import PathSettings
-from urdf_ik.support.settings import Form, settings_of
+from urdf_ik.paths.path_settings import Kind, PathSettings, options
 
 
 @dataclass(frozen=True)
@@ -35,30 +34,30 @@ class PathOptions:
             typer.BadParameter: a value that is not a number, or too many or too few of them.
             UrdfIkError: the world cannot be read.
         """
-        forms = settings_of(PathSettings)
+        kinds = {name: setting.metadata["kind"] for name, setting in options().items()}
         given = {name: typed for name, typed in self.settings.items() if typed is not None}
         return PathSettings(
-            **{name: _value(forms[name].form, typed, name, angles, chosen, names) for name, typed in given.items()}
+            **{name: _value(kinds[name], typed, name, angles, chosen, names) for name, typed in given.items()}
         )
 
 
-def _value(form: Form, typed: Any, name: str, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> Any:
+def _value(kind: Kind, typed: Any, name: str, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> Any:
     """The value of a setting, from its option."""
     option = f"--{name.replace('_', '-')}"
-    if form is Form.JOINT_VECTOR:
+    if kind == "joint vector":
         return angles.typed(console.numbers(typed, option, names))
-    if form is Form.EACH_JOINT:
+    if kind == "per joint":
         one = len(typed.replace(",", " ").split()) == 1
         values = np.broadcast_to(console.numbers(typed, option, (name,) if one else names), len(names))
-        return angles.typed(values) if settings_of(PathSettings)[name].unit else values
-    if form is Form.LENGTH_AND_ANGLE:
+        return angles.typed(values) if options()[name].metadata["unit"] else values
+    if kind == "length and angle":
         length, angle = console.numbers(typed, option, ("m", angles.unit)).tolist()
         return length, float(np.deg2rad(angle)) if angles.degrees else angle
-    if form is Form.WORLD:
+    if kind == "world":
         return read_world(typed, chosen)
-    if form is Form.CHECK:
+    if kind == "contacts":
         return "require" if typed else False
-    return typed.value if form is Form.CHOICE else typed
+    return typed.value if kind == "choice" else typed
 
 
 @dataclass(frozen=True)

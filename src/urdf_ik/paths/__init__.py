@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from urdf_ik.support.lazy import attributes
 
 if TYPE_CHECKING:
+    from urdf_ik._core import Step
     from urdf_ik.paths.path_settings import PathSettings
     from urdf_ik.paths.planned_motion import Change, Margins, Plan, Stop
-    from urdf_ik.paths.tracker import Step, Tracker
+    from urdf_ik.paths.target_tracker import Tracker
     from urdf_ik.paths.waypoint_files import read_waypoints
     from urdf_ik.paths.waypoints import arc, line, polyline
 
@@ -32,9 +33,9 @@ _MODULE = {
     "Margins": "planned_motion",
     "PathSettings": "path_settings",
     "Plan": "planned_motion",
-    "Step": "tracker",
+    "Step": "target_tracker",
     "Stop": "planned_motion",
-    "Tracker": "tracker",
+    "Tracker": "target_tracker",
     "arc": "waypoints",
     "line": "waypoints",
     "polyline": "waypoints",

@@ -1,19 +1,21 @@
-"""The settings of a path, checked and as arrays."""
+"""The settings of a path, checked and as arrays, with the solver and the obstacles that the search uses."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from urdf_ik.errors import ArgumentError, printable
+from urdf_ik.cell import CollisionModel
+from urdf_ik.cell.swept_motions import TOUCH
+from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.nearest import nearest as nearest_solution
 from urdf_ik.ik.solver import Solver
-from urdf_ik.paths.path_settings import COSTS, PathSettings
-from urdf_ik.paths.planner import graph
-from urdf_ik.paths.planner.joint_steps import Joints
-from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.paths import path_settings
+from urdf_ik.paths.path_settings import PathSettings
+from urdf_ik.paths.planner.nodes import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import largest_apart
@@ -21,33 +23,66 @@ from urdf_ik.support.text import quoted
 from urdf_ik.support.watch import Watch
 from urdf_ik.typing import Array
 
-POSITION, ROTATION = 1e-3, 0.02
-"""Default tolerance: greatest distance of the tip from the straight segment between two waypoints [m, rad]."""
+COSTS = ("l1", "l2", "max")
+"""Sum of |dq|, sum of dq^2, largest |dq|: the numbering of the compiled core."""
+POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-3, 0.02
+"""Default of the largest distance of the tip from the straight segment between two waypoints [m, rad]."""
 LOOSER = 4.0
-"""Factor on the default tolerance, where no plan keeps to it."""
-AT_WAYPOINT = 1e-6
-"""m and rad: the pose of a start or end joint vector may be this far from its waypoint."""
+"""Factor on the default tolerance where no plan stays within it."""
+END_TOLERANCE = 1e-6
+"""Largest distance of a given start or end from the pose of its waypoint [m, rad]."""
+CLEARANCE = 2.0 * TOUCH
+"""Distance beyond the margin that joint vectors keep, so that motions between them can be proven free [m]."""
+
+
+class Obstacles(NamedTuple):
+    """The links of the arm and a world, which must not come near each other.
+
+    Attributes:
+        model: the arm's collision model, with the world if there is one.
+        margin: distance to keep [m].
+    """
+
+    model: CollisionModel
+    margin: float
+
+    def free(self, q: Array) -> NDArray[np.bool_]:
+        """Whether joint vectors (k, n) are free of contact, (k,)."""
+        if not len(q):
+            return np.ones(0, dtype=np.bool_)
+        return ~np.asarray(self.model.in_collision(q, self.margin + CLEARANCE))
+
+    def motions_free(self, q0: Array, q1: Array) -> NDArray[np.bool_]:
+        """Whether straight joint motions (k, n) are free of contact from end to end, (k,)."""
+        if not len(q0):
+            return np.ones(0, dtype=np.bool_)
+        return np.asarray(self.model.motions_free(q0, q1, self.margin).free)
+
+    def pair(self, q: Array) -> tuple[str, str] | None:
+        """The two bodies nearest to each other at a joint vector (n,)."""
+        nearest = self.model.nearest_pair(q)
+        return None if nearest is None else nearest.links
 
 
 @dataclass(frozen=True)
 class CheckedSettings:
-    """The settings of a path in the form that the search reads, with the solver and the obstacles.
+    """The settings of a path as the search uses them.
 
     Attributes:
         solver: the arm's solver.
-        joints: the images of joint vectors whole turns apart, and the steps between them.
+        joints: the arm's joints.
         kind: index of the cost in ``COSTS``.
-        weights: (n,).
-        max_step: (n,) rad or m between two waypoints, infinite where a joint has no such limit.
+        weights: (n,) factor on |dq|, on dq^2 for 'l2'.
+        max_step: (n,) largest step between two waypoints, infinite for no limit [rad or m].
         tolerance: of the tip from the straight segments.
         start: (n,) joint vector at the first waypoint, or None.
-        end: (n,) at the last one, or None.
-        obstacles: the bodies that the arm must not touch, or None.
-        limit_cost: weight of the cost of being near a joint limit.
-        reconfigure: whether the branch may be changed.
-        looser: whether a plan may stray ``LOOSER`` times as far where no plan stays within the tolerance.
-        watch: the time limit and the progress of the search.
-        whole: the solver and the obstacles of the whole search; parts of it hold a parameter, or leave obstacles out.
+        end: (n,) joint vector at the last waypoint, or None.
+        obstacles: bodies that must not touch, or None.
+        limit_cost: weight of the nearness to joint limits.
+        reconfigure: whether the branch may change.
+        looser: whether the search is repeated with ``LOOSER`` times the tolerance if no plan is found.
+        watch: time limit and progress.
+        whole: solver and obstacles of the whole search; ``solver`` and ``obstacles`` may be those of a part of it.
     """
 
     solver: Solver
@@ -67,50 +102,54 @@ class CheckedSettings:
 
     @property
     def window(self) -> Array:
-        """(n,) greatest step that an edge may take: half a turn of its images."""
+        """(n,) largest step of an edge: half the distance between images, or ``max_step`` [rad or m]."""
         half = np.where(self.joints.turn > 0.0, 0.5 * self.joints.turn, np.inf)
         return np.minimum(self.max_step, half) + 1e-12
 
+    @property
+    def smooth(self) -> bool:
+        """Whether the cost is a plain sum of squares, which smoothing minimises."""
+        return COSTS[self.kind] == "l2" and not self.limit_cost
 
-def checked(solver: Solver, T: Array, given: PathSettings, obstacles: Obstacles | None) -> CheckedSettings:
-    """The settings of a path, checked.
+
+def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacles | None) -> CheckedSettings:
+    """Check the settings of a path.
 
     Args:
         solver: the arm's solver.
         T: (m, 4, 4) m, waypoints.
-        given: the settings.
-        obstacles: the bodies that the arm must not touch.
+        settings: as they were given.
+        obstacles: bodies that must not touch.
 
     Raises:
         ArgumentError: a setting is invalid or does not fit the arm; the message names the valid values.
     """
     names = solver.joint_names
-    cost = inputs.choice(given.cost, "cost", COSTS)
-    factors = np.ones(len(names)) if given.weights is None else each_joint("weights", given.weights, names, zero=True)
+    cost = inputs.choice(settings.cost, "cost", path_settings.COSTS)
+    weights, max_step = settings.weights, settings.max_step
+    factors = np.ones(len(names)) if weights is None else per_joint("weights", weights, names, zero=True)
     if cost == "time":
         factors = factors / velocities(solver)
     return CheckedSettings(
         solver=solver,
-        joints=Joints.of(solver.chain),
-        kind=graph.COSTS.index("max" if cost == "time" else cost),
+        joints=Joints.from_chain(solver.chain),
+        kind=COSTS.index("max" if cost == "time" else cost),
         weights=factors,
-        max_step=np.full(len(names), np.inf)
-        if given.max_step is None
-        else each_joint("max_step", given.max_step, names),
-        tolerance=_tolerance(given.tolerance),
-        start=_at_pose(solver, "start", given.start, T[0], 0),
-        end=_at_pose(solver, "end", given.end, T[-1], len(T) - 1),
+        max_step=np.full(len(names), np.inf) if max_step is None else per_joint("max_step", max_step, names),
+        tolerance=_tolerance(settings.tolerance),
+        start=_at_pose(solver, "start", settings.start, T[0], 0),
+        end=_at_pose(solver, "end", settings.end, T[-1], len(T) - 1),
         obstacles=obstacles,
-        limit_cost=inputs.number(given.limit_cost, "limit_cost", low=0.0),
-        reconfigure=inputs.flag(given.reconfigure, "reconfigure"),
-        looser=given.tolerance is None and not given.reconfigure,
-        watch=Watch(given.time_limit, given.progress),
+        limit_cost=inputs.number(settings.limit_cost, "limit_cost", low=0.0),
+        reconfigure=bool(settings.reconfigure),
+        looser=settings.tolerance is None and not settings.reconfigure,
+        watch=Watch(settings.time_limit, settings.progress),
         whole=(solver, obstacles),
     )
 
 
 def velocities(solver: Solver) -> Array:
-    """(n,) rad/s or m/s, the velocity limits that the URDF gives.
+    """(n,) rad/s or m/s, the velocity limits of the URDF.
 
     Raises:
         ArgumentError: a joint has no velocity limit.
@@ -124,35 +163,33 @@ def velocities(solver: Solver) -> Array:
     return limits
 
 
-def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
-    """A positive number for each joint, from one number or from n: within a factor of LARGEST of one.
+def per_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
+    """Numbers (n,), one for each joint, from one number or from n.
 
-    zero: whether none of them may be infinite, but zero.
+    They lie between 1e-15 and 1e15, so that their squares and inverses neither overflow nor vanish; or they are
+    infinite, or with ``zero`` zero instead.
 
     Raises:
-        ArgumentError: ``value`` is neither.
+        ArgumentError: ``value`` is neither one number nor n, or a number is out of range.
     """
-    needed = f"a number, or one for each of {', '.join(map(printable, names))}"
-    given = inputs.real(value, name, needed)
-    fits = given.shape in ((), (1,), (len(names),))
-    numbers = np.broadcast_to(given if fits else np.nan, (len(names),)).copy()
+    numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
+    fits = numbers.shape in ((), (1,), (len(names),))
+    numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
     if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
         valid = f"{'zero, or ' if zero else ''}a number {inputs.USABLE}"
-        each = ", ".join(map(printable, names))
-        raise ArgumentError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {each}")
+        raise ArgumentError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {', '.join(names)}")
     return numbers
 
 
 def _tolerance(value: Any) -> Tolerance:
-    given = (POSITION, ROTATION) if value is None else value
-    numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)")
+    numbers = np.asarray((POSITION_TOLERANCE, ROTATION_TOLERANCE) if value is None else value, dtype=np.float64)
     if numbers.shape != (2,) or not inputs.usable(numbers).all():
         raise ArgumentError(f"tolerance is {quoted(value)}; two numbers {inputs.USABLE} are needed: (m, rad)")
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
 
 
 def _at_pose(solver: Solver, name: str, value: Any, T: Array, waypoint: int) -> Array | None:
-    """A joint vector that is given for a waypoint."""
+    """A joint vector that was given for a waypoint, checked."""
     if value is None:
         return None
     q = solver.chain.check(value)
@@ -160,15 +197,15 @@ def _at_pose(solver: Solver, name: str, value: Any, T: Array, waypoint: int) -> 
         raise ArgumentError(f"{name} has the shape {q.shape}; one joint vector ({solver.dof},) is needed")
     reached = solver.chain.fk(q)
     if solver.free_axis is None:
-        apart = float(np.linalg.norm(reached[:3, 3] - T[:3, 3]))
-        turned = float(np.linalg.norm(reached[:3, :3] - T[:3, :3]) / np.sqrt(2.0))
+        distance = float(np.linalg.norm(reached[:3, 3] - T[:3, 3]))
+        angle = float(np.linalg.norm(reached[:3, :3] - T[:3, :3]) / np.sqrt(2.0))
     else:
-        apart, turned = (float(off) for off in solver.free_axis.apart(reached, T))
-    if max(apart, turned) > AT_WAYPOINT:
+        distance, angle = (float(off) for off in solver.free_axis.apart(reached, T))
+    if max(distance, angle) > END_TOLERANCE:
         nearest = nearest_solution(solver, T, q).q.reshape(-1, solver.dof)
-        beside = "" if np.isnan(nearest).any() else f"; its nearest solution is {largest_apart(nearest[0], q):.4g} off"
+        hint = "" if np.isnan(nearest).any() else f"; its nearest solution is {largest_apart(nearest[0], q):.4g} off"
         raise ArgumentError(
-            f"{name} is no solution of waypoint {waypoint}: its pose is {apart:.3g} m and {turned:.3g} rad off{beside}"
+            f"{name} is no solution of waypoint {waypoint}: its pose is {distance:.3g} m and {angle:.3g} rad off{hint}"
         )
     low, high = solver.limits.T
     for joint, x, a, b in zip(solver.joint_names, q, low, high, strict=True):

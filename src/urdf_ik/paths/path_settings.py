@@ -2,65 +2,94 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import Field, dataclass, field, fields
+from typing import Any, Literal, TypeVar
 
 from urdf_ik.cell import World
-from urdf_ik.support.settings import Form, documented, setting
 
 COSTS = ("l1", "l2", "max", "time")
 
+Kind = Literal["joint vector", "number", "per joint", "length and angle", "choice", "flag", "contacts", "world"]
+"""How the value of a setting is written as an option of the command."""
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
-@documented
+
+def _setting(default: Any, kind: Kind, text: str, unit: str = "") -> Any:
+    """A field with what its documentation and its option need: a sentence, and the unit of its value."""
+    return field(default=default, metadata={"kind": kind, "help": text, "unit": unit})
+
+
 @dataclass(frozen=True)
 class PathSettings:
-    """Settings of a path: the keyword arguments of :meth:`urdf_ik.Arm.follow`, and the options of ``urdf-ik path``.
+    """Settings of a path: the keyword arguments of :meth:`urdf_ik.Arm.follow`, and the options of ``urdf-ik path``."""
 
-    ``progress``, a function, is called with what is being looked at, in words; it is no option of the command.
-    """
-
-    start: Any = setting(
-        None, "Joint vector at the first waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
+    start: Any = _setting(
+        None, "joint vector", "Joint vector at the first waypoint; by default the best one.", "rad or m"
     )
-    end: Any = setting(
-        None, "Joint vector at the last waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
-    )
-    world: World | None = setting(None, "Obstacles.", Form.WORLD)
-    margin: float = setting(0.0, "Distance that bodies must keep from each other and from obstacles.", Form.NUMBER, "m")
-    collisions: bool | str = setting(
+    end: Any = _setting(None, "joint vector", "Joint vector at the last waypoint; by default the best one.", "rad or m")
+    world: World | None = _setting(None, "world", "Obstacles.")
+    margin: float = _setting(0.0, "number", "Distance that bodies must keep from each other and from obstacles.", "m")
+    collisions: bool | str = _setting(
         True,
+        "contacts",
         "Whether contacts are checked, at the waypoints and all the way between them; by default where the collision "
-        "shapes can be read.",
-        Form.CHECK,
+        "shapes can be read. 'require': an error where they cannot be.",
     )
-    cost: str = setting(
+    cost: str = _setting(
         "l2",
+        "choice",
         "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time it takes (time).",
-        Form.CHOICE,
-        choices=COSTS,
     )
-    weights: Any = setting(None, "Factor on |dq| of each joint, on dq^2 for l2; by default 1.", Form.EACH_JOINT)
-    limit_cost: float = setting(
+    weights: Any = _setting(None, "per joint", "Factor on |dq| of each joint, on dq^2 for l2; by default 1.")
+    limit_cost: float = _setting(
         0.0,
+        "number",
         "Weight of the squared nearness to the nearest limit, 0 in the middle of the range and 1 at the limit.",
-        Form.NUMBER,
     )
-    max_step: Any = setting(None, "Largest step of a joint between two waypoints.", Form.EACH_JOINT, "rad or m")
-    tolerance: Any = setting(
+    max_step: Any = _setting(None, "per joint", "Largest step of a joint between two waypoints.", "rad or m")
+    tolerance: Any = _setting(
         None,
+        "length and angle",
         "Largest distance of the tip from the straight segments; by default 0.001 m and 0.02 rad, or four times these "
         "where no plan keeps to them.",
-        Form.LENGTH_AND_ANGLE,
         "m, rad",
     )
-    reconfigure: bool = setting(
-        False, "Whether the branch may change, as seldom as possible, where no motion leads all the way.", Form.FLAG
+    reconfigure: bool = _setting(
+        False, "flag", "Whether the branch may change, as seldom as possible, where no motion leads all the way."
     )
-    time_limit: float | None = setting(
-        None,
-        "Longest search; then the best plan so far.",
-        Form.NUMBER,
-        "s",
+    time_limit: float | None = _setting(None, "number", "Longest search; then the best plan so far.", "s")
+    progress: Callable[[str], object] | None = field(
+        default=None, metadata={"help": "Called with what is looked for next, in words."}
     )
-    progress: Callable[[str], object] | None = None
+
+
+def options() -> dict[str, Field[Any]]:
+    """The settings that are options of the command, by name."""
+    return {each.name: each for each in fields(PathSettings) if "kind" in each.metadata}
+
+
+def takes_settings(function: _Function) -> _Function:
+    """Show the settings in the signature and the docstring of a function that takes them as ``**settings``."""
+    signature = inspect.signature(function)
+    own = [parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    shown = [inspect.Parameter(f.name, keyword, default=f.default, annotation=f.type) for f in fields(PathSettings)]
+    function.__signature__ = signature.replace(parameters=[*own, *shown])  # type: ignore[attr-defined]
+    indent = " " * 12
+    lines = "\n".join(f"{indent}{line}" for line in described().splitlines())
+    function.__doc__ = (function.__doc__ or "").replace(f"{indent}**settings: see PathSettings.", lines)
+    return function
+
+
+def described() -> str:
+    """A line a setting: its name, a sentence, the unit."""
+    lines = []
+    for each in fields(PathSettings):
+        unit = f" [{each.metadata['unit']}]" if each.metadata.get("unit") else ""
+        lines.append(f"{each.name}: {each.metadata['help'].removesuffix('.')}{unit}.")
+    return "\n".join(lines)
+
+
+PathSettings.__doc__ = f"{PathSettings.__doc__}\n\nAttributes:\n    " + described().replace("\n", "\n    ")

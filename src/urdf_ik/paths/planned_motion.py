@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.solutions import IKSolutions, limits
+from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.solutions import IKSolutions, limits, local_names
 from urdf_ik.ik.solutions.derivatives import joint_rates
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
-from urdf_ik.paths import plan_display
-from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.paths.checked_settings import Obstacles
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
-from urdf_ik.support.display import short
-from urdf_ik.support.text import json_text
+from urdf_ik.support.display import html_of, short
+from urdf_ik.support.text import Section, json_text
 from urdf_ik.typing import Array
 
 
@@ -82,16 +82,6 @@ class Margins:
     manipulability: Array
 
 
-@dataclass(frozen=True)
-class _Listed:
-    """Alternatives that are already computed."""
-
-    plans: tuple[Plan, ...]
-
-    def __call__(self) -> tuple[Plan, ...]:
-        return self.plans
-
-
 @dataclass(frozen=True, eq=False)
 class Plan:
     """Joint vectors along a path, or the reason why there is no plan.
@@ -110,9 +100,9 @@ class Plan:
         place: (k,) position of each of these along the path: 2.5 is half way from waypoint 2 to waypoint 3.
         tolerance: (m, rad) from the straight segments within which every motion was proven to stay.
         obstacles: the bodies that the plan stays clear of; None where collisions are not checked.
-        others: computes the ``alternatives`` at their first use.
+        others: computes the ``alternatives`` when they are first used.
         unchecked: why contacts were not checked, such as '6 meshes missing' or 'not asked for'; '' where they were.
-        unlooked: what the time limit left out; '' where the search came to its end.
+        unlooked: what the time limit left out; '' where the search was completed.
 
     Example:
         >>> import urdf_ik
@@ -143,6 +133,11 @@ class Plan:
         """Whether there is a plan."""
         return bool(len(self.q))
 
+    @property
+    def order(self) -> tuple[int, float]:
+        """Plans are compared by their changes of branch, then by their costs."""
+        return len(self.changes), self.cost
+
     def __bool__(self) -> bool:
         return self.found
 
@@ -152,21 +147,8 @@ class Plan:
     @cached_property
     def alternatives(self) -> tuple[Plan, ...]:
         """The best plan from every branch of the first waypoint that leads to the end, the cheapest first."""
-        found = () if self.others is None else self.others()
-        return tuple(replace(plan, unchecked=self.unchecked) for plan in found)
-
-    def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
-        """This plan with a function that computes its alternatives at their first use.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
-            >>> plan = arm.follow(urdf_ik.line(T0, T1, 10))
-            >>> len(plan.with_others(lambda: (plan,)).alternatives)
-            1
-        """
-        return replace(self, others=others)
+        plans = () if self.others is None else self.others()
+        return tuple(replace(plan, unchecked=self.unchecked) for plan in plans)
 
     @cached_property
     def margins(self) -> Margins:
@@ -189,13 +171,6 @@ class Plan:
 
         Raises:
             ArgumentError: there is no plan, or an argument does not fit.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
-            >>> arm.follow(urdf_ik.line(T0, T1, 10)).velocities([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).shape
-            (10, 4)
         """
         return joint_rates(self._solutions(), twists, rates)[..., 0, :]
 
@@ -212,13 +187,6 @@ class Plan:
         Raises:
             ArgumentError: there is no plan, or an argument does not fit.
             UnsupportedArm: the arm is solved for the task 'position and axis'.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
-            >>> arm.follow(urdf_ik.line(T0, T1, 10)).accelerations([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).shape
-            (10, 4)
         """
         solutions = self._solutions()
         changes = np.zeros(6) if twist_rates is None else twist_rates
@@ -235,15 +203,6 @@ class Plan:
 
         Returns:
             '' where there is a plan.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T = arm.fk([0.3, 0.5, 0.1, 0.2])
-            >>> away = T.copy()
-            >>> away[0, 3] = 0.9
-            >>> "out of reach" in arm.follow(urdf_ik.line(T, away, 10)).explain()
-            True
         """
         return "" if self.found else "\n".join(str(stop) for stop in self.stops)
 
@@ -263,11 +222,9 @@ class Plan:
         return timed(self, velocity, acceleration, dt=dt)
 
     def __getstate__(self) -> dict[str, Any]:
-        # The alternatives are found when they are asked for, by what cannot be pickled: they go along as they are.
-        state = {name: value for name, value in self.__dict__.items() if name != "alternatives"}
-        if self.others is not None:
-            state["others"] = _Listed(tuple(replace(plan, others=None) for plan in self.alternatives))
-        return state
+        # ``others`` cannot be pickled, so the alternatives are computed first.
+        plans = tuple(replace(plan, others=None) for plan in self.alternatives)
+        return {**self.__dict__, "alternatives": plans, "others": None}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the motion, a row a joint vector: its place, its branch, the joints by name [rad or m].
@@ -277,15 +234,6 @@ class Plan:
 
         Raises:
             ArgumentError: there is no plan, or the file cannot be written.
-
-        Example:
-            >>> from pathlib import Path
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
-            >>> arm.follow(urdf_ik.line(T0, T1, 10)).to_csv("plan.csv")
-            >>> Path("plan.csv").read_text().splitlines()[0]
-            'waypoint,branch,joint_1,joint_2,joint_3,joint_4'
         """
         self._require()
         text = io.StringIO()
@@ -300,14 +248,6 @@ class Plan:
 
         Raises:
             ArgumentError: the file cannot be written.
-
-        Example:
-            >>> import json
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
-            >>> json.loads(arm.follow(urdf_ik.line(T0, T1, 10)).to_json())["found"]
-            True
         """
         text = json_text(
             {
@@ -337,41 +277,99 @@ class Plan:
 
         Raises:
             ArgumentError: there is no plan, or the file cannot be written.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
-            >>> arm.follow(urdf_ik.line(T0, T1, 10)).to_npz("plan.npz")
-            >>> np.load("plan.npz")["q"].shape
-            (10, 4)
         """
         self._require()
-        held = {
-            "q": self.q, "poses": self.poses, "branches": np.array(self.branches), "motion": self.motion,
-            "joints": np.array(self.solver.joint_names), "place": self.place,
-        }  # fmt: skip
-        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held))
+        arrays = {name: getattr(self, name) for name in ("q", "poses", "motion", "place")}
+        names = {"branches": np.array(self.branches), "joints": np.array(self.solver.joint_names)}
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **arrays, **names))
 
     def __str__(self) -> str:
-        unchecked = f", contacts not checked: {self.unchecked}" if self.unchecked else ""
-        unchecked += f", {self.unlooked}" if self.unlooked else ""
+        note = f", contacts not checked: {self.unchecked}" if self.unchecked else ""
+        note += f", {self.unlooked}" if self.unlooked else ""
         if not self.found:
-            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints{unchecked}\n{self.explain()}"
+            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints{note}\n{self.explain()}"
         changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
         step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
         return (
             f"{len(self.q)} waypoints of {self.solver.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
-            f"cost {self.cost:.6g}, largest step {step:.4f}{unchecked}"
+            f"cost {self.cost:.6g}, largest step {step:.4f}{note}"
         )
 
     def __repr__(self) -> str:
-        return short(plan_display.title(self), plan_display.lines(self))
+        return short(self._title(), self._lines())
+
+    def _title(self) -> str:
+        title = f"Plan of {self.solver.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints"
+        title = f"{title}, contacts not checked: {self.unchecked}" if self.unchecked else title
+        return f"{title}, {self.unlooked}" if self.unlooked else title
+
+    def _lines(self) -> list[str]:
+        if not self.found:
+            return [str(stop) for stop in self.stops]
+        steps = np.abs(np.diff(self.q, axis=0)).max(axis=0, initial=0.0)
+        joint = int(np.argmax(steps))
+        return [
+            " then ".join(dict.fromkeys(self.branches)),
+            f"cost {self.cost:.6g}, {len(self.changes)} reconfigurations",
+            f"largest step {steps[joint]:.4g} of {self.solver.joint_names[joint]}",
+            f"{len(self.motion) - len(self.q)} waypoints added between those given",
+        ]
 
     def _repr_html_(self) -> str:
-        return plan_display.html(self)
+        """The lines, each joint's range and the margins; or the reason why each branch stops."""
+        if not self.found:
+            stops = tuple((stop.branch, str(stop.waypoint), stop.cause, stop.reason) for stop in self.stops)
+            table = Section("", ("start branch", "before waypoint", "cause", "reason"), stops)
+            return html_of(self._title(), "no plan", False, [table])
+        joints = []
+        kinds = self.solver.chain.joint_types
+        for name, kind, q, limits_ in zip(self.solver.joint_names, kinds, self.q.T, self.solver.limits, strict=True):
+            numbers = (f"{value:.4f}" for value in (q[0], q[-1], q.min(), q.max()))
+            bounds = (f"{bound:.4f}" if np.isfinite(bound) else "none" for bound in limits_)
+            joints.append((name, "m" if kind == "prismatic" else "rad", *numbers, *bounds))
+        names = ("room to a limit [rad or m]", "clearance [m]", "manipulability")
+        margins = tuple(
+            (name, f"{values.min():.4g}", str(int(np.argmin(values))))
+            for name, values in zip(names, vars(self.margins).values(), strict=True)
+            if not np.isnan(values).any()
+        )
+        header = ("joint", "unit", "first", "last", "least", "most", "lower limit", "upper limit")
+        sections = [
+            Section("", remarks=tuple(self._lines())),
+            Section("joints at the waypoints", header, tuple(joints)),
+            Section("margins", ("least", "value", "at waypoint"), margins),
+        ]
+        verdict = "found" if not self.unchecked else "found, contacts not checked"
+        return html_of(self._title(), verdict, True, sections)
 
     def _require(self) -> None:
         if not self.found:
             raise ArgumentError(f"there is no plan to write: {self.explain()}")
+
+
+def followed(plan: Plan) -> Plan:
+    """Name the branches of an arm whose solutions have only numbers: a solution that is followed keeps its number.
+
+    The arm moves from waypoint to waypoint without a jump, so the number at the first waypoint, or after a change of
+    branch, names the whole motion. The sign before it is that of the Jacobian's determinant at each waypoint: where it
+    changes, the motion crosses a singularity. Branches named by geometry remain.
+    """
+    if not local_names.local(plan.solver.structure.branches):
+        return plan
+    if not plan.found:
+        if plan.solver.parameters:
+            return plan
+        known = dict(zip(plan.solver.structure.branches, solve(plan.solver, plan.poses[0]).names, strict=True))
+        return replace(plan, stops=tuple(s._replace(branch=str(known.get(s.branch, s.branch))) for s in plan.stops))
+    signs = local_names.determinant_signs(plan.solver, plan.q)
+    begins = [0, *(change.waypoint for change in plan.changes)]
+    names: list[str] = []
+    for begin, end in zip(begins, [*begins[1:], len(plan.q)], strict=True):
+        for k in range(begin, end):
+            name = plan.branches[begin if local_names.is_local(plan.branches[k]) else k]
+            sign = 0 if signs is None or not local_names.is_local(name) else int(signs[k])
+            names.append(f"{local_names.sign_in_words(sign)}{name}")
+    changes = tuple(c._replace(before=names[c.waypoint - 1], after=names[c.waypoint]) for c in plan.changes)
+    others = plan.others
+    renamed = None if others is None else lambda: tuple(followed(other) for other in others())
+    return replace(plan, branches=tuple(names), changes=changes, others=renamed)

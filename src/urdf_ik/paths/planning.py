@@ -6,31 +6,24 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdf_ik.cell.cell import Cell
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.ik.solver import Solver
-from urdf_ik.paths import checked_settings as settings_of
 from urdf_ik.paths import waypoints
-from urdf_ik.paths.checked_settings import CheckedSettings
-from urdf_ik.paths.followed_names import followed
+from urdf_ik.paths.checked_settings import END_TOLERANCE, LOOSER, CheckedSettings, Obstacles, checked
 from urdf_ik.paths.path_settings import PathSettings
-from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
+from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop, followed
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
-from urdf_ik.paths.planner.assembly import cut_coarse, made, not_found, offer, priced
-from urdf_ik.paths.planner.nodes import Nodes
-from urdf_ik.paths.planner.obstacles import Obstacles
+from urdf_ik.paths.planner.assembly import cut, made, not_found, offer, priced
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.stops import stops_of
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 from urdf_ik.support.watch import TimeIsUp
 from urdf_ik.typing import Array
-
-Ints = NDArray[np.int64]
 
 
 def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
@@ -57,34 +50,24 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
         PoseError: a waypoint is not a pose.
         UrdfError: a world is given, or ``collisions="require"``, and not all collision shapes can be read.
         UnsupportedArm: no solver takes this arm.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> T0 = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
-        >>> T1 = T0.copy()
-        >>> T1[1, 3] += 0.2
-        >>> plan = follow(arm.solver, arm.cell, urdf_ik.line(T0, T1, 50), max_step=0.1)
-        >>> plan.found, len(plan.q), len(set(plan.branches))
-        (True, 50, 1)
     """
-    path, given = waypoints.read(T), PathSettings(**settings)
+    path, wanted = waypoints.read(T), PathSettings(**settings)
     solver.require_member()
-    margin = inputs.number(given.margin, "margin", low=0.0, unit="m")
-    bodies, unchecked = cell.to_check(given.collisions, given.world)
+    margin = inputs.number(wanted.margin, "margin", low=0.0, unit="m")
+    bodies, unchecked = cell.to_check(wanted.collisions, wanted.world)
     obstacles = None if bodies is None else Obstacles(bodies, margin)
-    checked = settings_of.checked(solver, path, given, obstacles)
+    path_settings = checked(solver, path, wanted, obstacles)
     try:
-        plan = _within_limits(checked, _plan(checked, path))
-        if not plan.found and checked.looser and any(stop.cause == "jump" for stop in plan.stops):
+        plan = _within_limits(path_settings, _plan(path_settings, path))
+        if not plan.found and path_settings.looser and any(stop.cause == "jump" for stop in plan.stops):
             # If there is no plan either, report its stops: the tolerance was not the cause.
-            checked.watch.begin(f"looking for a plan within {settings_of.LOOSER:g} times the tolerance")
-            looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
+            path_settings.watch.begin(f"looking for a plan within {LOOSER:g} times the tolerance")
+            looser = replace(path_settings, tolerance=path_settings.tolerance.times(LOOSER))
             plan = _within_limits(looser, _plan(looser, path))
     except TimeIsUp:
-        plan = _so_far(checked, path)
+        plan = _so_far(path_settings, path)
     finally:
-        checked.watch.close()
+        path_settings.watch.close()
     return followed(replace(plan, unchecked=unchecked))
 
 
@@ -95,28 +78,27 @@ def _so_far(settings: CheckedSettings, path: Array) -> Plan:
     if watch.best is None:
         plan = not_found(settings, path, [Stop(EVERY_BRANCH, 0, "time", f"the search was {unlooked}")])
     else:
-        plan = _within_limits(settings, watch.best.with_others(lambda: ()))
+        plan = _within_limits(settings, replace(watch.best, others=lambda: ()))
     return replace(plan, unlooked=unlooked)
 
 
 def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:
     """The cheapest of a plan and its alternatives that keeps to the joint limits and begins at ``start``.
 
-    The graph takes joints with many turns inside their limits for joints without limits (``Joints.counted``).
+    The graph treats joints with many turns inside their limits as joints without limits (``Joints.counted``).
     """
     joints = settings.joints
-    loose = (joints.turn > 0.0) & (joints.counted == 0) & np.isfinite(settings.solver.limits).any(axis=1)
-    if not plan.found or not loose.any():
+    uncounted = (joints.turn > 0.0) & (joints.counted == 0) & np.isfinite(settings.solver.limits).any(axis=1)
+    if not plan.found or not uncounted.any():
         return plan
     if _first_beyond(settings, plan) is None:
-        return plan.with_others(lambda: tuple(p for p in plan.alternatives if _first_beyond(settings, p) is None))
-    ends = [(each, _first_beyond(settings, each)) for each in plan.alternatives or (plan,)]
-    kept = tuple(each for each, beyond in ends if beyond is None)
+        return replace(plan, others=lambda: tuple(p for p in plan.alternatives if _first_beyond(settings, p) is None))
+    ends = [(p, _first_beyond(settings, p)) for p in plan.alternatives or (plan,)]
+    kept = tuple(p for p, beyond in ends if beyond is None)
     if kept:
-        return kept[0].with_others(lambda: kept)
+        return replace(kept[0], others=lambda: kept)
     stops = sorted((beyond for _, beyond in ends if beyond is not None), key=lambda stop: -stop.waypoint)
-    return replace(plan, q=plan.q[:0], branches=(), changes=(), cost=np.inf, stops=tuple(stops),
-                   motion=plan.motion[:0], place=plan.place[:0], others=None)  # fmt: skip
+    return replace(not_found(settings, plan.poses, stops), motion=plan.motion[:0], place=plan.place[:0])
 
 
 def _first_beyond(settings: CheckedSettings, plan: Plan) -> Stop | None:
@@ -146,57 +128,43 @@ def _plan(settings: CheckedSettings, path: Array) -> Plan:
         return redundant.plan(settings, path)
     solver, joints = settings.solver, settings.joints
     settings.watch.begin("solving every waypoint and looking for the cheapest way")
-    refined = cut_coarse(settings, path)
-    nodes = node_sets.with_representatives(solver, joints, refined.T, _nodes(settings, refined.T))
+    refined = cut(settings, path)
+    nodes = node_sets.solved(solver, joints, refined.T, np.arange(len(refined.T)), None)
+    nodes = node_sets.with_ends(solver, joints, refined.T, nodes, [(settings.start, 0.0), (settings.end, 0.0)])
+    nodes = node_sets.with_representatives(solver, joints, refined.T, nodes)
     graph = priced(settings, refined, nodes.layers(refined.T, refined.twists))
-    search = Search(
-        solver, graph, settings.tolerance, settings.obstacles, settings.watch, reconfigure=settings.reconfigure
-    )
-    way = search.best()
-    if way is not None:
-        return made(settings, path, refined, search, way)
-    graph.prove(solver, np.arange(len(graph.end)), settings.tolerance)
+    search = Search(graph, proves=True)
+    route = search.best()
+    if route is not None:
+        return made(settings, path, refined, search, route)
+    graph.prove(np.arange(len(graph.end)))
     return not_found(settings, path, stops_of(settings, search, refined.T, refined.place))
 
 
 def _with_free_axis(settings: CheckedSettings, path: Array) -> Plan:
-    """The cheapest of plans that turn about the free axis and of the one that does not: it never costs more."""
-    held = _held(settings, path)
-    offer(settings, held)
+    """The cheapest of the plans that turn about the free axis and the one that does not, so it never costs more."""
+    fixed = _fixed(settings, path)
+    offer(settings, fixed)
     turning = redundant.plan(settings, path)
-    plans = [turning] if held is None else [turning, held, redundant.beside(settings, path, held)]
-    found = [plan for plan in plans if plan is not None and plan.found]
-    if not found:
+    plans = [turning] if fixed is None else [turning, fixed, redundant.improved(settings, path, fixed)]
+    plans = [plan for plan in plans if plan is not None and plan.found]
+    if not plans:
         return turning
-    best = min(found, key=lambda plan: (len(plan.changes), plan.cost))
-    return best if best is turning else best.with_others(lambda: (best, *turning.alternatives))
+    best = min((plan for plan in plans if plan is not None), key=lambda plan: plan.order)
+    return best if best is turning else replace(best, others=lambda: (best, *turning.alternatives))
 
 
-def _held(settings: CheckedSettings, path: Array) -> Plan | None:
-    """The plan that keeps the rotation about a free axis as the start has it, else as the end, else at zero.
+def _fixed(settings: CheckedSettings, path: Array) -> Plan | None:
+    """The plan with a constant rotation about the free axis: that of the start, else of the end, else zero.
 
-    None where there is none, or start and end differ in it.
+    None where there is none, or where start and end differ in it.
     """
     solver, axis = settings.solver, settings.solver.free_axis
-    assert axis is not None  # only such arms are asked
-    given = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]
-    values = [nearest_values(solver, q[None], T[None])[0, 0] for q, T in given]
-    if values and abs(shortest(values[0] - values[-1])) > settings_of.AT_WAYPOINT:
+    assert axis is not None  # the arm has a free axis
+    ends = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]
+    values = [nearest_values(solver, q[None], T[None])[0, 0] for q, T in ends]
+    if values and abs(shortest(values[0] - values[-1])) > END_TOLERANCE:
         return None
     turned = path @ axis.rotation(values[0] if values else 0.0)
     plan = _plan(replace(settings, solver=solver.fixed), turned)
     return replace(plan, solver=solver, poses=path) if plan.found else None
-
-
-def _nodes(settings: CheckedSettings, T: Array) -> Nodes:
-    """Solutions at waypoints; at the first and the last the joint vector that is given for it, if one is."""
-    solver, joints = settings.solver, settings.joints
-    found = node_sets.solved(solver, joints, T, np.arange(len(T)), None)
-    for given, where in ((settings.start, 0), (settings.end, len(T) - 1)):
-        if given is None:
-            continue
-        here = np.flatnonzero(found.at == where)
-        apart = np.abs(joints.step(found.q[here], given)).max(axis=1)
-        column = int(found.column[here[np.argmin(apart)]]) if len(here) else 0
-        found = found.chosen(found.at != where) + node_sets.at_vector(solver, joints, given, where, 0.0, column)
-    return found

@@ -4,7 +4,7 @@ The determinant cannot change its sign on a motion that crosses no singularity, 
 motion never joins solutions of two signs, in whatever pose. Without joint limits a pose has as many regular solutions
 of one sign as of the other: the signs sum to the degree of the map from joint vectors to poses, which is 0, since poses
 out of reach have no solution. The number after the sign orders one pose's solutions and says nothing about another
-pose; along a path :mod:`urdf_ik.paths.followed_names` keeps it.
+pose; along a path :func:`urdf_ik.paths.planned_motion.followed` keeps it.
 """
 
 from __future__ import annotations

@@ -1,46 +1,157 @@
-"""The nodes of the graph: the joint vectors at each waypoint."""
+"""The joint vectors at each waypoint: the nodes of the planner's graph, and how the arm's joints turn between them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik import _core
 from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.ik.solver import Solver
-from urdf_ik.paths.planner.graph import Layers
-from urdf_ik.paths.planner.joint_steps import Joints
-from urdf_ik.paths.planner.refinement import WIDEST
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.support.angles import TURN
 from urdf_ik.typing import Array
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-SAME = 1e-6
-"""rad or m: joint vectors that differ by less in every joint are one node."""
-TANGENTS = 8
-"""How often the nearest solution of a singular pose is asked for at most, each time with a better reference."""
-FREE = 1e-4
-"""Singular values of the Jacobian below this share of the largest one are taken as zero, where tangents are drawn."""
-_NUMBERS = 1 << 22
-"""Numbers in the solutions that are computed at once: 32 MB of them."""
+MOST_IMAGES = 5
+"""A joint with more values 2 pi apart inside its limits than this is planned as if it had no limits."""
+MOST_STATES = 1024
+"""Most combinations of such values per node; above it, the joints with the most values lose their limits."""
+SAME_VECTOR = 1e-6
+"""Joint vectors that differ by less in every joint are one node [rad or m]."""
+WIDEST_STEP = 0.5 * np.pi
+"""Largest change of a joint within one linear motion [rad or m]."""
+TANGENT_STEPS = 8
+"""Most iterations when the singular solution nearest to a reference is looked for."""
+ZERO_SINGULAR_VALUE = 1e-4
+"""Singular values of the Jacobian below this fraction of the largest are taken as zero."""
+WINDOW_HALVINGS = 6
+"""Halvings of the step when a narrow window inside the joint limits is looked for."""
+_BATCH = 1 << 22
+"""Most numbers in the solutions of one call of the solver (32 MB)."""
+
+
+@dataclass(frozen=True)
+class Joints:
+    """How the joints of an arm turn.
+
+    Attributes:
+        chain: the arm's joints.
+        turn: (n,) rad between images (values a whole turn apart), 0 for a joint that slides.
+        counted: (n,) uint8, whether the joint's images are told apart.
+        digits: (states, n) uint8, number of each joint's image in each state.
+        strides: (n,) difference of the state's number between neighbouring images of a joint.
+        core: the compiled functions.
+    """
+
+    chain: Chain
+    turn: Array
+    counted: NDArray[np.uint8]
+    digits: NDArray[np.uint8]
+    strides: Ints
+    core: _core.PathGraph
+
+    @classmethod
+    def from_chain(cls, chain: Chain) -> Joints:
+        """The joints of a chain."""
+        low, high = (np.ascontiguousarray(side) for side in chain.limits.T)
+        turn = TURN * np.asarray(chain.image_turns, dtype=np.float64)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            images = np.where(turn > 0.0, np.floor((high - low + 2.0 * LIMIT_TOLERANCE) / turn) + 1.0, 1.0)
+        counted = (turn > 0.0) & (images <= MOST_IMAGES)
+        while np.prod(images, where=counted) > MOST_STATES:
+            counted[np.argmax(np.where(counted, images, 0.0))] = False
+        radix = np.where(counted, images, 1.0).astype(np.int64)
+        strides = np.concatenate([np.cumprod(radix[::-1])[::-1][1:], [1]]).astype(np.int64)
+        digits = np.indices(tuple(radix)).reshape(len(radix), -1).T.astype(np.uint8)
+        flags = counted.astype(np.uint8)
+        core = _core.PathGraph(low - LIMIT_TOLERANCE, high + LIMIT_TOLERANCE, turn, flags)
+        return cls(chain, turn, flags, np.ascontiguousarray(digits), strides, core)
+
+    def choose(
+        self, q: Array, flags: NDArray[np.uint8], centres: Array | None = None, near: float = 0.0, outside: bool = False
+    ) -> tuple[Ints, Array, NDArray[np.uint8]]:
+        """Joint vectors inside the limits: their indices (k,), lowest images (k, n) and numbers of images (k, n).
+
+        Args:
+            q: (m, n) rad or m.
+            flags: (m,) bit 0: a solution.
+            centres: (c, n) rad or m, one for m / c consecutive joint vectors; those far from it are left out.
+            near: largest distance of a turning joint from its centre [rad].
+            outside: also return joint vectors outside the limits, with zero images.
+        """
+        kept, lowest, counts = np.empty(len(q), np.int64), np.empty(q.shape), np.empty(q.shape, np.uint8)
+        count = self.core.choose(
+            np.ascontiguousarray(q), np.ascontiguousarray(flags), centres, near, outside, kept, lowest, counts
+        )
+        return kept[:count], lowest[:count], counts[:count]
+
+    def step(self, a: Array, b: Array) -> Array:
+        """Shortest motion (..., n) from joint vectors a to b; turning joints take the short side of the circle."""
+        turn = np.where(self.turn > 0.0, self.turn, 1.0)
+        difference: Array = b - a
+        return difference - np.where(self.turn > 0.0, np.round(difference / turn) * turn, 0.0)
+
+    def central(self, q: Array) -> Array:
+        """The images of joint vectors (..., n) that are nearest to the middle of the limits."""
+        turn = np.where(self.turn > 0.0, self.turn, 1.0)
+        middle = limits.middle(self.chain.limits)
+        return np.asarray(q - np.where(self.turn > 0.0, np.round((q - middle) / turn) * turn, 0.0))
+
+    def room(self, q: Array) -> Array:
+        """Distance (k,) of joint vectors (k, n) from the limits, negative outside [rad or m]; of the best images."""
+        return limits.room(self.central(q), self.chain.limits)
+
+
+@dataclass
+class Layers:
+    """The nodes of a path, waypoint by waypoint.
+
+    Attributes:
+        T: (m, 4, 4) m, the waypoints.
+        twists: (m - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes.
+        first: (m + 1,) index of each waypoint's first node.
+        q: (N, n) rad or m, the lowest image of each joint inside the limits.
+        counts: (N, n) uint8, number of images of each joint.
+        column: (N,) number of the branch.
+        value: (N,) redundancy parameter, 0 for an arm without one.
+    """
+
+    T: Array
+    twists: Array
+    first: Ints
+    q: Array
+    counts: NDArray[np.uint8]
+    column: Ints
+    value: Array
+
+    @property
+    def waypoint(self) -> Ints:
+        """(N,) waypoint of each node."""
+        return np.repeat(np.arange(len(self.T)), np.diff(self.first))
 
 
 class Nodes(NamedTuple):
     """Joint vectors at waypoints, in any order.
 
     Attributes:
-        at: (k,) number of the waypoint.
-        q: (k, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
-        counts: (k, n) uint8, how many such values each joint has.
-        column: (k,) which branch.
-        value: (k,) of the redundancy parameter.
+        waypoint: (k,) number of the waypoint.
+        q: (k, n) rad or m, the lowest image of each joint inside the limits.
+        counts: (k, n) uint8, number of images of each joint.
+        column: (k,) number of the branch.
+        value: (k,) redundancy parameter.
         singular: (k,) whether the arm is singular there.
     """
 
-    at: Ints
+    waypoint: Ints
     q: Array
     counts: NDArray[np.uint8]
     column: Ints
@@ -51,18 +162,20 @@ class Nodes(NamedTuple):
         return joined((self, other))
 
     def chosen(self, which: Mask | Ints) -> Nodes:
-        """Some of them."""
+        """The nodes that a mask or indices select."""
         parts: list[Any] = [part[which] for part in self]
         return Nodes(*parts)
 
     def layers(self, T: Array, twists: Array) -> Layers:
-        """As layers of waypoints (m, 4, 4), with the twists (m - 1, 6) from each to the next."""
-        return Layers.made(T, twists, self.at, self.q, self.counts, self.column, self.value)
+        """Sort the nodes by waypoint: poses T (m, 4, 4), with the twists (m - 1, 6) from each to the next."""
+        order = np.argsort(self.waypoint, kind="stable")
+        first = np.searchsorted(self.waypoint[order], np.arange(len(T) + 1)).astype(np.int64)
+        return Layers(T, twists, first, self.q[order], self.counts[order], self.column[order], self.value[order])
 
 
 def joined(parts: Sequence[Nodes]) -> Nodes:
     """All nodes of several sets."""
-    columns: list[Any] = [np.concatenate(each) for each in zip(*parts, strict=True)]
+    columns: list[Any] = [np.concatenate(column) for column in zip(*parts, strict=True)]
     return Nodes(*columns)
 
 
@@ -70,7 +183,7 @@ def solved(
     solver: Solver,
     joints: Joints,
     T: Array,
-    at: Ints,
+    waypoints: Ints,
     values: Array | None,
     *,
     outside: bool = False,
@@ -81,89 +194,89 @@ def solved(
 
     Args:
         solver: the arm's solver.
-        joints: how its joints turn.
-        T: (m, 4, 4) m, waypoints.
-        at: (k,) waypoints to solve.
+        joints: the arm's joints.
+        T: (m, 4, 4) m, poses of the path.
+        waypoints: (k,) which of them to solve.
         values: (k, v) of the redundancy parameter, None for an arm without one.
-        outside: solutions outside the limits, too; their counts are zero where they are outside.
-        centres: (k, n) joint vectors; only solutions near to them are wanted.
-        near: rad that a joint that turns may be off them.
+        outside: also return solutions outside the limits, with zero images.
+        centres: (k, n) joint vectors; solutions far from them are left out.
+        near: largest distance of a turning joint from its centre [rad].
     """
     size = solver.dof * len(solver.structure.branches) * (1 if values is None else values.shape[1])
-    share = max(1, _NUMBERS // size)
-    return joined(
-        [
-            _solved(
-                solver,
-                joints,
-                T,
-                at[k : k + share],
-                None if values is None else values[k : k + share],
-                outside,
-                None if centres is None else centres[k : k + share],
-                near,
-            )  # fmt: skip
-            for k in range(0, max(len(at), 1), share)
-        ]
-    )
+    share = max(1, _BATCH // size)
+    parts = []
+    for k in range(0, max(len(waypoints), 1), share):
+        batch = waypoints[k : k + share]
+        v = None if values is None else values[k : k + share]
+        solutions = solve(solver, T[batch]) if v is None else solve(solver, T[batch, None], redundancy=v)
+        flags = (solutions.valid | (solutions.singular << np.uint8(1))).reshape(-1)
+        around = None if centres is None else centres[k : k + share]
+        kept, q, counts = joints.choose(solutions.q.reshape(-1, solver.dof), flags, around, near, outside)
+        pose, column = np.divmod(kept, solutions.valid.shape[-1])
+        row, value = (pose, np.zeros(len(kept))) if v is None else (pose // v.shape[1], v.reshape(-1)[pose])
+        parts.append(Nodes(batch[row], q, counts, column, value, flags[kept] > 1))
+    return joined(parts)
 
 
-def _solved(
-    solver: Solver,
-    joints: Joints,
-    T: Array,
-    at: Ints,
-    values: Array | None,
-    outside: bool,
-    centres: Array | None,
-    near: float,
+def with_ends(
+    solver: Solver, joints: Joints, T: Array, nodes: Nodes, ends: Sequence[tuple[Array | None, float]]
 ) -> Nodes:
-    solutions = solve(solver, T[at]) if values is None else solve(solver, T[at, None], redundancy=values)
-    flags = (solutions.valid | (solutions.singular << np.uint8(1))).reshape(-1)
-    kept, q, counts = joints.choose(solutions.q.reshape(-1, solver.dof), flags, centres, near, outside)
-    pose, column = np.divmod(kept, solutions.valid.shape[-1])
-    row, value = (pose, np.zeros(len(kept))) if values is None else (pose // values.shape[1], values.reshape(-1)[pose])
-    return Nodes(at[row], q, counts, column, value, flags[kept] > 1)
+    """Replace the nodes of the first and the last waypoint by a prescribed start and end, where there is one.
 
-
-def at_vector(solver: Solver, joints: Joints, q: Array, at: int, value: float, column: int) -> Nodes:
-    """The one node of a given joint vector (n,): no other of its images counts."""
-    return Nodes(
-        np.array([at]), q[None].astype(np.float64), np.ones((1, solver.dof), np.uint8), np.array([column]),
-        np.array([value]), np.zeros(1, dtype=np.bool_),
-    )  # fmt: skip
+    Args:
+        solver: the arm's solver.
+        joints: the arm's joints.
+        T: (m, 4, 4) m, poses of the path.
+        nodes: of all waypoints.
+        ends: start and end: a joint vector (n,) or None, and its redundancy parameter.
+    """
+    for (q, value), waypoint in zip(ends, (0, len(T) - 1), strict=True):
+        if q is None:
+            continue
+        values = np.array([[value]]) if solver.parameter is not None else None
+        here = solved(solver, joints, T, np.array([waypoint]), values, outside=values is not None)
+        distance = np.abs(joints.step(here.q, q)).max(axis=1)
+        column = here.column[[np.argmin(distance)]] if len(distance) else np.zeros(1, np.int64)
+        # The prescribed image is the only one.
+        ones = np.ones((1, solver.dof), np.uint8)
+        nodes = nodes.chosen(nodes.waypoint != waypoint) + Nodes(
+            np.array([waypoint]), q[None].astype(np.float64), ones, column, np.array([value]), np.zeros(1, np.bool_)
+        )
+    return nodes
 
 
 def with_representatives(solver: Solver, joints: Joints, T: Array, nodes: Nodes) -> Nodes:
-    """The nodes, and at singular poses those that continue the nodes of the neighbouring waypoints best.
+    """Add solutions at singular poses that continue the nodes of the neighbouring waypoints.
 
-    Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference. Along each singular part
-    of the path, the nodes before it are carried on from waypoint to waypoint, those after it carried back, and the
-    straight ways from each node before to the nearest one after it are taken as references between.
+    Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference. For each singular
+    stretch of the path the references are: the nodes before it, carried forward from waypoint to waypoint; the nodes
+    after it, carried backward; and the straight joint motions from each node before it to the nearest one after it.
     """
     if not nodes.singular.any():
         return nodes
-    order = np.argsort(nodes.at, kind="stable")
-    cuts = np.searchsorted(nodes.at[order], np.arange(1, len(T)))
+    order = np.argsort(nodes.waypoint, kind="stable")
+    cuts = np.searchsorted(nodes.waypoint[order], np.arange(1, len(T)))
     layers = [[nodes.chosen(part)] for part in np.split(order, cuts)]
-    loose = np.unique(nodes.at[nodes.singular])
-    for part in np.split(loose, np.flatnonzero(np.diff(loose) > 1) + 1):
-        first, last = int(part[0]), int(part[-1])
-        ways = [(range(first, last + 1), first - 1), (range(last, first - 1, -1), last + 1)]
-        for waypoints, before in ways:
-            # A path that begins or ends on a singular pose does so at one of the solutions there.
+    singular = np.unique(nodes.waypoint[nodes.singular])
+    for stretch in np.split(singular, np.flatnonzero(np.diff(singular) > 1) + 1):
+        first, last = int(stretch[0]), int(stretch[-1])
+        directions = [(range(first, last + 1), first - 1), (range(last, first - 1, -1), last + 1)]
+        for waypoints, before in directions:
+            # A path that begins or ends at a singular pose starts from the solutions there.
             carried = layers[before if 0 <= before < len(T) else waypoints[0]][0].q
-            for at in waypoints:
-                carried = _continue(solver, joints, T[at], at, layers[at], carried)
+            for waypoint in waypoints:
+                carried = _continue(solver, joints, T[waypoint], waypoint, layers[waypoint], carried)
         if first > 0 and last + 1 < len(T):
             a, b = layers[first - 1][0].q, layers[last + 1][0].q
-            for at, references in zip(part.tolist(), _straight_ways(joints, a, b, len(part)), strict=True):
-                _continue(solver, joints, T[at], at, layers[at], references)
+            for waypoint, references in zip(
+                stretch.tolist(), _straight_motions(joints, a, b, len(stretch)), strict=True
+            ):
+                _continue(solver, joints, T[waypoint], waypoint, layers[waypoint], references)
     return joined([part for layer in layers for part in layer])
 
 
-def _straight_ways(joints: Joints, a: Array, b: Array, count: int) -> Array:
-    """On the straight ways from joint vectors to the nearest of others, (count, k, n) between their ends."""
+def _straight_motions(joints: Joints, a: Array, b: Array, count: int) -> Array:
+    """Joint vectors (count, k, n) strictly between each of a (k, n) and the nearest of b."""
     if not len(a) or not len(b):
         return np.empty((count, 0, a.shape[1]))
     steps = joints.step(a[:, None], b)
@@ -172,46 +285,98 @@ def _straight_ways(joints: Joints, a: Array, b: Array, count: int) -> Array:
     return np.asarray(a + share[:, None, None] * step)
 
 
-def _continue(solver: Solver, joints: Joints, T: Array, at: int, here: list[Nodes], references: Array) -> Array:
-    """Add to a waypoint's nodes the solutions that are nearest to each of the references (k, n); returns these."""
+def _continue(solver: Solver, joints: Joints, T: Array, waypoint: int, here: list[Nodes], references: Array) -> Array:
+    """Add to a waypoint's nodes the solutions nearest to references (k, n), and return them."""
     known = np.concatenate([part.q for part in here])
     carried = references[:0]
     for reference in references:
-        found = _nearest_loose(solver, joints, T, at, reference)
-        # None can be reached in one motion, or another reference has led there.
-        if found is None or np.abs(joints.step(reference, found.q[0])).max() > WIDEST:
+        nearest = _nearest_singular(solver, joints, T, waypoint, reference)
+        # Too far for one motion, or already reached from another reference.
+        if nearest is None or np.abs(joints.step(reference, nearest.q[0])).max() > WIDEST_STEP:
             continue
-        if np.abs(joints.step(carried, found.q[0])).max(axis=1).min(initial=np.inf) <= SAME:
+        if np.abs(joints.step(carried, nearest.q[0])).max(axis=1).min(initial=np.inf) <= SAME_VECTOR:
             continue
-        carried = np.concatenate([carried, found.q])
-        if np.abs(joints.step(known, found.q[0])).max(axis=1).min() > SAME:
-            known = np.concatenate([known, found.q])
-            here.append(found)
+        carried = np.concatenate([carried, nearest.q])
+        if np.abs(joints.step(known, nearest.q[0])).max(axis=1).min() > SAME_VECTOR:
+            known = np.concatenate([known, nearest.q])
+            here.append(nearest)
     return carried
 
 
-def _nearest_loose(solver: Solver, joints: Joints, T: Array, at: int, reference: Array) -> Nodes | None:
-    """Of a pose's singular solutions the nearest to a reference (n,); None where there is none.
+def _nearest_singular(solver: Solver, joints: Joints, T: Array, waypoint: int, reference: Array) -> Nodes | None:
+    """The singular solution of a pose nearest to a reference (n,); None where there is none.
 
-    The representative that ``ik`` returns is near to its reference, not always the nearest: the reference is moved to
-    where the tangent of the solutions comes nearest to it, until that is where the solution is.
+    ``ik`` returns a representative near its reference, not always the nearest. So the reference is moved along the
+    tangent of the solutions until it coincides with the solution returned.
     """
-    asked, found = reference, None
-    for _ in range(TANGENTS):
-        solutions = solve(solver, T, asked)
-        loose = (solutions.singular > 0).astype(np.uint8)
-        if not loose.any():
+    target, nearest = reference, None
+    for _ in range(TANGENT_STEPS):
+        solutions = solve(solver, T, target)
+        singular = (solutions.singular > 0).astype(np.uint8)
+        if not singular.any():
             break
-        column, q, counts = joints.choose(solutions.q, loose)
+        column, q, counts = joints.choose(solutions.q, singular)
         if not len(q):
             break
         k = int(np.argmin(np.abs(joints.step(reference, q)).max(axis=1)))
-        one = slice(k, k + 1)
-        found = Nodes(np.array([at]), q[one], counts[one], column[one], np.zeros(1), np.ones(1, dtype=np.bool_))
+        row = slice(k, k + 1)
+        nearest = Nodes(np.array([waypoint]), q[row], counts[row], column[row], np.zeros(1), np.ones(1, np.bool_))
         _, size, directions = np.linalg.svd(solver.chain.jacobian(q[k]), full_matrices=False)
-        free = directions[size <= FREE * size[0]]
+        free = directions[size <= ZERO_SINGULAR_VALUE * size[0]]
         along = free.T @ (free @ joints.step(q[k], reference))
-        if np.abs(along).max(initial=0.0) <= SAME:
+        if np.abs(along).max(initial=0.0) <= SAME_VECTOR:
             break
-        asked = q[k] + along
-    return found
+        target = q[k] + along
+    return nearest
+
+
+def in_narrow_windows(solver: Solver, joints: Joints, T: Array, everything: Nodes, grid: Array) -> Nodes:
+    """Nodes inside the joint limits between two values of the redundancy parameter that are both outside.
+
+    Along each branch the distance to the limits is a function of the parameter. A maximum between two grid values at
+    which it is not positive is located by bisection, and kept where it is positive.
+
+    Args:
+        solver: the arm's solver.
+        joints: the arm's joints.
+        T: (m, 4, 4) m, waypoints.
+        everything: all solutions on the grid, also those outside the limits.
+        grid: (v,) ascending values of the parameter.
+    """
+    count = len(grid)
+    step = grid[1] - grid[0]
+    branches = len(solver.structure.branches)
+    table = np.full((len(T), branches, count + 2), -np.inf)
+    index = np.searchsorted(grid, everything.value - 0.5 * step) % count
+    table[everything.waypoint, everything.column, index + 1] = joints.room(everything.q)
+    if solver.parameter is not None and solver.parameter.round:
+        table[..., 0], table[..., -1] = table[..., -2], table[..., 1]
+    here, before, after = table[..., 1:-1], table[..., :-2], table[..., 2:]
+    alone = ~np.isfinite(before) | ~np.isfinite(after)
+    with np.errstate(invalid="ignore"):  # infinity less infinity, where a branch has no solution
+        slope = np.maximum(
+            np.where(np.isfinite(before), here - before, 0.0), np.where(np.isfinite(after), here - after, 0.0)
+        )
+        peak = (here < 0.0) & np.isfinite(here) & (here >= before) & (here >= after)
+        peak &= (here + slope > 0.0) | alone
+    waypoint, column, k = np.nonzero(peak)
+    if not len(waypoint):
+        return everything.chosen(np.zeros(0, dtype=np.intp))
+    rows = np.arange(len(waypoint))
+    value, best, width = grid[k], here[waypoint, column, k], step
+    for _ in range(WINDOW_HALVINGS):
+        width *= 0.5
+        trial = value[:, None] + width * np.array([-1.0, 0.0, 1.0])
+        solutions = solve(solver, T[waypoint, None], redundancy=trial)
+        q, valid = solutions.q[rows, :, column], solutions.valid[rows, :, column]
+        rooms = np.full(trial.shape, -np.inf)
+        rooms[valid] = joints.room(q[valid])
+        rooms[:, 1] = np.maximum(rooms[:, 1], best)
+        pick = np.argmax(rooms, axis=1)
+        value, best = trial[rows, pick], rooms[rows, pick]
+    inside = np.flatnonzero(best > 0.0)
+    order = inside[np.argsort(waypoint[inside], kind="stable")]
+    kept = solved(solver, joints, T, waypoint[order], value[order, None])
+    wanted = set(zip(waypoint[order].tolist(), column[order].tolist(), strict=True))
+    pairs = zip(kept.waypoint.tolist(), kept.column.tolist(), strict=True)
+    return kept.chosen(np.array([pair in wanted for pair in pairs], dtype=np.bool_))

@@ -6,39 +6,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.ik.explanation import explain
+from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.solver import Solver
-from urdf_ik.paths.checked_settings import CheckedSettings
+from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
-from urdf_ik.paths.planner.limit_windows import central, room
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.straightness import keeps_straight
 from urdf_ik.typing import Array
 
 Ints = NDArray[np.int64]
 
-_LOOKED_AT = 16
-"""States at the farthest waypoint of which it is found out why they lead no farther."""
-_LOOSE = 10.0
-"""A solution continues a branch where the motion to it keeps to so many times the tolerance; else the branch ends."""
+MOST_DIAGNOSED = 16
+"""At most this many states at the last reachable waypoint are diagnosed."""
+CONTINUES = 10.0
+"""A solution belongs to the branch if the motion to it stays within this many times the tolerance."""
+COARSE_VALUES, FINE_VALUES = 64, 256
+"""Values of the redundancy parameter at which a waypoint is tested: to find a closed one, and to confirm it."""
+MOST_STRETCHES = 4
+"""Number of colliding stretches whose midpoint is tested, longest first."""
+VECTORS_AT_ONCE = 64
+"""Joint vectors tested for contacts in one call; the test ends with the first one that is free."""
 
 
 def stops_of(settings: CheckedSettings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
-    """Of every branch of the first waypoint, the one that gets farthest first; none of one that gets to the end.
+    """The stop of every branch of the first waypoint that does not reach the end, the farthest first.
 
     Args:
-        settings: what the path was asked to keep to.
-        search: after it found nothing.
+        settings: of the path.
+        search: a search that found nothing.
         T: (k, 4, 4) m, the waypoints of its graph.
-        place: (k,) where they are between the waypoints given.
+        place: (k,) their places along the given path.
     """
     graph = search.graph
     layers, states = graph.layers, len(graph.joints.digits)
     names = settings.solver.structure.branches
     first = np.arange(layers.first[1])
-    exists = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2) & np.isfinite(graph.node_cost[first])[
-        :, None
-    ]
+    inside = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2)
+    exists = inside & np.isfinite(graph.node_cost[first])[:, None]
     if not exists.any():
         return _at_first(settings, search, T)
     begin = exists.any(axis=1)
@@ -52,75 +57,75 @@ def stops_of(settings: CheckedSettings, search: Search, T: Array, place: Array) 
     stops = []
     for column, bit in bits.items():
         node, state = np.nonzero(marks & bit)
-        if not len(node):  # all of its nodes touch something
+        if not len(node):  # all nodes of the branch are in contact
             stops.append((0.0, Stop(names[column], 0, "contact", _first_contact(search, column))))
             continue
-        at = layers.at[node]
-        last = int(at.max())
+        waypoint = layers.waypoint[node]
+        last = int(waypoint.max())
         if last + 1 == len(T):
             continue
-        here = at == last
-        stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
-        stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
+        here = np.flatnonzero(waypoint == last)[:MOST_DIAGNOSED]
+        reason = _diagnosis(settings, search, T, last, node[here], state[here])
+        stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *reason)))
     stops += [
         (0.0, Stop(names[column], 0, "contact", _first_contact(search, column)))
         for column in np.setdiff1d(layers.column[first], columns)
     ]
-    stops.sort(key=lambda each: -each[0])
+    stops.sort(key=lambda pair: -pair[0])
     return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
 
 
 def _first_contact(search: Search, column: int) -> str:
-    """What touches at the first waypoint in a branch."""
+    """The bodies in contact at the first waypoint of a branch."""
     layers = search.graph.layers
     first = np.arange(layers.first[1])
-    return _contact(search, layers.q[first[layers.column[first] == column][0]])
+    return _contact(search.obstacles, layers.q[first[layers.column[first] == column][0]])
 
 
 def _reached(settings: CheckedSettings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Marks (N, states) passed on from the first waypoint to all that is reached without touching anything.
+    """Marks (N, states) of the first waypoint's states, passed on to all states that are reached without contact.
 
-    The search asks about the nodes of the cheapest ways only; what stops a way is the first contact on it. A joint that
-    may have any value has too many nodes for all to be asked.
+    The search checked only the nodes of the cheapest routes, so all others are checked here. With a redundancy
+    parameter there are too many nodes for that.
     """
     graph = search.graph
     if search.obstacles is None or settings.solver.parameter is not None:
         return graph.reached(first)
-    asked = search.hits.copy()
+    checked = search.hits.copy()
     while True:
         marks = graph.reached(first * np.isfinite(graph.node_cost)[:, None])
-        nodes = np.flatnonzero((marks != 0).any(axis=1) & ~asked)
+        nodes = np.flatnonzero((marks != 0).any(axis=1) & ~checked)
         free = search.obstacles.free(graph.layers.q[nodes])
         if free.all():
             return marks
-        asked[nodes] = True
+        checked[nodes] = True
         search.hits[nodes[~free]] = True
         graph.node_cost[nodes[~free]] = np.inf
 
 
 def _out_of_all_reach(settings: CheckedSettings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
-    """The first waypoint that no branch reaches inside the limits, wherever the ways to it end."""
+    """The first waypoint without any solution inside the limits, whichever route leads to it."""
     empty = np.flatnonzero(np.diff(search.graph.layers.first) == 0)
     if not len(empty):
         return ()
-    at = int(empty[0])
-    waypoint = int(np.ceil(place[at]))
-    everything = _solutions(settings, T, at, None)
+    k, joints = int(empty[0]), settings.joints
+    waypoint = int(np.ceil(place[k]))
+    everything = _solutions(settings, T, k, None)
     if not len(everything.q):
-        return (Stop(EVERY_BRANCH, waypoint, "reach", _reach(settings.solver, T[at])),)
-    best = int(np.argmax(room(settings, everything.q)))
-    limits = _limits(settings, central(settings, everything.q[best]), everything.counts[best] == 0)
+        return (Stop(EVERY_BRANCH, waypoint, "reach", _reach(settings.solver, T[k])),)
+    best = int(np.argmax(joints.room(everything.q)))
+    limits = _limits(settings, joints.central(everything.q[best]), everything.counts[best] == 0)
     return (Stop(EVERY_BRANCH, waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
 
 
 def _reach(solver: Solver, T: Array) -> str:
-    """Why no value that was looked at has a solution of a pose."""
+    """Why a pose has no solution at the values of the parameter that were tried."""
     why = explain(solver, T)
     return f"out of reach: {why}" if why else f"reached only between the values of the {solver.parameter} looked at"
 
 
 def _at_first(settings: CheckedSettings, search: Search, T: Array) -> tuple[Stop, ...]:
-    """Why there is no way to begin."""
+    """Why no branch can begin at the first waypoint."""
     solver, graph = settings.solver, search.graph
     everything = _solutions(settings, T, 0, None)
     if not len(everything.q):
@@ -129,28 +134,30 @@ def _at_first(settings: CheckedSettings, search: Search, T: Array) -> tuple[Stop
     stops = []
     here = np.arange(graph.layers.first[1])
     for column in np.unique(everything.column):
-        mine = here[graph.layers.column[here] == column]
-        if len(mine):
-            stops.append(Stop(names[column], 0, "contact", _contact(search, graph.layers.q[mine[0]])))
+        own = here[graph.layers.column[here] == column]
+        if len(own):
+            stops.append(Stop(names[column], 0, "contact", _contact(search.obstacles, graph.layers.q[own[0]])))
             continue
         q = everything.q[everything.column == column]
         counts = everything.counts[everything.column == column]
         k = int(np.argmin((counts == 0).sum(axis=1)))
-        stops.append(Stop(names[column], 0, "limit", _limits(settings, central(settings, q[k]), counts[k] == 0)))
+        stops.append(Stop(names[column], 0, "limit", _limits(settings, settings.joints.central(q[k]), counts[k] == 0)))
     return tuple(stops)
 
 
-def _stop(settings: CheckedSettings, search: Search, T: Array, last: int, nodes: Ints, states: Ints) -> tuple[str, str]:
-    """Why these states of a waypoint lead to none of the next one: the cause, and the same in words."""
+def _diagnosis(
+    settings: CheckedSettings, search: Search, T: Array, last: int, nodes: Ints, states: Ints
+) -> tuple[str, str]:
+    """Why these states of a waypoint lead to none of the next one: the cause, and the reason in words."""
     solver, graph = settings.solver, search.graph
     joints = graph.joints
     values = graph.layers.value[nodes]
     candidates = _solutions(settings, T, last + 1, None if solver.parameter is None else np.unique(values))
     if not len(candidates.q):
-        if solver.parameter is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
+        if solver.parameter is not None and len(_solutions(settings, T, last + 1, None).q):
             return "jump", f"its solutions end here: the next waypoint has none at this {solver.parameter.label}"
         return "reach", _reach(solver, T[last + 1])
-    found = {}
+    reasons = {}
     nearest_jump = np.inf
     for node, state in zip(nodes, states, strict=True):
         q = graph.layers.q[node] + joints.digits[state] * joints.turn
@@ -159,42 +166,39 @@ def _stop(settings: CheckedSettings, search: Search, T: Array, last: int, nodes:
         k = int(np.argmin(size))
         straight = keeps_straight(
             solver.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
-            settings.tolerance.times(_LOOSE), solver.free_axis,
+            settings.tolerance.times(CONTINUES), solver.free_axis,
         )  # fmt: skip
         if not straight[0]:
             if size[k] < nearest_jump:
                 nearest_jump = float(size[k])
                 joint = solver.joint_names[int(np.argmax(np.abs(steps[k])))]
                 amount = _value(settings, joint, size[k])
-                found["jump"] = f"its solutions end here: the next waypoint's nearest is a jump of {amount} in {joint}"
+                reasons["jump"] = (
+                    f"its solutions end here: the next waypoint's nearest is a jump of {amount} in {joint}"
+                )
             continue
         after = q + steps[k]
         low, high = solver.limits.T
         outside = (after < low - 1e-9) | (after > high + 1e-9)
         if outside.any():
-            found["limit"] = _limits(settings, after, outside)
+            reasons["limit"] = _limits(settings, after, outside)
         elif (np.abs(steps[k]) > settings.max_step).any():
             joint = solver.joint_names[int(np.argmax(np.abs(steps[k]) / settings.max_step))]
-            found["limit"] = f"{joint} would have to move more than max_step allows"
+            reasons["limit"] = f"{joint} would have to move more than max_step allows"
         elif search.obstacles is not None:
-            found["contact"] = _contact(search, after, q)
+            reasons["contact"] = _contact(search.obstacles, after, q)
     for cause in ("contact", "limit", "jump"):
-        if cause in found:
-            return cause, found[cause]
+        if cause in reasons:
+            return cause, reasons[cause]
     return "jump", "no motion to the next waypoint keeps to the straight segment"
 
 
-def _solutions(settings: CheckedSettings, T: Array, at: int, values: Array | None) -> node_sets.Nodes:
-    """All solutions of a waypoint, inside the limits or not."""
-    if settings.solver.parameter is not None:
-        values = (_all_values(settings) if values is None else values)[None]
-    return node_sets.solved(settings.solver, settings.joints, T, np.array([at]), values, outside=True)
-
-
-def _all_values(settings: CheckedSettings) -> Array:
+def _solutions(settings: CheckedSettings, T: Array, waypoint: int, values: Array | None) -> node_sets.Nodes:
+    """All solutions of a waypoint, inside the limits or not; at all values of the parameter where none are given."""
     parameter = settings.solver.parameter
-    assert parameter is not None  # an arm without one is not asked
-    return np.linspace(*parameter.range, 256)
+    if parameter is not None:
+        values = (np.linspace(*parameter.range, FINE_VALUES) if values is None else values)[None]
+    return node_sets.solved(settings.solver, settings.joints, T, np.array([waypoint]), values, outside=True)
 
 
 def _limits(settings: CheckedSettings, q: Array, outside: NDArray[np.bool_]) -> str:
@@ -208,19 +212,65 @@ def _limits(settings: CheckedSettings, q: Array, outside: NDArray[np.bool_]) -> 
     return "; ".join(parts)
 
 
-def _contact(search: Search, q: Array, before: Array | None = None) -> str:
-    assert search.obstacles is not None  # without obstacles nothing is in contact
-    model, margin = search.obstacles
-    if before is not None and search.obstacles.free(q[None])[0]:
-        motion = model.motions_free(before[None], q[None], margin)
-        pair = motion.pairs[0]
+def _contact(obstacles: Obstacles | None, q: Array, before: Array | None = None) -> str:
+    """The bodies in contact at a joint vector (n,), or on the way to it."""
+    assert obstacles is not None  # without obstacles nothing is in contact
+    pair, where = obstacles.pair(q), ""
+    if before is not None and obstacles.free(q[None])[0]:
+        pair = obstacles.model.motions_free(before[None], q[None], obstacles.margin).pairs[0]
         where = " on the way to the next waypoint"
-    else:
-        pair, where = search.obstacles.pair(q), ""
-    touch = "touch" if not margin else f"come within {margin:g} m of each other"
+    touch = "touch" if not obstacles.margin else f"come within {obstacles.margin:g} m of each other"
     return f"{pair[0]} and {pair[1]} {touch}{where}" if pair else f"links {touch}{where}"
 
 
 def _value(settings: CheckedSettings, joint: str, x: float) -> str:
     slides = settings.solver.chain.prismatic[settings.solver.joint_names.index(joint)]
     return f"{x:.4g} m" if slides else f"{np.degrees(x):.4g}°"
+
+
+def grid_values(settings: CheckedSettings, T: Array, count: int) -> Array:
+    """Values (count,) over the whole range of the redundancy parameter, for poses (m, 4, 4)."""
+    parameter = settings.solver.parameter
+    assert parameter is not None  # grids are only for arms with a parameter
+    low, high = span(settings.solver, parameter, T)
+    return np.linspace(low, high, count, endpoint=not parameter.round)
+
+
+def is_closed(settings: CheckedSettings, T: Array, count: int) -> bool:
+    """Whether a pose (4, 4) has solutions inside the limits at ``count`` values, and all of them are in contact."""
+    assert settings.obstacles is not None  # without obstacles nothing is in contact
+    values = grid_values(settings, T[None], count)
+    nodes = node_sets.solved(settings.solver, settings.joints, T[None], np.zeros(1, np.int64), values[None])
+    # Neighbouring values make contact alike, so the order is random.
+    q = nodes.q[np.random.default_rng(0).permutation(len(nodes.q))]
+    parts = (q[k : k + VECTORS_AT_ONCE] for k in range(0, len(q), VECTORS_AT_ONCE))
+    return len(q) > 0 and not any(settings.obstacles.free(part).any() for part in parts)
+
+
+def closed_waypoint(settings: CheckedSettings, path: Array, q: Array) -> Stop | None:
+    """The stop at a waypoint whose solutions are all in contact, whatever the route; None where none is found.
+
+    The midpoint of each colliding stretch of a route (m, n) is tested. From a closed one, bisection leads towards the
+    first closed waypoint of the stretch.
+    """
+    obstacles, parameter = settings.obstacles, settings.solver.parameter
+    assert obstacles is not None and parameter is not None  # noqa: PT018 - closed waypoints need both
+    touching = np.flatnonzero(~obstacles.free(q))
+    stretches = [part for part in np.split(touching, np.flatnonzero(np.diff(touching) > 1) + 1) if len(part)]
+    for stretch in sorted(stretches, key=len, reverse=True)[:MOST_STRETCHES]:
+        low, closed = int(stretch[0]) - 1, int(stretch[len(stretch) // 2])
+        if not is_closed(settings, path[closed], COARSE_VALUES):
+            continue
+        middle_of_stretch = closed
+        while closed - low > 1:
+            middle = (low + closed) // 2
+            if is_closed(settings, path[middle], COARSE_VALUES):
+                closed = middle
+            else:
+                low = middle
+        for k in (closed, middle_of_stretch):
+            if is_closed(settings, path[k], FINE_VALUES):
+                values = f"{FINE_VALUES} values of the {parameter.label}"
+                reason = f"something touches in every solution at {values}; in one of them {_contact(obstacles, q[k])}"
+                return Stop(EVERY_BRANCH, k, "contact", reason)
+    return None

@@ -1,4 +1,4 @@
-"""How far the tip strays from the straight segment between waypoints while the joints move linearly: proven bounds.
+"""Proof that the tip stays close to the straight segment between waypoints while the joints move linearly.
 
 Let e(s) be the difference between the tip's position while the joints move by s dq and the point on the segment at the
 share s. It vanishes at both ends, and its second derivative is that of the tip's position, at most
@@ -8,36 +8,49 @@ second derivative is at most M is at most E + M h^2 / 8 on it. The same holds fo
 second derivative is at most w^2 + w', w being the greatest difference of the two angular velocities and w' that of its
 rate; its distance from the identity is 2 sin(angle / 2).
 
-With a free axis of the tip, only a point on it and its direction d count: the same bounds hold, r_k reaching to that
-point, for R_segment(s)^T R(s) d, whose distance from d is 2 sin(angle / 2), too. The point moves on the segment along a
-curve where it is not the tip's origin: its second derivative, at most the point's distance from the origin times the
-square of the segment's rotation, adds to the bound of the position.
+With a free axis of the tip, only a point on it and its direction d count. The same bounds hold for the point, and for
+R_segment(s)^T R(s) d, whose distance from d is also 2 sin(angle / 2). A point that is not the tip's origin moves on a
+curve along the segment: its second derivative, at most its distance from the origin times the square of the segment's
+rotation, is added to the bound of the position.
+
+A motion that leaves the tolerance is bisected (``bisected``): the arm is solved at the middle of the segment, and the
+solution nearest to the middle of the motion is inserted. Every piece is proven in the end, so no jump to another
+branch passes.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
-from urdf_ik.paths.waypoints import interpolated
+from urdf_ik.paths.planner.nodes import WIDEST_STEP, Joints
+from urdf_ik.paths.waypoints import interpolated, twists
+from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
 Mask = NDArray[np.bool_]
 
-PROVEN = 0.25
-"""Share of a tolerance that the bound between two samples may take; the samples must keep within the rest."""
-MOST_PIECES = 256
-"""A motion that needs more samples counts as one that strays."""
+BETWEEN_SAMPLES = 0.25
+"""Fraction of the tolerance left for the bound between samples; the samples must stay within the rest."""
+MOST_SAMPLES = 256
+"""A motion that needs more samples than this for its proof is rejected."""
+MOST_BISECTIONS = 8
+"""Most successive bisections of the segment between two waypoints."""
 _BATCH = 1 << 15
+"""Most poses that are sampled in one call."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far a motion may stray from the straight segment between two waypoints.
+    """Largest distance of the tip from the straight segment between two waypoints.
 
     Attributes:
         position: m.
@@ -48,7 +61,7 @@ class Tolerance:
     rotation: float
 
     def times(self, factor: float) -> Tolerance:
-        """A tolerance so many times as large, the rotation at most one radian."""
+        """The tolerance multiplied by a factor, the rotation at most 1 rad."""
         return Tolerance(self.position * factor, min(self.rotation * factor, 1.0))
 
 
@@ -57,39 +70,39 @@ def keeps_straight(
     q: Array,
     dq: Array,
     T: Array,
-    at: NDArray[np.intp],
+    waypoint: NDArray[np.intp],
     turns: Array,
     tolerance: Tolerance,
     free: FreeAxis | None = None,
 ) -> Mask:
-    """Whether linear joint motions keep within a tolerance of the straight segments between waypoints.
+    """Whether linear joint motions stay within a tolerance of the straight segments between waypoints.
 
     Args:
         chain: the arm's joints.
-        q: (k, n) rad or m, starts of the motions, at the waypoints ``at``.
-        dq: (k, n) rad or m; q + dq are at the waypoints after them.
+        q: (k, n) rad or m, starts of the motions.
+        dq: (k, n) rad or m; q + dq are solutions of the following waypoints.
         T: (m, 4, 4) m, waypoints.
-        at: (k,) number of the waypoint that each motion starts at.
+        waypoint: (k,) number of the waypoint at which each motion starts.
         turns: (m - 1, 3) rad, rotation vectors from each waypoint to the next, in base axes.
-        tolerance: see :class:`Tolerance`.
-        free: a line in the tip about which any rotation will do.
+        tolerance: of the tip.
+        free: axis of the tip about which the rotation is free, or None.
 
     Returns:
         (k,) true where it is proven.
     """
     lever = 0.0 if free is None else float(np.linalg.norm(free.at))
-    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[at], lever)
+    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[waypoint], lever)
     allowed = 2.0 * np.sin(0.5 * tolerance.rotation)
-    # Without a sample, the bound may take the whole tolerance.
+    # Without samples the bound may use the whole tolerance.
     straight = (position <= 8.0 * tolerance.position) & (rotation <= 8.0 * allowed)
-    share = np.maximum(position / tolerance.position, rotation / allowed) / (8.0 * PROVEN)
+    share = np.maximum(position / tolerance.position, rotation / allowed) / (8.0 * BETWEEN_SAMPLES)
     pieces = np.exp2(np.ceil(0.5 * np.log2(np.maximum(share, 1.0)))).clip(2.0)
-    undecided, count = ~straight & (pieces <= MOST_PIECES), 2
+    undecided, count = ~straight & (pieces <= MOST_SAMPLES), 2
     while undecided.any():
         here = np.flatnonzero(undecided)
         within = np.concatenate(
             [
-                _samples_within(chain, q[k], dq[k], T, at[k], turns, count, tolerance, allowed, free)
+                _samples_within(chain, q[k], dq[k], T, waypoint[k], turns, count, tolerance, allowed, free)
                 for k in np.array_split(here, 1 + len(here) * count // _BATCH)
             ]
         )
@@ -101,14 +114,14 @@ def keeps_straight(
 
 
 def curvature(chain: Chain, q: Array, dq: Array, turn: Array, lever: float = 0.0) -> tuple[Array, Array]:
-    """Bounds of the second derivatives, see above: of the position [m] and of the rotation, (k,) each.
+    """Bounds of the second derivatives of position [m] and rotation [rad], (k,) each; see the module.
 
     Args:
         chain: the arm's joints.
-        q: (k, n) rad or m.
-        dq: (k, n) rad or m.
-        turn: (k,) rad that the segment turns by.
-        lever: m from the tip to the point in it whose position counts.
+        q: (k, n) rad or m, starts.
+        dq: (k, n) rad or m, motions.
+        turn: (k,) rad, rotation along the segment.
+        lever: distance of the controlled point from the tip's origin [m].
     """
     axes = chain.axes
     gain = getattr(chain, "gain", None)
@@ -116,7 +129,7 @@ def curvature(chain: Chain, q: Array, dq: Array, turn: Array, lever: float = 0.0
     lengths = np.linalg.norm(axes.P[1:], axis=1)
     lengths[-1] += lever
     lengths = lengths + np.where(axes.prismatic, np.abs(values) + steps, 0.0)
-    # From each axis to the tip: the steps after it, and the slides.
+    # Distance from each axis to the tip: the sum of the offsets and slides after it.
     reach = np.where(axes.prismatic, 1.0, np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1])
     turning = np.where(axes.prismatic, 0.0, steps)
     before = np.cumsum(turning, axis=1) - turning
@@ -130,19 +143,19 @@ def _samples_within(
     q: Array,
     dq: Array,
     T: Array,
-    at: NDArray[np.intp],
+    waypoint: NDArray[np.intp],
     turns: Array,
     count: int,
     tolerance: Tolerance,
     allowed: float,
     free: FreeAxis | None,
 ) -> Mask:
-    """Whether the samples at odd multiples of 1 / count keep within 1 - ``PROVEN`` of a tolerance."""
+    """Whether the samples at odd multiples of 1 / count are within 1 - ``BETWEEN_SAMPLES`` of a tolerance."""
     shares = np.arange(1, count, 2) / count
     real = chain.fk(q[:, None] + shares[:, None] * dq[:, None])
-    segments, place = np.unique(at, return_inverse=True)
+    segments, place = np.unique(waypoint, return_inverse=True)
     ideal = interpolated(T[segments, None], T[segments + 1, None], shares, turns[segments, None])[place]
-    left = 1.0 - PROVEN
+    share = 1.0 - BETWEEN_SAMPLES
     if free is None:
         off = real[..., :3, 3] - ideal[..., :3, 3]
         # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), which is sqrt(2) times the distance above.
@@ -151,7 +164,102 @@ def _samples_within(
         off, turned = np.moveaxis((real - ideal)[..., :3, :] @ free.seen, -1, 0)
     return np.asarray(
         (
-            (np.einsum("...i,...i", off, off) <= (left * tolerance.position) ** 2)
-            & (np.einsum("...i,...i", turned, turned) <= (left * allowed) ** 2)
+            (np.einsum("...i,...i", off, off) <= (share * tolerance.position) ** 2)
+            & (np.einsum("...i,...i", turned, turned) <= (share * allowed) ** 2)
         ).all(axis=1)
     )
+
+
+def bisected(
+    solver: Solver, joints: Joints, q: Array, dq: Array, value: Array, T0: Array, T1: Array, tolerance: Tolerance
+) -> tuple[Mask, list[tuple[Array, Array]]]:
+    """Insert joint vectors into motions, so that every piece stays within a tolerance of the straight segment.
+
+    Args:
+        solver: the arm's solver.
+        joints: the arm's joints.
+        q: (k, n) rad or m, starts of the motions.
+        dq: (k, n) rad or m, motions.
+        value: (k, 2) redundancy parameter at both ends; ignored for an arm without one.
+        T0: (k, 4, 4) m, poses of q.
+        T1: (k, 4, 4) m, poses of q + dq.
+        tolerance: of the tip.
+
+    Returns:
+        (k,) whether it succeeded; for each motion the shares of the segment and the joint vectors inserted there.
+    """
+    turns = twists(T0, T1)[:, 3:]
+    done = np.ones(len(q), dtype=np.bool_)
+    inserted: list[list[tuple[float, Array]]] = [[] for _ in q]
+    pieces = _Pieces(np.arange(len(q)), np.zeros(len(q)), np.ones(len(q)), q, dq, value)
+    for depth in range(MOST_BISECTIONS):
+        pieces = pieces.chosen(done[pieces.motion])
+        if not len(pieces.motion):
+            break
+        motion, rows = pieces.motion, np.arange(len(pieces.motion))
+        share = 0.5 * (pieces.start + pieces.end)
+        middle = interpolated(T0[motion], T1[motion], share, turns[motion])
+        half_value = pieces.value[:, 0] + 0.5 * _value_steps(solver, pieces.value)
+        wanted = pieces.q + 0.5 * pieces.dq
+        values = nearest_values(solver, wanted, middle) if len(solver.parameters) > 1 else half_value
+        solutions = solve(solver, middle) if solver.parameter is None else solve(solver, middle, redundancy=values)
+        off = joints.step(wanted[:, None], solutions.q)
+        distance = np.where(solutions.valid, np.abs(off).max(axis=2), np.inf)
+        column = np.argmin(distance, axis=1)
+        c = wanted + off[rows, column]
+        good = np.isfinite(distance[rows, column])
+        with np.errstate(invalid="ignore"):  # NaN where there is no solution
+            halves = np.maximum(np.abs(c - pieces.q).max(axis=1), np.abs(pieces.q + pieces.dq - c).max(axis=1))
+            good &= halves <= WIDEST_STEP
+        done[motion[~good]] = False
+        for k in np.flatnonzero(good):
+            inserted[motion[k]].append((float(share[k]), c[k]))
+        first, last = pieces.value.T
+        left = _Pieces(motion, pieces.start, share, pieces.q, c - pieces.q, np.column_stack([first, half_value]))
+        right = _Pieces(motion, share, pieces.end, c, pieces.q + pieces.dq - c, np.column_stack([half_value, last]))
+        both = left.joined(right).chosen(np.tile(good, 2))
+        pieces = both.chosen(~_pieces_straight(solver, both, T0, T1, turns, tolerance))
+        if depth == MOST_BISECTIONS - 1:
+            done[pieces.motion] = False
+    ordered = []
+    for pairs in inserted:
+        pairs.sort(key=lambda pair: pair[0])
+        ordered.append((np.array([s for s, _ in pairs]), np.array([x for _, x in pairs]).reshape(-1, solver.dof)))
+    return done, ordered
+
+
+class _Pieces(NamedTuple):
+    """Pieces of motions: whose (k,); start and end as shares of the segment; q and dq (k, n); values (k, 2)."""
+
+    motion: NDArray[np.int64]
+    start: Array
+    end: Array
+    q: Array
+    dq: Array
+    value: Array
+
+    def chosen(self, which: Mask) -> _Pieces:
+        parts: list[Any] = [part[which] for part in self]
+        return _Pieces(*parts)
+
+    def joined(self, others: _Pieces) -> _Pieces:
+        parts: list[Any] = [np.concatenate(pair) for pair in zip(self, others, strict=True)]
+        return _Pieces(*parts)
+
+
+def _value_steps(solver: Solver, value: Array) -> Array:
+    """Difference of values (k, 2) of the redundancy parameter; round the circle the shorter one."""
+    steps: Array = value[:, 1] - value[:, 0]
+    return shortest(steps) if solver.parameter is not None and solver.parameter.round else steps
+
+
+def _pieces_straight(solver: Solver, pieces: _Pieces, T0: Array, T1: Array, turns: Array, tolerance: Tolerance) -> Mask:
+    """Whether each piece stays within the tolerance of its part of the segment."""
+    motion = pieces.motion
+    ends = np.empty((2 * len(motion), 4, 4))
+    ends[0::2] = interpolated(T0[motion], T1[motion], pieces.start, turns[motion])
+    ends[1::2] = interpolated(T0[motion], T1[motion], pieces.end, turns[motion])
+    turn = np.zeros((max(2 * len(motion) - 1, 0), 3))
+    turn[0::2] = (pieces.end - pieces.start)[:, None] * turns[motion]
+    first = 2 * np.arange(len(motion))
+    return keeps_straight(solver.chain, pieces.q, pieces.dq, ends, first, turn, tolerance, solver.free_axis)

@@ -11,7 +11,6 @@ proof: where singularities lie closer to each other than a piece is long, a fold
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,7 +26,7 @@ from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import CoupledChain
 from urdf_ik.model.poses import check_poses
-from urdf_ik.paths.tracker.limits import limits_of, positive
+from urdf_ik.paths.checked_settings import per_joint
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 
@@ -45,7 +44,7 @@ _KINDS = {
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TrackedArm:
+class _TrackedArm:
     """An arm that follows poses, for the compiled tracker: ``TrackedArm`` of the core.
 
     Attributes:
@@ -72,8 +71,7 @@ class TrackedArm:
 class Tracker:
     """An arm that follows targets, one a control cycle; made by :meth:`urdf_ik.Arm.tracker`.
 
-    One tracker must not be stepped from several threads at once; different trackers may. A copy starts from the ``q``
-    and ``velocity`` of the original.
+    One tracker must not be stepped from several threads at once; different trackers may.
 
     Attributes:
         solver: the solver of the arm.
@@ -139,12 +137,13 @@ class Tracker:
                 "it tracks them with the rotation that they have"
             )
         self.solver = solver
-        self.dt = positive("dt", dt, "s")
-        own = solver.velocity_limits.copy()
-        self.velocity_limits = own if velocity is None else limits_of(solver, "velocity", velocity)
-        self.acceleration_limits = limits_of(solver, "acceleration", np.inf if acceleration is None else acceleration)
-        for each in (self.velocity_limits, self.acceleration_limits):
-            each.setflags(write=False)
+        self.dt = inputs.number(dt, "dt", above=0.0, unit="s")
+        speed = solver.velocity_limits if velocity is None else per_joint("velocity", velocity, solver.joint_names)
+        self.velocity_limits = speed.copy()
+        most = np.inf if acceleration is None else acceleration
+        self.acceleration_limits = per_joint("acceleration", most, solver.joint_names)
+        self.velocity_limits.setflags(write=False)
+        self.acceleration_limits.setflags(write=False)
         self._targets = solver.targets
         control = solver.control
         kind = (
@@ -155,7 +154,7 @@ class Tracker:
             )
         )
         self._core = CoreTracker(
-            TrackedArm(
+            _TrackedArm(
                 joints=chain.n,
                 written=kind.written(chain),
                 lower=chain.limits[:, 0].copy(),
@@ -163,23 +162,16 @@ class Tracker:
                 velocity=self.velocity_limits,
                 acceleration=self.acceleration_limits,
                 dt=self.dt,
-                recentring=positive("recentring", RECENTRING if recentring is None else recentring, "1/s", zero=True),
+                recentring=inputs.number(RECENTRING if recentring is None else recentring, "recentring", low=0.0),
             )
         )
-        self._margin = positive("margin", margin, "m", zero=True)
+        self._margin = inputs.number(margin, "margin", low=0.0, unit="m")
         self._collision: Any = None
-        if inputs.flag(self_collision, "self_collision") or world is not None:
+        if self_collision or world is not None:
             self._collision = solver.contacts.in_world(world)
-        self._options = {
-            "velocity": self.velocity_limits, "acceleration": self.acceleration_limits,
-            "recentring": recentring, "world": world, "self_collision": self_collision, "margin": self._margin,
-        }  # fmt: skip
-        # The whole of a cycle where a pose is followed and no collision is checked.
+        # A pose is tracked and no collision is checked: the core does the whole cycle.
         self._quick = self._core.step if self._targets is None and self._collision is None else None
         self.reset(q0)
-
-    def __reduce__(self) -> tuple[Callable[..., Tracker], tuple[Any, ...]]:
-        return _restored, (self.solver, self.q, self.velocity, self.dt, self._options)
 
     def __repr__(self) -> str:
         return f"<Tracker of {self.solver.name!r}: {1.0 / self.dt:g} cycles a second>"
@@ -203,13 +195,6 @@ class Tracker:
 
         Raises:
             ArgumentError: a vector does not fit the arm, or ``q`` is outside the limits.
-
-        Example:
-            >>> import urdf_ik
-            >>> tracker = urdf_ik.load("scara_rrpr").tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
-            >>> tracker.reset([0.2, 0.4, 0.1, 0.0])
-            >>> tracker.q.tolist()
-            [0.2, 0.4, 0.1, 0.0]
         """
         chain, n = self.solver.chain, self.solver.dof
         place, speed = chain.check(q), np.zeros(n) if velocity is None else chain.check(velocity)
@@ -284,11 +269,3 @@ class Tracker:
             raise PoseError(f"an array of shape {target.shape} given; a cycle takes a single target")
         poses: Array = self._targets.poses(target[None])
         return np.ascontiguousarray(poses[0])
-
-
-def _restored(solver: Solver, q: Array, velocity: Array, dt: float, options: dict[str, Any]) -> Tracker:
-    """A tracker that goes on from where another one is."""
-    lower, upper = solver.limits.T
-    tracker = Tracker(solver, np.clip(q, lower, upper), dt, **options)
-    tracker.reset(tracker.q, velocity)
-    return tracker
