@@ -54,7 +54,7 @@ ROOMS = {
     "cell.collision_model": "Collision models",
     "cell.pinocchio_reference": "Pinocchio's own model of the file",
     "paths.planning": "Settings of a path",
-    "paths.tracker": "The tracker",
+    "paths.target_tracker": "The tracker",
     "ik.solver": "The solver of an arm",
     "ik.nearest": "The nearest solution",
     "ik.redundancy.interval_search": "Search of intervals",

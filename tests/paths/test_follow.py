@@ -15,7 +15,6 @@ from urdf_ik.model import catalogue
 from urdf_ik.support.angles import TURN
 
 SIX = ("zyyzyz_6r", "ur5", "puma_560", "dh_6r", "z1")
-SEVEN = ("panda", "srs_7r")
 
 
 @pytest.mark.parametrize("name", SIX)
@@ -59,15 +58,16 @@ def test_time_at_the_velocity_limits_is_a_cost() -> None:
     assert plan.cost == pytest.approx((np.abs(np.diff(plan.q, axis=0)) / v).max(axis=1).sum(), rel=1e-9)
 
 
-@pytest.mark.parametrize("name", SEVEN)
-@pytest.mark.parametrize("seed", range(2))
-def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int) -> None:
-    """The tip's path of a seven-joint motion is found, at 1.5 times the motion's cost or less."""
+@pytest.mark.parametrize(
+    ("name", "seed", "share"), [("panda", 0, 0.835), ("panda", 1, 0.911), ("srs_7r", 0, 0.895), ("srs_7r", 1, 1.052)]
+)
+def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int, share: float) -> None:
+    """The tip's path of a seven-joint motion is found, at the measured share of the motion's cost plus 3 %."""
     arm = urdf_ik.load(name)
     q = joint_path(arm, 60, seed)
     plan = arm.follow(arm.fk(q), collisions=False)
     check(arm, plan)
-    assert plan.cost <= 1.5 * (np.diff(q, axis=0) ** 2).sum()
+    assert plan.cost <= 1.03 * share * (np.diff(q, axis=0) ** 2).sum()
 
 
 def test_ur5_joints_pass_half_a_turn_without_a_jump() -> None:

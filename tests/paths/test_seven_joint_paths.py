@@ -8,7 +8,7 @@ from paths import check, distance_to_box, joint_path
 
 import urdf_ik
 from urdf_ik.paths import PathSettings, checked_settings
-from urdf_ik.paths.planner import assembly, redundant, smoothing
+from urdf_ik.paths.planner import assembly, smoothing
 
 
 def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.ndarray, np.ndarray]:
@@ -118,16 +118,6 @@ def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
     low, high = arm.limits.T
     loose = ((better > low + 1e-3) & (better < high - 1e-3)).all(axis=1)
     assert np.abs(gradient[loose]).max() < 1e-3 * np.abs(t).max() * np.abs(gaps).max() * 40
-
-
-def test_panda_grid_is_finer_than_the_coarsest() -> None:
-    """The Panda's limits leave few solutions of a pose, so the first grid has more values than the fewest."""
-    arm = urdf_ik.load("panda")
-    T = arm.fk(joint_path(arm, 10, 0))
-    asked = checked_settings.checked(arm.solver, T, PathSettings(), None)
-    whole = assembly.Refined(T, np.arange(10.0), np.ones(9))
-    count = redundant._values(asked, whole)
-    assert redundant.FEWEST < count <= redundant.MOST
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])

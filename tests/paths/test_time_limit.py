@@ -89,11 +89,3 @@ def test_a_plan_without_obstacles_is_no_plan_among_them(monkeypatch: pytest.Monk
     assert "around the obstacles" in said[-1]
     assert not plan.found
     assert plan.stops[0].cause == "time"
-
-
-@pytest.mark.parametrize(("setting", "value"), [("time_limit", -1.0), ("time_limit", "soon"), ("progress", 3)])
-def test_settings_that_make_no_sense_are_refused(setting: str, value: object) -> None:
-    """The message names the setting."""
-    arm = urdf_ik.load("ur5")
-    with pytest.raises(urdf_ik.ArgumentError, match=setting):
-        arm.follow(line_of(arm, [0.3, -1.2, 1.4, -1.7, -1.5, 0.2]), **{setting: value})

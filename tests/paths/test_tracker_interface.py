@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -28,18 +27,6 @@ def test_answers_are_copies() -> None:
     np.testing.assert_allclose(tracker.q, Q0, atol=1e-12)
     tracker.q[:] = 9.0
     assert tracker.step(arm.fk(Q0)).status == "ok"
-
-
-def test_a_copy_goes_on_by_itself() -> None:
-    """A pickled tracker stands where the first one stood, answers as it would, and does not move with it."""
-    arm = arm_of("zyyzyz_6r")
-    tracker = arm.tracker(Q0, DT)
-    tracker.step(arm.fk(Q0 + 1e-3))
-    again = pickle.loads(pickle.dumps(tracker))
-    T = arm.fk(Q0 + 2e-3)
-    first = tracker.step(T)
-    np.testing.assert_array_equal(again.q, Q0 + 1e-3 if first.status != "ok" else again.q)
-    np.testing.assert_array_equal(again.step(T).q, first.q)
 
 
 def test_poses_of_any_kind() -> None:
@@ -144,8 +131,3 @@ def test_arms_that_are_not_tracked_say_why() -> None:
     arm = urdf_ik.load(linkage("any axes", 0), base="base", tip="tool")
     with pytest.raises(UnsupportedArm, match="mimic"):
         arm.tracker(np.zeros(arm.dof), DT)
-
-
-def test_a_tracker_names_its_arm() -> None:
-    """The repr of a tracker names the arm."""
-    assert repr(arm_of("zyyzyz_6r").tracker(Q0, 0.01)) == "<Tracker of 'zyyzyz_6r': 100 cycles a second>"
