@@ -50,7 +50,7 @@ ARMS = arms()
 def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
     """The balls' centres are those of Pinocchio's placements, in the base link."""
     arm = ARMS[name]
-    check = arm.cell.collisions._now().check.links
+    check = arm.cell.collisions.present_check().links
     balls = [one_ball(each.geometry)[0] for each in check.arm.geometry.geometryObjects]
     for q in np.random.default_rng(0).uniform(-2, 2, (10, arm.dof)):
         placed = check.arm.bodies.place(q[None])
@@ -64,7 +64,7 @@ def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
 def test_no_point_goes_farther_than_it_may(name: str) -> None:
     """On the way from the middle of a motion, no point of a ball leaves its place by more than the joints' bounds."""
     arm, rng = ARMS[name], np.random.default_rng(1)
-    bodies = arm.cell.collisions._arm.bodies
+    bodies = arm.cell.collisions.shapes.bodies
     S, m = bodies.radii.shape
     tightest = 0.0
     for _ in range(40):
@@ -74,7 +74,7 @@ def test_no_point_goes_farther_than_it_may(name: str) -> None:
         bound = bodies.reaches(placed, np.abs(way)[None])[0].sum(axis=-1)
         direction = rng.normal(size=(S, m, 20, 3))
         direction *= bodies.radii[..., None, None] / np.linalg.norm(direction, axis=-1, keepdims=True)
-        local = bodies._balls[:, :, None] + direction
+        local = bodies.local_centres[:, :, None] + direction
         there = bodies.place(middle + np.linspace(-1.0, 1.0, 21)[:, None] * way).poses[:, bodies.body]
         here = placed.poses[0, bodies.body]
 
@@ -93,7 +93,7 @@ def test_no_point_goes_farther_than_it_may(name: str) -> None:
 def test_balls_hold_their_shapes(name: str) -> None:
     """Every point of a shape's surface lies in one of its balls, and in its one ball."""
     rng = np.random.default_rng(2)
-    for each in ARMS[name].cell.collisions._arm.geometry.geometryObjects:
+    for each in ARMS[name].cell.collisions.shapes.geometry.geometryObjects:
         shape = each.geometry
         if isinstance(shape, coal.BVHModelBase):
             vertices = np.array(shape.vertices())
@@ -127,7 +127,7 @@ def test_balls_hold_their_shapes(name: str) -> None:
 def test_hulls_are_never_farther_apart_than_their_meshes() -> None:
     """Distances of hulls are those of meshes or less, for all pairs of an arm's meshes in many places."""
     objects = [
-        (each.geometry, hull(each.geometry)) for each in ARMS["ur5"].cell.collisions._arm.geometry.geometryObjects
+        (each.geometry, hull(each.geometry)) for each in ARMS["ur5"].cell.collisions.shapes.geometry.geometryObjects
     ]
     meshes = [(mesh, convex) for mesh, convex in objects if convex is not None]
     assert len(meshes) > 3

@@ -20,8 +20,7 @@ import trimesh
 import urdf_ik
 from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere, World, pose
 from urdf_ik.cell import CollisionModel, coal_shapes, distance_bounds
-from urdf_ik.cell.obstacles.index import FEW
-from urdf_ik.cell.obstacles.tree import BoxTree
+from urdf_ik.cell.obstacle_index import FEW, BoxTree
 from urdf_ik.cell.shapes import Shape
 from urdf_ik.cell.swept_motions import TOUCH
 
@@ -64,7 +63,7 @@ def random_world(rng: np.random.Generator, count: int, reach: float) -> World:
 
 def pairwise(model: CollisionModel, world: World, q: Array) -> dict[tuple[str, str], float]:
     """Distance of every checked pair of a link and an obstacle, each by coal alone, to the names."""
-    reference, arm = model._reference, model._arm
+    reference, arm = model.reference, model.shapes
     plain, shapes = reference.pin_model, arm.geometry
     data, placed = plain.createData(), shapes.createData()
     pin.updateGeometryPlacements(plain, data, shapes, placed, reference.configuration(q))
@@ -97,7 +96,7 @@ def test_the_same_as_pair_by_pair(name: str, reach: float, count: int) -> None:
     still = [pair for pair, why in model.allowed_pairs.items() if why == "rigid" and pair[1] == "o1"]
     for pair in still[:1]:
         model = model.check(*pair)
-    assert model._now().check.index.has_tree == (count > FEW)
+    assert model.present_check().index.has_tree == (count > FEW)
     hits = []
     for q in rng.uniform(-2.0, 2.0, (12, arm.dof)):
         apart = pairwise(model, world, q)
@@ -184,7 +183,7 @@ def test_the_nearest_obstacle_after_all_near_ones_are_removed() -> None:
     assert model.distance([0.0]) == pytest.approx(0.49, abs=1e-5)
     for i in range(60):
         world.remove(f"near {i}")
-    assert model._now().check.index.has_tree
+    assert model.present_check().index.has_tree
     assert model.distance([0.0]) == pytest.approx(np.hypot(0.5, 0.0) - 0.01, abs=1e-3)
     for i in range(60, 300):
         world.remove(f"near {i}")
@@ -262,7 +261,7 @@ def test_a_cloud_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
         world = World()
         world.add("scan", Points(points, 0.01), pose([0.1, 0.0, 0.2], rpy=[0.1, 0.2, 0.3]))
         model = arm.cell.collisions.in_world(world)
-        assert len(model._now().check.index) == 1
+        assert len(model.present_check().index) == 1
         answers.append((model.distance(q), model.in_collision(q), [model.colliding_pairs(each) for each in q]))
         world.move("scan", pose([50.0, 0.0, 0.0]))
         np.testing.assert_array_equal(model.distance(q), arm.clearance(q))
@@ -286,7 +285,7 @@ def test_a_mesh_in_pieces(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> No
         world.add("ball", Mesh(tmp_path / "ball.stl", scale=0.9), pose([0.5, 0.3, 0.4], rpy=[0.1, 0.2, 0.3]))
         model = arm.cell.collisions.in_world(world)
         answers.append((model.distance(q), model.in_collision(q, 0.02)))
-        assert model._now().check.index.count == (1 if size else 52)
+        assert model.present_check().index.count == (1 if size else 52)
     np.testing.assert_allclose(answers[0][0], answers[1][0], atol=1e-9)
     np.testing.assert_array_equal(answers[0][1], answers[1][1])
     assert np.any(answers[0][0] == 0.0) and np.any(answers[0][0] < np.asarray(arm.clearance(q)))

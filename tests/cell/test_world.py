@@ -253,7 +253,7 @@ def test_bad_changes_of_a_world() -> None:
         world.move("tabel", np.eye(4))
     with pytest.raises(ArgumentError, match="there are: table"):
         world.remove("x")
-    with pytest.raises(ArgumentError, match="not empty"):
+    with pytest.raises(ArgumentError, match="needs a name"):
         world.add("", Box(1.0))
     with pytest.raises(ArgumentError, match="not float"):
         world.add("x", 1.0)  # type: ignore[arg-type]

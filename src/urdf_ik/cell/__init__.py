@@ -1,9 +1,9 @@
 """Collision and distance of an arm's links, with themselves and with a world, through Pinocchio and coal.
 
 A query goes through these modules: ``collision_model`` decides which pairs are checked (``allowed_collisions``),
-``collision_queries`` takes the joint vectors, ``distance_bounds`` decides most pairs without coal (``bodies``: balls
-about the links; ``obstacles``: the near obstacles), and ``coal_check`` decides the others with coal (``coal_shapes``:
-its geometry). ``swept_motions`` proves whole motions free in the same way.
+``distance_bounds`` decides most pairs without coal, from balls about the links and the near obstacles
+(``obstacle_index``), and ``coal_check`` decides the others with coal (``coal_shapes``: its geometry). ``swept_motions``
+proves whole motions free in the same way.
 
 Shapes and worlds need neither Pinocchio nor coal; the modules that do are imported at the first use of one of their
 names.
@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from urdf_ik.cell.allowed_collisions import Table
-    from urdf_ik.cell.collision_model import ALWAYS, SAMPLES, SEED, CollisionModel
-    from urdf_ik.cell.collision_queries import Nearest
+    from urdf_ik.cell.collision_model import ALWAYS, SAMPLES, SEED, CollisionModel, Nearest
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import Obstacle, World
 
@@ -35,7 +34,6 @@ __all__ = [
 
 _MODULE = {
     "Motions": "swept_motions",
-    "Nearest": "collision_queries",
     "Obstacle": "world",
     "Table": "allowed_collisions",
     "World": "world",

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
 from urdf_ik.cell.coal_check import ArmShapes, LinkCheck, ShapePair
-from urdf_ik.errors import ArgumentError, listed, printable
+from urdf_ik.errors import ArgumentError, listed
 from urdf_ik.support.text import aligned, nearest, quoted
 
 Pair = tuple[str, str]
@@ -26,29 +25,15 @@ class Table:
     Attributes:
         allowed: pairs that may touch, to the reason.
         checked: pairs that must not touch.
-
-    Example:
-        >>> import urdf_ik
-        >>> table = urdf_ik.load("planar_2r").cell.collisions.table()
-        >>> table.checked, table.allowed["base_link", "link_1"]
-        ((('base_link', 'link_2'),), 'adjacent')
     """
 
     allowed: Mapping[Pair, str]
     checked: tuple[Pair, ...]
 
-    def __reduce__(self) -> tuple[Callable[..., Table], tuple[dict[Pair, str], tuple[Pair, ...]]]:
-        return _table, (dict(self.allowed), self.checked)
-
     def __str__(self) -> str:
         rows = [[*pair, "checked"] for pair in self.checked]
         rows += [[*pair, "allowed" if why == USER else f"allowed: {why}"] for pair, why in self.allowed.items()]
         return "\n".join(line.rstrip() for line in aligned([["first", "second", ""], *rows], left=(0, 1, 2)))
-
-
-def _table(allowed: dict[Pair, str], checked: tuple[Pair, ...]) -> Table:
-    """Rebuild a pickled or copied table."""
-    return Table(MappingProxyType(allowed), checked)
 
 
 def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> tuple[dict[Pair, str], list[ShapePair]]:
@@ -136,7 +121,7 @@ def made(
         return rank[pair[0]], rank[pair[1]]
 
     return Table(
-        MappingProxyType({pair: reasons[pair] for pair in sorted(reasons, key=place)}),
+        {pair: reasons[pair] for pair in sorted(reasons, key=place)},
         tuple(sorted((pair for pair in there if pair not in reasons), key=place)),
     )
 
@@ -159,8 +144,8 @@ def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pai
         ArgumentError: there is no such link or obstacle, it has no shape, or both are the same.
     """
     for name in (a, b):
-        if not isinstance(name, str) or name not in rank:
-            close = nearest(printable(name), rank) or list(rank)
+        if name not in rank:
+            close = nearest(name, rank) or list(rank)
             raise ArgumentError(f"there is no link or obstacle {quoted(name)}; there are: {listed(close)}")
         if name not in shaped:
             raise ArgumentError(f"link {quoted(name)} has no collision shape; links with one: {', '.join(shaped)}")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.cell.pinocchio import missing as without_pinocchio
+from urdf_ik.cell import missing_pinocchio as without_pinocchio
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.model.urdf import UrdfModel
@@ -20,8 +20,7 @@ from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
-    from urdf_ik.cell.collision_model import CollisionModel
-    from urdf_ik.cell.collision_queries import Nearest
+    from urdf_ik.cell.collision_model import CollisionModel, Nearest
     from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import World
@@ -92,11 +91,6 @@ class Cell:
         Raises:
             UrdfError: the shapes are required, and not all of them can be read.
             ArgumentError: ``collisions`` is none of these, or False where a world is given.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").cell.to_check(False)
-            (None, 'not asked for')
         """
         require = isinstance(collisions, str) and collisions == "require"
         if not require and not isinstance(collisions, bool | np.bool_):
@@ -141,14 +135,6 @@ class Cell:
         """The nearest checked pair at ``q`` (n,), two links or a link and an obstacle; None if no pair is checked.
 
         Raises the errors of :meth:`urdf_ik.Arm.clearance`.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
-            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
-            >>> pair = arm.cell.nearest_pair([0.0] * 6, world)
-            >>> pair.links, round(pair.distance, 3)
-            (('link_6', 'ceiling'), 0.03)
         """
         return self.in_world(world).nearest_pair(self.chain.check(q))
 
@@ -203,15 +189,7 @@ class Cell:
         return replace(self, changed=changed)
 
     def allow(self, first: str, second: str) -> Cell:
-        """This cell, two links being allowed to touch; see :meth:`urdf_ik.cell.CollisionModel.allow`.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> arm = arm.with_cell(arm.cell.allow("link_4", "link_6"))
-            >>> arm.cell.nearest_pair([0.0] * 6).links
-            ('link_3', 'link_5')
-        """
+        """This cell, two links being allowed to touch; see :meth:`urdf_ik.cell.CollisionModel.allow`."""
         return self.with_collisions(self.collisions.allow(first, second))
 
     def moved_to(self, model: UrdfModel, chain: Chain) -> Cell:

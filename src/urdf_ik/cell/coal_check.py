@@ -16,9 +16,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from urdf_ik.cell import coal_shapes
-from urdf_ik.cell.bodies import Bodies, Placed
-from urdf_ik.cell.distance_bounds import QUERY_ERROR, DistanceBounds
-from urdf_ik.cell.obstacles.index import ObstacleIndex, Standing, index_of
+from urdf_ik.cell.distance_bounds import QUERY_ERROR, Bodies, DistanceBounds, Placed
+from urdf_ik.cell.obstacle_index import ObstacleIndex, Standing, index_of
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.tolerances import LARGEST

@@ -13,8 +13,7 @@ import pinocchio as pin
 from lxml import etree
 from numpy.typing import NDArray
 
-from urdf_ik.cell.obstacles.field import DistanceField
-from urdf_ik.cell.obstacles.tree import cell_codes
+from urdf_ik.cell.obstacle_index import DistanceField, cell_codes
 from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Shape, Sphere, cloud, reason_of
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes

@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
-from urdf_ik.cell import allowed_collisions, coal_shapes
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from urdf_ik.cell import allowed_collisions, coal_shapes, swept_motions
 from urdf_ik.cell.allowed_collisions import Table
 from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, LinkCheck
-from urdf_ik.cell.collision_queries import CollisionQueries, Seen
-from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference, finite
+from urdf_ik.cell.swept_motions import Motions
 from urdf_ik.cell.world import World
-from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import srdf as srdf_reader
+from urdf_ik.model.poses import as_pose_array
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import LARGEST
+from urdf_ik.typing import Array
 
 Pair = tuple[str, str]
 
-SAMPLES, MOST_SAMPLES = 200, 10**6
-"""Random joint vectors by which pairs that always collide are found, and the most of them."""
+SAMPLES = 200
+"""Number of random joint vectors by which pairs that always collide are found."""
 
 ALWAYS = 0.95
 """A pair that collides in at least this share of the sampled joint vectors counts as always colliding."""
@@ -32,7 +38,28 @@ SEED = 0
 """Seed of these joint vectors: the same URDF gives the same pairs."""
 
 
-class CollisionModel(CollisionQueries):
+class Nearest(NamedTuple):
+    """Two links, or a link and an obstacle, and the distance between them [m]; 0 where they collide.
+
+    Example:
+        >>> import urdf_ik
+        >>> links, distance = urdf_ik.load("planar_2r").cell.nearest_pair([0.0, 0.0])
+        >>> links, distance > 0.0
+        (('base_link', 'link_2'), True)
+    """
+
+    links: tuple[str, str]
+    distance: float
+
+
+class _Current(NamedTuple):
+    """The check for one version of the world."""
+
+    version: int
+    check: CoalCheck
+
+
+class CollisionModel:
     """The collision shapes of a URDF and of a world, and the pairs that must not touch.
 
     Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: a mesh wholly
@@ -43,15 +70,8 @@ class CollisionModel(CollisionQueries):
     Attributes:
         joint_names: joints of a joint vector, base to tip.
         world: the world, or None.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> model = CollisionModel(arm.model, arm.base, arm.tip)
-        >>> model.in_collision([0.0] * 6)
-        False
-        >>> model
-        <CollisionModel of joint_1, joint_2, joint_3, joint_4, joint_5, joint_6: 15 pairs checked>
+        shapes: the collision shapes of the arm.
+        reference: Pinocchio's model of the arm.
     """
 
     def __init__(
@@ -81,36 +101,32 @@ class CollisionModel(CollisionQueries):
         Raises:
             UrdfError: the SRDF is broken, or names a link that the URDF does not have.
             ChainError: base or tip is unknown, or the tip is ambiguous.
-            ArgumentError: ``samples`` or ``seed`` is not a whole number, or out of range.
             UnsupportedArm: the chain has a joint with more than one degree of freedom.
         """
-        held = inputs.mapping({} if locked is None else locked, "locked", "a value for each joint by name")
-        samples = inputs.whole(samples, "samples", high=MOST_SAMPLES)
-        seed = inputs.whole(seed, "seed", high=2**64)
-        self._made_from = (model, base, tip, dict(held), samples, seed)
-        self._reference = Reference(model, base, tip, locked=locked)
-        self.joint_names = self._reference.joint_names
+        self._made_from = (model, base, tip, dict(locked or {}), samples, seed)
+        self.reference = Reference(model, base, tip, locked=locked)
+        self.joint_names = self.reference.joint_names
         self.world: World | None = None
         self._rank = {link: i for i, link in enumerate(model.links)}
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
-        self._seen: Seen | None = None
+        self._current: _Current | None = None
         self._link_check: LinkCheck | None = None
         # The last result of ``in_world``, as most callers use one world again and again.
         self._last: CollisionModel | None = None
         disabled = (*disabled, *(() if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)))
         try:
-            shapes = coal_shapes.build(model, self._reference.pin_model)
+            shapes = coal_shapes.build(model, self.reference.pin_model)
         except UrdfError as error:
             self._error = error
             return
         chain = from_urdf(model, base, tip).lock(locked or {})
-        self._arm = ArmShapes(self._reference, chain, shapes)
+        self.shapes = ArmShapes(self.reference, chain, shapes)
         excused = {allowed_collisions.ordered(*pair, self._rank) for pair in disabled}
-        self._allowed, self._pairs = allowed_collisions.among_links(self._arm, self._rank, excused)
+        self._allowed, self._pairs = allowed_collisions.among_links(self.shapes, self._rank, excused)
         if samples:
             kept = [pair for pair in self._pairs if pair.names not in self._allowed]
-            always = allowed_collisions.always_colliding(LinkCheck(self._arm, kept), ALWAYS, samples, seed)
+            always = allowed_collisions.always_colliding(LinkCheck(self.shapes, kept), ALWAYS, samples, seed)
             self._allowed.update(dict.fromkeys(always, allowed_collisions.ALWAYS_COLLIDE))
 
     def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
@@ -154,14 +170,6 @@ class CollisionModel(CollisionQueries):
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-
-        Example:
-            >>> import urdf_ik
-            >>> print(urdf_ik.load("planar_2r").cell.collisions.table())
-            first      second
-            base_link  link_2  checked
-            base_link  link_1  allowed: adjacent
-            link_1     link_2  allowed: adjacent
         """
         self._require_geometry()
         return self._table()
@@ -171,18 +179,9 @@ class CollisionModel(CollisionQueries):
 
         Every link that the joint vector moves against the base link is checked against every obstacle. The other links
         stand on the world, and may touch it ('rigid').
-
-        Example:
-            >>> import urdf_ik
-            >>> world = urdf_ik.World()
-            >>> world.add("floor", urdf_ik.HalfSpace((0, 0, 1)))
-            >>> model = urdf_ik.load("planar_2r").cell.collisions
-            >>> len(model.in_world(world).checked_pairs) - len(model.checked_pairs)
-            2
         """
         if world is None or world is self.world:
             return self
-        inputs.kind(world, "snapshot", "world", "a urdf_ik.World")
         last = self._last
         if last is None or last.world is not world:
             if self._error is None:
@@ -202,13 +201,6 @@ class CollisionModel(CollisionQueries):
         Raises:
             ArgumentError: there is no such link or obstacle, or it has no shape.
             UrdfError: there are no collision shapes, or not all of them were found.
-
-        Example:
-            >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
-            >>> pair = model.checked_pairs[0]
-            >>> model.allow(*pair).allowed_pairs[pair]
-            'allowed'
         """
         return self._changed(first, second, False)
 
@@ -222,13 +214,6 @@ class CollisionModel(CollisionQueries):
         Raises:
             ArgumentError: there is no such link or obstacle, or it has no shape.
             UrdfError: there are no collision shapes, or not all of them were found.
-
-        Example:
-            >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
-            >>> pair = next(iter(model.allowed_pairs))
-            >>> pair in model.checked_pairs, pair in model.check(*pair).checked_pairs
-            (False, True)
         """
         return self._changed(first, second, True)
 
@@ -238,19 +223,8 @@ class CollisionModel(CollisionQueries):
         Raises:
             ArgumentError: there is no such link, or it has no shape.
             UrdfError: there are no collision shapes, or not all of them were found.
-
-        Example:
-            >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
-            >>> model.checking(model.checked_pairs[:3]).checked_pairs == model.checked_pairs[:3]
-            True
         """
-        needed = "pairs of links' names"
-        every = inputs.items(pairs, "pairs", needed)
-        given = [inputs.items(each, "a pair", needed) for each in every]
-        if any(len(each) != 2 or not all(isinstance(name, str) for name in each) for each in given):
-            raise ArgumentError(f"pairs={quoted(pairs)} given; {needed} are needed")
-        own, wanted, model = set(self.checked_pairs), {(first, second) for first, second in given}, self
+        own, wanted, model = set(self.checked_pairs), {(first, second) for first, second in pairs}, self
         for pair in sorted(own - wanted):
             model = model.allow(*pair)
         for pair in sorted(wanted - own):
@@ -266,16 +240,7 @@ class CollisionModel(CollisionQueries):
     def rebuilt(
         self, model: UrdfModel, base: str | None, tip: str | None, locked: Mapping[str, float] | None
     ) -> CollisionModel:
-        """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> longer = arm.with_tool(urdf_ik.pose([0.0, 0.0, 0.1]), [urdf_ik.Sphere(0.02)], name="probe")
-            >>> model = arm.cell.collisions.rebuilt(longer.model, longer.base, longer.tip, None)
-            >>> any("probe" in pair for pair in model.checked_pairs)
-            True
-        """
+        """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world."""
         out = type(self)(model, base, tip, locked=locked)
         if out._error is None:
             out._allowed.update({pair: why for pair, why in self._allowed.items() if why == allowed_collisions.SRDF})
@@ -285,14 +250,14 @@ class CollisionModel(CollisionQueries):
     def _copy(self) -> CollisionModel:
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
-        out._seen = out._last = None
+        out._current = out._last = None
         return out
 
     def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:
         self._require_geometry()
         obstacles = () if self.world is None else self.world.names
         rank = self._ranks(obstacles)
-        pair = allowed_collisions.named(first, second, rank, [*dict.fromkeys(self._arm.links), *obstacles])
+        pair = allowed_collisions.named(first, second, rank, [*dict.fromkeys(self.shapes.links), *obstacles])
         if pair[0] in obstacles:
             both = f"{quoted(first)} and {quoted(second)}"
             raise ArgumentError(f"{both} are both obstacles, which stand still; a pair has a link")
@@ -306,21 +271,25 @@ class CollisionModel(CollisionQueries):
 
     def _table(self) -> Table:
         """The table of the world as it is, all pairs listed."""
-        names = self._now().check.index.names()
-        allowed, pairs = allowed_collisions.with_obstacles(self._arm, names)
+        names = self.present_check().index.names()
+        allowed, pairs = allowed_collisions.with_obstacles(self.shapes, names)
         pairs += [pair.names for pair in self._pairs]
         return allowed_collisions.made({**self._allowed, **allowed}, pairs, self._changes, self._ranks(names))
 
-    def _now(self) -> Seen:
+    def present_check(self) -> CoalCheck:
+        """The check of all pairs for the world's present state."""
+        return self._at_present().check
+
+    def _at_present(self) -> _Current:
         """The check for the world's present state."""
-        seen, world = self._seen, self.world
-        if seen is None or (world is not None and seen.version != world.version):
+        current, world = self._current, self.world
+        if current is None or (world is not None and current.version != world.version):
             version, index = (0, None) if world is None else world.snapshot()
             if index is not None and (same := next((link for link in self._rank if index.slots_of(link)), None)):
                 raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
-            excepted, added = allowed_collisions.exceptions(self._arm, self._changes, self._rank)
-            self._seen = seen = Seen(version, CoalCheck(self._links(), index, excepted, added))
-        return seen
+            excepted, added = allowed_collisions.exceptions(self.shapes, self._changes, self._rank)
+            self._current = current = _Current(version, CoalCheck(self._links(), index, excepted, added))
+        return current
 
     def _links(self) -> LinkCheck:
         """The check of links against each other, which no world changes."""
@@ -329,8 +298,217 @@ class CollisionModel(CollisionQueries):
             names = {pair.names for pair in self._pairs}
             checked = set(allowed_collisions.made(self._allowed, names, self._changes, self._rank).checked)
             kept = [pair for pair in self._pairs if pair.names in checked]
-            self._link_check = check = LinkCheck(self._arm, kept)
+            self._link_check = check = LinkCheck(self.shapes, kept)
         return check
+
+    def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
+        """Whether a checked pair touches.
+
+        Args:
+            q: (..., n) rad or m.
+            margin: least distance allowed [m].
+
+        Returns:
+            A bool for one joint vector, else (...) bool.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            ArgumentError: the last dimension is not n, or a value is not finite.
+            ArgumentError: ``margin`` is negative or not finite.
+        """
+        margin = swept_motions.check_margin(margin)
+        Q, places, check = self._rows(q)
+        if not places.all():
+            row = np.argwhere(~places)[0].tolist()
+            raise ArgumentError(
+                f"joint vector{row or ''} is not finite, or beyond {LARGEST:g}; what touches at it cannot be known"
+            )
+        out = np.zeros(len(Q), dtype=np.bool_)
+        for row, touching in self._touching(check, Q, margin):
+            out[row] = next(touching, None) is not None
+        whole = np.zeros(places.shape, dtype=np.bool_)
+        whole[places] = out
+        return bool(whole) if whole.ndim == 0 else whole
+
+    def distance(self, q: ArrayLike) -> float | Array:
+        """Smallest distance of a checked pair.
+
+        Args:
+            q: (..., n) rad or m; rows that are not finite give NaN.
+
+        Returns:
+            A float for one joint vector, else (...) [m]: 0 in collision, infinite if no pair is checked.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            ArgumentError: the last dimension is not n.
+        """
+        Q, places, check = self._rows(q)
+        out = np.array([distance for _, distance in check.nearest_of_each(Q)])
+        whole = np.full(places.shape, np.nan)
+        whole[places] = out
+        return float(whole) if whole.ndim == 0 else whole
+
+    def colliding_pairs(self, q: ArrayLike) -> tuple[Pair, ...]:
+        """The checked pairs that touch.
+
+        Args:
+            q: (n,) rad or m.
+
+        Returns:
+            Pairs of names, in the order of ``checked_pairs``.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            ArgumentError: q is no (n,), or a value is not finite.
+        """
+        Q, check = self._one(q)
+        (_, touching) = next(self._touching(check, Q, 0.0), (0, iter(())))
+        serial = {check.names(pair): check.rank(pair)[1] for pair in touching}
+
+        def place(pair: Pair) -> tuple[int, int, int]:
+            first, second = pair
+            return (
+                self._rank[first],
+                self._rank.get(second, len(self._rank)),
+                0 if second in self._rank else serial[pair],
+            )
+
+        return tuple(sorted(serial, key=place))
+
+    def nearest_pair(self, q: ArrayLike) -> Nearest | None:
+        """The checked pair with the smallest distance.
+
+        Args:
+            q: (n,) rad or m.
+
+        Returns:
+            The pair and its distance; one of them if several collide. None if no pair is checked.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            ArgumentError: q is no (n,), or a value is not finite.
+        """
+        Q, check = self._one(q)
+        for pair, distance in check.nearest_of_each(Q):
+            if pair is not None:
+                return Nearest(check.names(pair), distance)
+        return None
+
+    def motions_free(self, q0: ArrayLike, q1: ArrayLike, margin: float = 0.0) -> Motions:
+        """Which straight motions in joint space are free from end to end, proven; see :func:`swept_motions.motions`.
+
+        Args:
+            q0: (k, n) rad or m, where the motions begin.
+            q1: (k, n) rad or m, where they end; every joint moves linearly from one value to the other, full turns
+                included.
+            margin: least distance allowed [m].
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            ArgumentError: the arrays do not fit the arm or each other, are not finite or beyond 1e15, or a joint
+                goes farther than ``swept_motions.LONGEST``.
+            ArgumentError: ``margin`` is negative or not finite.
+        """
+        margin = swept_motions.check_margin(margin)
+        self._require_geometry()
+        start, end = (self.reference.vectors(q) for q in (q0, q1))
+        if start.ndim != 2 or start.shape != end.shape:
+            raise ArgumentError(
+                f"motions from {start.shape} to {end.shape} given; both must be (k, {len(self.joint_names)})"
+            )
+        for name, array in (("q0", start), ("q1", end)):
+            if (bad := inputs.first_bad(array)) is not None:
+                raise ArgumentError(f"{name}{list(bad)} is {array[bad]:g}; {inputs.why_bad(array[bad])}")
+        swept_motions.check_length(start, end, self.joint_names)
+        return swept_motions.motions(self.present_check(), start, end, margin)
+
+    def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
+        """:meth:`in_collision` with the links at given poses instead of Pinocchio's.
+
+        Args:
+            link_poses: link name to (..., 4, 4) [m], all in one frame.
+
+        Returns:
+            A bool for one set of poses, else (...) bool.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4), or not finite.
+        """
+        hits: bool | NDArray[np.bool_] = self._each_placing(link_poses, False)
+        return hits
+
+    def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float | Array:
+        """:meth:`distance` with the links at given poses instead of Pinocchio's.
+
+        Args:
+            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
+                NaN.
+
+        Returns:
+            A float for one set of poses, else (...) [m].
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
+        """
+        distances: float | Array = self._each_placing(link_poses, np.nan)
+        return distances
+
+    def _require_geometry(self) -> None:
+        if self._error is not None:
+            raise self._error.with_traceback(None)
+
+    def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], CoalCheck]:
+        """The finite joint vectors (k, n), a mask (...) of their places in ``q``, and the check."""
+        self._require_geometry()
+        Q = self.reference.vectors(q)
+        places = np.asarray((np.abs(Q) <= LARGEST).all(axis=-1))
+        rows = np.ascontiguousarray(Q[places]).reshape(int(places.sum()), Q.shape[-1])  # there may be no joints
+        return rows, places, self.present_check()
+
+    def _one(self, q: ArrayLike) -> tuple[Array, CoalCheck]:
+        """A joint vector as (1, n), and the check."""
+        self._require_geometry()
+        Q = self.reference.vectors(q)
+        if Q.ndim != 1:
+            raise ArgumentError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
+        if inputs.first_bad(Q) is not None:
+            raise ArgumentError(f"the joint vector {quoted(Q)} is not finite; what is near at it cannot be known")
+        return Q[None], self.present_check()
+
+    def _touching(self, check: CoalCheck, Q: Array, margin: float) -> Iterator[tuple[int, Iterator[int]]]:
+        """Rows of Q (k, n) in which a pair may touch, each with the pairs that do."""
+        for part, placed in check.bounds.chunks(Q):
+            for i, pairs in check.bounds.near_in_rows(placed, margin):
+                placing = check.links.place(Q[part.start + i])
+                yield part.start + i, (pair for pair in pairs if check.touches(placing, pair, margin))
+
+    def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
+        """Whether each set of link poses collides if ``otherwise`` is False; else the distances, or NaN."""
+        self._require_geometry()
+        check = self.present_check()
+        needed = dict.fromkeys([*self.shapes.links, *([self.reference.base] if check.index.count else [])])
+        if absent := sorted(set(needed) - set(link_poses)):
+            raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
+        poses = [as_pose_array(link_poses[link]) for link in needed]
+        try:
+            batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
+        except ValueError:
+            raise PoseError("the link poses are stacks whose shapes do not broadcast") from None
+        for link, T in zip(needed, poses, strict=True):
+            if otherwise is False and (bad := inputs.first_bad(T)) is not None:
+                raise PoseError(f"the pose of link {quoted(link)} is not finite: {T[bad]}", bad[:-2] or None)
+        stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
+        out = np.full(batch, otherwise)
+        for index in finite(stack.reshape(*batch, -1)):
+            pairs, least, placing = check.pairs_at(dict(zip(needed, stack[index], strict=True)), otherwise is False)
+            if otherwise is False:
+                out[index] = any(check.touches(placing, pair) for pair in pairs)
+            else:
+                out[index] = check.nearest(placing, pairs, least)[1]
+        return out.item() if out.ndim == 0 else out
 
 
 def _restored(

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.cell.pinocchio.installed import pin
+from urdf_ik.cell import missing_pinocchio
 from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
 from urdf_ik.model import urdf
 from urdf_ik.model.poses import as_pose_array
@@ -19,6 +19,11 @@ from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import STILL
 from urdf_ik.typing import Array
+
+try:
+    import pinocchio as pin
+except ModuleNotFoundError:
+    raise missing_pinocchio.needed("comparisons with the reference") from None
 
 HALF_TURN = np.pi
 HALF_SLIDE = 1.0
@@ -65,13 +70,6 @@ class Reference:
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
         warnings: defects beside the chain, which the URDF that Pinocchio was given is without.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm, q = urdf_ik.load("scara_rrpr"), [0.3, 0.5, 0.1, 0.2]
-        >>> reference = Reference(arm.model, arm.base, arm.tip)
-        >>> max(reference.error(q, arm.fk(q))) < 1e-9, np.allclose(reference.jacobian(q), arm.jacobian(q))
-        (True, True)
     """
 
     def __init__(
@@ -374,13 +372,7 @@ class Reference:
 
 
 def pose_errors(A: Array, B: Array) -> tuple[Array, Array]:
-    """Distance (...) [m] and angle (...) [rad] between poses A (..., 4, 4) and B (..., 4, 4), which broadcast.
-
-    Example:
-        >>> position, rotation = pose_errors(np.eye(4), np.eye(4))
-        >>> float(position), float(rotation)
-        (0.0, 0.0)
-    """
+    """Distance (...) [m] and angle (...) [rad] between poses A (..., 4, 4) and B (..., 4, 4), which broadcast."""
     position = np.linalg.norm(A[..., :3, 3] - B[..., :3, 3], axis=-1)
     turn = np.swapaxes(A[..., :3, :3], -1, -2) @ B[..., :3, :3]
     # From sine and cosine together: the cosine alone knows no angle below 1e-8.
@@ -397,12 +389,7 @@ def pose_errors(A: Array, B: Array) -> tuple[Array, Array]:
 
 
 def finite(Q: Array) -> Iterator[tuple[int, ...]]:
-    """Indices of the rows (n,) of Q (..., n) whose values are all finite.
-
-    Example:
-        >>> list(finite(np.array([[0.1, 0.2], [np.nan, 0.0]])))
-        [(0,)]
-    """
+    """Indices of the rows (n,) of Q (..., n) whose values are all finite."""
     good = np.asarray(np.isfinite(Q).all(axis=-1))
     return (index for index in np.ndindex(Q.shape[:-1]) if good[index])
 

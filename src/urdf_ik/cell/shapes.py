@@ -40,11 +40,6 @@ class Shape:
 
         Raises:
             ArgumentError: a mesh is not there, or cannot be read.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.Box((0.2, 0.4, 0.6)).geometry().halfSide.round(6).tolist()
-            [0.1, 0.2, 0.3]
         """
         raise NotImplementedError
 
@@ -218,17 +213,13 @@ class Mesh(Shape):
         scale: ArrayLike = 1.0,
         package_dirs: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
     ) -> None:
-        if not isinstance(path, str | os.PathLike):
-            raise ArgumentError(f"Mesh: path is {quoted(path)}; the path of a file is needed")
         name, factors = str(path), _numbers("Mesh", "scale", scale)
         factors = factors * 3 if len(factors) == 1 else factors
         if len(factors) != 3 or 0.0 in factors:
             raise ArgumentError(
                 f"Mesh {quoted(name)}: scale is {quoted(scale)}; one number or three are needed, none of them zero"
             )
-        folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
-        if not isinstance(folders, list | tuple) or not all(isinstance(each, str | Path) for each in folders):
-            raise ArgumentError(f"Mesh: package_dirs={quoted(package_dirs)} given; folders are needed")
+        folders = [package_dirs] if isinstance(package_dirs, str | os.PathLike) else package_dirs
         object.__setattr__(self, "path", name)
         object.__setattr__(self, "scale", factors)
         object.__setattr__(self, "package_dirs", tuple(str(folder) for folder in folders))
@@ -238,23 +229,12 @@ class Mesh(Shape):
 
         Raises:
             ArgumentError: it is not there.
-
-        Example:
-            >>> from pathlib import Path
-            >>> import urdf_ik
-            >>> Path("part.stl").touch()
-            >>> urdf_ik.Mesh("part.stl").file().name
-            'part.stl'
         """
         if not self.package_dirs and "://" not in self.path:
-            try:
-                found = Path(self.path).expanduser().resolve()
-                there = found.is_file()
-            except (OSError, ValueError, RuntimeError) as error:  # a null byte, a name too long, a loop of links
-                raise ArgumentError(f"Mesh: cannot look for {quoted(self.path)}: {printable(error)}") from None
-            if not there:
-                raise ArgumentError(f"Mesh: there is no file {quoted(str(found), 200)}; give its path, or package_dirs")
-            return found
+            file = Path(self.path).expanduser().resolve()
+            if not file.is_file():
+                raise ArgumentError(f"Mesh: there is no file {str(file)!r}; give its path, or package_dirs")
+            return file
         try:
             return meshes.resolve(self.path, [Path(folder) for folder in self.package_dirs], "Mesh")
         except UrdfError as error:
@@ -276,7 +256,7 @@ class Mesh(Shape):
         import coal
 
         path = self.file()
-        name = quoted(str(path), 200)
+        name = repr(str(path))
         try:
             meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
             mesh = coal.MeshLoader(volumes).load(str(path), np.array(self.scale))
@@ -339,12 +319,7 @@ class Points(Frozen, Shape):
 
 
 def cloud(points: Array) -> Any:
-    """A ``coal.BVHModelOBBRSS`` of points (k, 3), each a triangle within ``SPECK`` of it.
-
-    Example:
-        >>> cloud(np.eye(3)).num_tris
-        3
-    """
+    """A ``coal.BVHModelOBBRSS`` of points (k, 3), each a triangle within ``SPECK`` of it."""
     import coal
 
     mesh = coal.BVHModelOBBRSS()
@@ -356,12 +331,7 @@ def cloud(points: Array) -> Any:
 
 
 def reason_of(error: Exception) -> str:
-    """What coal or Pinocchio has to say, without the place in their sources.
-
-    Example:
-        >>> reason_of(RuntimeError("From file: a.cpp message: no such file"))
-        'no such file'
-    """
+    """What coal or Pinocchio has to say, without the place in their sources."""
     return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.cell.coal_check import CoalCheck
 from urdf_ik.cell.distance_bounds import QUERY_ERROR, Open
-from urdf_ik.errors import ArgumentError, printable
+from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 
@@ -68,14 +68,7 @@ class Motions:
         return self.pairs[0]
 
     def spread(self, places: NDArray[np.bool_]) -> Motions:
-        """These motions at ``places`` (k,), and between them motions that are not free.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm, q0 = urdf_ik.load("scara_rrpr"), [0.0, 0.0, 0.1, 0.0]
-            >>> arm.motion_is_free(q0, [[0.5, 0.5, 0.1, 0.0]]).spread(np.array([False, True])).free.tolist()
-            [False, True]
-        """
+        """These motions at ``places`` (k,), and between them motions that are not free."""
         free, share = np.zeros(len(places), dtype=np.bool_), np.full(len(places), np.nan)
         free[places], share[places] = self.free, self.share
         each = iter(self.pairs)
@@ -146,7 +139,7 @@ def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
     if (bad := inputs.first_bad(q1 - q0, LONGEST)) is not None:
         motion, joint = bad
         raise ArgumentError(
-            f"motion {motion}: joint {printable(names[joint])} goes from {q0[bad]:g} to {q1[bad]:g}; a motion of at "
+            f"motion {motion}: joint {names[joint]} goes from {q0[bad]:g} to {q1[bad]:g}; a motion of at "
             f"most {LONGEST:g} rad or m is needed, a longer one in several"
         )
 

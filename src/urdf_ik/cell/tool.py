@@ -25,10 +25,8 @@ Shapes = Sequence[Shape | tuple[Shape, Any]] | Shape
 def with_tool(model: UrdfModel, mount: str, pose: Any, shapes: Shapes, name: str) -> UrdfModel:
     """A URDF with a tool at the link ``mount``; see :meth:`urdf_ik.Arm.with_tool`."""
     centre = _one_pose(pose, "the tool's centre point")
-    given = [shapes] if isinstance(shapes, Shape) else shapes
-    if not isinstance(given, list | tuple):
-        raise ArgumentError(f"shapes={quoted(shapes)} given; a list of shapes, or of pairs (shape, pose), is needed")
-    return _written(model, mount, name, centre, [_placed(each) for each in given])
+    several = [shapes] if isinstance(shapes, Shape) else shapes
+    return _written(model, mount, name, centre, [_placed(shape) for shape in several])
 
 
 def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: list[tuple[Shape, Array]]) -> UrdfModel:
@@ -79,9 +77,9 @@ def _geometry(shape: Shape, folders: list[Path]) -> tuple[str, dict[str, str]]:
     )
 
 
-def _placed(given: Any) -> tuple[Shape, Array]:
+def _placed(entry: Any) -> tuple[Shape, Array]:
     """A shape and its pose in the frame that it is mounted in."""
-    shape, pose = given if isinstance(given, tuple | list) and len(given) == 2 else (given, np.eye(4))
+    shape, pose = entry if isinstance(entry, tuple | list) and len(entry) == 2 else (entry, np.eye(4))
     if not isinstance(shape, Shape):
         raise ArgumentError(
             f"{quoted(shape)} given as a tool's shape; give a shape such as urdf_ik.Box, or (shape, pose)"

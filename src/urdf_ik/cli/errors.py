@@ -12,7 +12,7 @@ from enum import IntEnum
 import typer
 
 from urdf_ik import errors
-from urdf_ik.cell.pinocchio import missing as without_pinocchio
+from urdf_ik.cell import missing_pinocchio as without_pinocchio
 from urdf_ik.errors import MOST_OF_A_NAME, message, printable
 
 _QUOTE = re.compile(rf"'[^']{{{MOST_OF_A_NAME + 1},}}'")

@@ -21,7 +21,7 @@ import numpy as np
 import typer
 
 from urdf_ik import __version__
-from urdf_ik.cell.pinocchio import missing as without_pinocchio
+from urdf_ik.cell import missing_pinocchio as without_pinocchio
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat

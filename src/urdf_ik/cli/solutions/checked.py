@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.cell.pinocchio import missing as without_pinocchio
+from urdf_ik.cell import missing_pinocchio as without_pinocchio
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.solutions import redundancy as parameters

@@ -24,12 +24,7 @@ def installed() -> bool:
 
 
 def needed(what: str) -> MissingPackage:
-    """The error of something that cannot be done without it.
-
-    Example:
-        >>> print(needed("contacts"))
-        contacts need Pinocchio, which is not installed: pip install pin (Linux and macOS; it has no wheels for Windows)
-    """
+    """The error of something that cannot be done without it."""
     where = "Linux and macOS; it has no wheels for Windows"
     return MissingPackage(f"{what} need Pinocchio, which is not installed: pip install pin ({where})")
 
@@ -52,10 +47,5 @@ class _Unchecked:
 
 
 def unchecked() -> Any:
-    """What stands for the collision model of an arm.
-
-    Example:
-        >>> unchecked().has_geometry, unchecked().missing
-        (False, 'Pinocchio is missing (pip install pin)')
-    """
+    """What stands for the collision model of an arm."""
     return _Unchecked()

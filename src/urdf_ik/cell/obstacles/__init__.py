@@ -1,1 +1,0 @@
-"""The spatial index of a world's obstacles, and its tree of boxes."""
