@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 import urdf_ik
 from urdf_ik.cell.coal_shapes import PIECE
-from urdf_ik.cell.obstacle_index import DistanceField
+from urdf_ik.cell.spatial_search import DistanceField
 
 RNG = np.random.default_rng(0)
 SHELL = RNG.normal(size=(20_000, 3))

@@ -13,8 +13,8 @@ import pinocchio as pin
 from lxml import etree
 from numpy.typing import NDArray
 
-from urdf_ik.cell.obstacle_index import DistanceField, cell_codes
 from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Shape, Sphere, cloud, reason_of
+from urdf_ik.cell.spatial_search import DistanceField, cell_codes
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import UrdfModel, resolve_mesh
