@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import re
-import reprlib
 from collections.abc import Callable, Iterable
 
 MOST_OF_A_NAME = 80
 """Greatest length of a name or value in a message [characters]."""
 _LONG_WORD = re.compile(rf"[^\s/]{{{MOST_OF_A_NAME + 1},}}")
-SHORT = reprlib.Repr()
-SHORT.maxlist = SHORT.maxtuple = SHORT.maxdict = SHORT.maxset = 16
-SHORT.maxstring = SHORT.maxother = SHORT.maxlong = 4 * MOST_OF_A_NAME
 _MOST_OF_A_PATH, _MOST_CANDIDATES = 200, 100
 
 
@@ -141,13 +137,9 @@ class MissingPackage(UrdfIkError, ImportError):
 
 
 def escaped(text: str) -> str:
-    r"""``text`` with every unprintable character except the line end as an escape.
+    """``text`` with every unprintable character except the line end as an escape.
 
-    Names in files of unknown origin may hold control characters and marks that reverse the direction of writing.
-
-    Example:
-        >>> escaped("tool\x9b31m\ntip\u202e")
-        'tool\\x9b31m\ntip\\u202e'
+    Names in files may hold control characters and marks that reverse the direction of writing.
     """
     if text.isprintable():
         return text
@@ -155,44 +147,23 @@ def escaped(text: str) -> str:
 
 
 def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
-    r"""``text`` as one line that is safe to show in a terminal.
-
-    Control characters, marks that reverse the direction of writing, line ends and halves of surrogate pairs become
-    escapes.
+    """``text`` as one line without control characters, cut after ``most`` characters.
 
     Args:
         text: a name, or anything with a ``str``.
         most: greatest number of characters; longer text is cut and ends with '...'.
-
-    Example:
-        >>> printable("tool\x9b31m\u202e")
-        'tool\\x9b31m\\u202e'
     """
-    try:  # SHORT bounds the text of nested lists, which may be larger than memory
-        written = SHORT.repr(text) if isinstance(text, list | tuple | dict | set | frozenset) else str(text)
-    except Exception:  # an object of unknown origin
-        written = f"<{type(text).__name__}>"
-    cut = escaped(written[:most]).replace("\n", "\\n")
-    return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
+    line = escaped(str(text)).replace("\n", "\\n")
+    return line if len(line) <= most else line[: most - 3] + "..."
 
 
 def message(text: str) -> str:
-    r"""A message that is safe to show in a terminal: :func:`escaped`, with every word longer than a name cut.
-
-    Example:
-        >>> message("unknown option: \x1b" + 100 * "x")
-        'unknown option: \\x1bxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...'
-    """
+    """A message that is safe to show in a terminal: :func:`escaped`, with every word longer than a name cut."""
     return _LONG_WORD.sub(lambda word: printable(word[0]), escaped(text))
 
 
 def listed(names: Iterable[object], most: int = 20) -> str:
-    """The first ``most`` names, separated by commas, each :func:`printable`; longer lists end with the total.
-
-    Example:
-        >>> listed(["base", "tool"]), listed("abc", most=2)
-        ('base, tool', 'a, b, ... (3)')
-    """
+    """The first ``most`` names, separated by commas, each :func:`printable`; longer lists end with the total."""
     every = list(names)
     shown = [printable(name) for name in every[:most]]
     return ", ".join(shown if len(every) <= most else [*shown, f"... ({len(every)})"])

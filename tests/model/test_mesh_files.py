@@ -92,48 +92,6 @@ def refused(folder: Path, name: str, content: str | bytes, words: str) -> None:
     assert any(__import__("re").search(words, line) for line in shapes.missing), shapes.missing
 
 
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [("a.stl", stl()), ("a.STL", stl()), ("a.obj", OBJ), ("b.obj", "mtllib own.mtl\n" + OBJ), ("a.gltf", gltf()),
-     ("a.dae", dae(PLACED))],
-)  # fmt: skip
-def test_sound_meshes_are_read(folder: Path, name: str, content: str | bytes) -> None:
-    """A tetrahedron in each of the usual formats: the same distances, the same volume to be drawn."""
-    (folder / "own.mtl").write_text("newmtl own\n")
-    (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    (folder / "arm.urdf").write_text(ARM.format(mesh=name))
-    arm = urdf_ik.load(folder / "arm.urdf")
-    assert arm.clearance([0.0, 0.0]) == pytest.approx(0.5, abs=1e-6)
-    (body,) = [shape for shape in link_shapes.read(arm.model).bodies if shape.link == "c"]
-    assert body.mesh.volume == pytest.approx(1 / 6, rel=1e-5)
-
-
-@pytest.mark.parametrize("name", ["../secret.bin", "{root}/secret.bin", "..%2Fsecret.bin", "link.bin"])
-def test_a_gltf_opens_no_file_outside(folder: Path, name: str) -> None:
-    """Neither up, nor absolute, nor percent-encoded, nor through a symbolic link."""
-    (folder / "link.bin").symlink_to(folder.parent / "secret.bin")
-    refused(folder, "a.gltf", gltf(name.format(root=folder.parent)), "leads outside the mesh roots")
-
-
-@pytest.mark.parametrize("name", ["../secret.mtl", "{root}/secret.mtl", "link.mtl", "\\\n../secret.mtl"])
-def test_an_obj_opens_no_file_outside(folder: Path, name: str) -> None:
-    """Its materials come from its own folders."""
-    (folder / "link.mtl").symlink_to(folder.parent / "secret.mtl")
-    refused(folder, "a.obj", f"mtllib {name.format(root=folder.parent)}\n{OBJ}", "leads outside the mesh roots")
-
-
-def test_a_pipe_is_not_waited_for(folder: Path) -> None:
-    """A FIFO that a mesh names, or that is one, answers never."""
-    os.mkfifo(folder / "pipe.mtl")
-    refused(folder, "a.obj", f"mtllib pipe.mtl\n{OBJ}", "no regular file")
-    os.mkfifo(folder / "pipe.stl")
-    (folder / "arm.urdf").write_text(ARM.format(mesh="pipe.stl"))
-    with pytest.raises(UrdfError, match="not found"):
-        urdf_ik.load(folder / "arm.urdf").cell.collisions.in_collision([0.0, 0.0])
-    with pytest.raises(ArgumentError, match="no file"):
-        Mesh(folder / "pipe.stl").file()
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 3e38])
 def test_numbers_that_are_none_are_refused(folder: Path, value: float) -> None:
     """One vertex that is not finite, and all of them: a pair with such a mesh would touch always, or never."""
@@ -141,28 +99,3 @@ def test_numbers_that_are_none_are_refused(folder: Path, value: float) -> None:
         corners = CORNERS.copy()
         corners[:count, 1] = value
         refused(folder, "a.stl", stl(corners), r"vertex 0 is|cannot read|no triangles|cannot be read")
-
-
-def test_a_mesh_that_grows_is_refused(folder: Path) -> None:
-    """Nodes that place others twice, thirty deep; nodes that hold themselves."""
-    doubling = "".join(
-        f'<node id="n{k}"><instance_node url="#n{k + 1}"/><instance_node url="#n{k + 1}"/></node>' for k in range(30)
-    )
-    library = f'<library_nodes>{doubling}<node id="n30"><instance_geometry url="#g"/></node></library_nodes>'
-    refused(folder, "a.dae", dae('<node id="top"><instance_node url="#n0"/></node>', library), "come to more than")
-    around = '<library_nodes><node id="x"><instance_node url="#x"/></node></library_nodes>'
-    refused(folder, "b.dae", dae('<node id="top"><instance_node url="#x"/></node>', around), "hold themselves")
-    nodes = [{"children": [k + 1, k + 1]} for k in range(30)] + [{"mesh": 0}]
-    refused(folder, "c.gltf", gltf(nodes=nodes), "come to more than")
-    refused(folder, "d.gltf", gltf(nodes=[{"children": [0]}]), "hold themselves")
-
-
-def test_what_is_too_large_or_unknown_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By its size before it is read; by its kind, since others open further files."""
-    refused(folder, "a.irr", "<irr_scene/>", "of the kind '.irr' are not read")
-    refused(folder, "a.dae", '<!DOCTYPE x [<!ENTITY a "b">]>' + dae(PLACED), "DOCTYPE")
-    refused(folder, "a.gltf", "{", "no valid glTF")
-    refused(folder, "b.gltf", '{"meshes": [{"primitives": [{}]}]}', "no valid glTF")
-    refused(folder, "a.glb", b"glTF" + bytes(30), "no valid glTF")
-    monkeypatch.setattr(meshes, "MAX_BYTES", 2**10)
-    refused(folder, "a.stl", stl() + bytes(2**10), "larger than")

@@ -26,8 +26,6 @@ from urdf_ik.support import files
 from urdf_ik.support.text import quoted
 
 FORMAT, VERSION = "urdf-ik compiled arm", 1
-MOST_BYTES = 2**26
-"""Bytes of a compiled arm at most."""
 _AGAIN = "urdf-ik compile writes one"
 
 
@@ -68,7 +66,7 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     Raises:
         UrdfError: it cannot be read, is no compiled arm, or one of another version.
     """
-    data = files.read(path, MOST_BYTES, lambda problem: UrdfError(problem, hint=_AGAIN))
+    data = files.read(path, lambda problem: UrdfError(problem, hint=_AGAIN))
     return document_of(data.decode("utf-8", "replace"), files.name_of(path))
 
 

@@ -15,7 +15,8 @@ from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import check_poses
 from urdf_ik.paths import read_waypoints
 from urdf_ik.paths.waypoint_files import ORIENTATIONS, POSITION
-from urdf_ik.support import files, inputs, number_files
+from urdf_ik.support import files, inputs
+from urdf_ik.support.tables import Table, read_table
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -27,8 +28,6 @@ ACCEPTED = (
     "with qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz [rad] for poses, x,y,z alone for positions, distance [m] for "
     "distances, nothing more for a plane that was touched; or an .npz or JSON with 'q' and 'T', 'p' or 'distance'"
 )
-_Q = number_files.Wanted(("q",), "measurement", ACCEPTED, ArgumentError)
-_ANY = number_files.Wanted(("T", "p", "distance"), "measurement", ACCEPTED, ArgumentError)
 # Of angles in rad, few are this far from zero; of angles in degrees, most are.
 _MANY_TURNS = 4.0 * np.pi
 # A length in mm is a thousand times that in m; no arm is wrong by a factor of this.
@@ -133,17 +132,16 @@ def read_measurements(
         >>> read_measurements(arm, io.BytesIO(text)).q.tolist()
         [[0.1, 0.2], [0.3, 0.4]]
     """
-    name = files.called(source) if hasattr(source, "read") else files.name_of(source)
-    data = files.read(source, number_files.MAX_BYTES, ArgumentError)
+    name, data = files.name_of(source), files.read(source)
 
     def again() -> IO[bytes]:
         stream = io.BytesIO(data)
         stream.name = name  # what messages call the file
         return stream
 
-    _, held = number_files.read(again(), _Q)
-    if not isinstance(held, number_files.Rows):
-        values = None if kind == "plane" else number_files.read(again(), _ANY)[1]
+    _, held = read_table(again(), ["q"], "measurement", ACCEPTED)
+    if not isinstance(held, Table):
+        values = None if kind == "plane" else read_table(again(), ["T", "p", "distance"], "measurement", ACCEPTED)[1]
         return _named(name, lambda: measured(arm, held, values, kind))
     if held.header is None:
         raise ArgumentError(f"{name}, line {held.first}: no header; {ACCEPTED}")
@@ -177,7 +175,7 @@ def _named(name: str, make: Any) -> Measurements:
     return made
 
 
-def _joint_columns(arm: Arm, name: str, held: number_files.Rows) -> list[str]:
+def _joint_columns(arm: Arm, name: str, held: Table) -> list[str]:
     header = held.header or []
     if missing := [joint for joint in arm.joint_names if header.count(joint) != 1]:
         problem = "twice" if missing[0] in header else "no column for it"

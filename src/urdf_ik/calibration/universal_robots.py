@@ -76,8 +76,8 @@ def read_ur_kinematics(source: str | os.PathLike[str] | IO[bytes]) -> UrKinemati
     """
     import yaml
 
-    name = files.called(source) if hasattr(source, "read") else files.name_of(source)
-    data = files.read(source, _MAX_BYTES, ArgumentError)
+    name = files.name_of(source)
+    data = files.read(source)
     wanted = f"a kinematics YAML holds kinematics: {{{', '.join(JOINTS)}}}, each with {', '.join(NUMBERS)}"
     try:
         # Numbers are read as text: YAML 1.1 takes 1e-05 for a text, too.

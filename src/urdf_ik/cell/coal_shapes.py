@@ -41,11 +41,8 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     if broken := [each.error for each in model.warnings if each.collides]:
         raise broken[0]
     tree = etree.fromstring(model.xml)
-    files = []
     for mesh in tree.iterfind("link/collision/geometry/mesh"):
-        files.append(resolve_mesh(model, mesh.get("filename")))
-        mesh.set("filename", str(files[-1]))
-    meshes.check_all(files, model.folders, model.source)
+        mesh.set("filename", str(resolve_mesh(model, mesh.get("filename"))))
     for visual in tree.findall("link/visual"):
         visual.getparent().remove(visual)
     try:

@@ -258,7 +258,6 @@ class Mesh(Shape):
         path = self.file()
         name = repr(str(path))
         try:
-            meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
             mesh = coal.MeshLoader(volumes).load(str(path), np.array(self.scale))
             meshes.check_vertices(mesh.vertices(), path, "Mesh")
         except UrdfError as error:

@@ -17,8 +17,9 @@ import typer
 from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, escaped, printable
-from urdf_ik.support import files, number_files
+from urdf_ik.support import files
 from urdf_ik.support import text as texts
+from urdf_ik.support.tables import Table, read_table
 from urdf_ik.support.text import quoted
 
 STDIN = "-"
@@ -121,9 +122,8 @@ def _read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) ->
         f'the only one) or JSON of shape ({n},) or (N, {n}), JSON {{"q": [...]}}, CSV with {n} columns or a header '
         "with the joints' names"
     )
-    wanted = number_files.Wanted(("q", "poses"), "joint vector", accepted, ArgumentError)
-    name, held = number_files.read(opened(source, option), wanted)
-    if isinstance(held, number_files.Rows):
+    name, held = read_table(opened(source, option), ["q", "poses"], "joint vector", accepted)
+    if isinstance(held, Table):
         header = held.header or [str(k) for k in range(1, len(held.cells[0]) + 1)]
         held = held.numbers(joint_names if set(joint_names) <= set(header) else header, header)
     if held.ndim not in (1, 2) or not held.size or held.shape[-1] != n:

@@ -6,13 +6,11 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.errors import UrdfError
 from urdf_ik.model import mjcf, xacro_files
 from urdf_ik.model.xml import Source, prolog_end
-from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
 
-_XACRO_NAME = re.compile(r"\.xacro(\.gz)?$", re.IGNORECASE)
+_XACRO_NAME = re.compile(r"\.xacro$", re.IGNORECASE)
 _MUJOCO = re.compile(r"<mujoco[\s/>]")
 
 
@@ -34,11 +32,7 @@ def as_urdf(
         MissingPackage: the package that reads it is not installed.
     """
     if xacro_args is not None or _XACRO_NAME.search(source.name):
-        needed = "a value for each argument by name"
-        given = inputs.mapping({} if xacro_args is None else xacro_args, "xacro_args", needed)
-        if odd := [name for name in given if not isinstance(name, str)]:
-            raise ArgumentError(f"xacro_args: {quoted(odd[0])} given; the names of arguments are texts")
-        return xacro_files.expanded(source, roots, given), ()
+        return xacro_files.expanded(source, roots, xacro_args or {}), ()
     if _MUJOCO.match(source.text, prolog_end(source.text)):
         return mjcf.as_urdf(source)
     return source, ()

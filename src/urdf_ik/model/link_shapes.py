@@ -11,7 +11,7 @@ import trimesh
 from lxml import etree
 
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.model import meshes as mesh_files
+from urdf_ik.model.meshes import read_scene
 from urdf_ik.model.poses import pose
 from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
 
@@ -151,7 +151,7 @@ def _capsule(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
 
 def _mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
     path = resolve_mesh(model, geometry.get("filename"))
-    scene = mesh_files.opened(path, model.folders, model.source)
+    scene = read_scene(path, model.source)
     meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
     scale = np.diag([*_numbers(geometry, "scale", 3, 1.0), 1.0])
     meshes = [each.apply_transform(scale) for each in meshes]

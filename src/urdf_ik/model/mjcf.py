@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from urdf_ik.errors import MissingPackage, UrdfError
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.xml import Source
-from urdf_ik.support.text import quoted
 
 INSTALL = "pip install 'urdf-ik[mjcf]'"
 WORLD = "world"
@@ -44,9 +43,7 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     except ImportError:
         raise MissingPackage(f"{source.name}: this is a MuJoCo model, and mujoco is not installed: {INSTALL}") from None
     try:
-        # Text from a packed file is parsed as a string, and cannot include other files.
-        packed = path.suffix == ".gz"
-        spec = mujoco.MjSpec.from_string(source.text) if packed else mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_file(str(path))
         lost = _without_missing_files(spec, source, path.parent / spec.meshdir)
         with warnings.catch_warnings():  # of masses and inertia, which a URDF's kinematics have no use for
             warnings.simplefilter("ignore")
@@ -76,7 +73,7 @@ def _without_missing_files(spec: Any, source: Source, folder: Path) -> tuple[Urd
     for geom in list(spec.geoms):
         if geom.meshname and geom.meshname in missing:
             if geom.contype or geom.conaffinity:
-                lost.append(_lost(source, geom.parent.name, f"mesh {quoted(geom.meshname)}: its file is not there"))
+                lost.append(_lost(source, geom.parent.name, f"mesh {geom.meshname!r}: its file is not there"))
             spec.delete(geom)
         else:
             geom.material = ""

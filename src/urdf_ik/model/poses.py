@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import PoseError
-from urdf_ik.support import inputs, sequences
-from urdf_ik.support.text import quoted
+from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
-
-Array = NDArray[np.float64]
+from urdf_ik.typing import Array
 
 ORIENTATIONS = {"quat_xyzw": 4, "quat_wxyz": 4, "rotvec": 3, "rpy": 3, "euler_zyx": 3}
 PROJECTION_TOLERANCE = 0.1
@@ -101,19 +99,10 @@ def to_quat_xyzw(T: Any) -> Array:
         >>> (to_quat_xyzw(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
         [0.0, 0.0, 0.4794, 0.8776]
     """
+    from scipy.spatial.transform import Rotation
+
     R = check_poses(T)[..., :3, :3]
-    d0, d1, d2 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
-    sx, sy, sz = R[..., 2, 1] + R[..., 1, 2], R[..., 0, 2] + R[..., 2, 0], R[..., 1, 0] + R[..., 0, 1]
-    dx, dy, dz = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
-    # Row k is 4 q_k q, so that every row is the quaternion; the row of its largest component has all digits.
-    rows = np.empty((*R.shape[:-2], 4, 4))
-    rows[..., 0, :] = np.stack([1.0 + d0 - d1 - d2, sz, sy, dx], axis=-1)
-    rows[..., 1, :] = np.stack([sz, 1.0 - d0 + d1 - d2, sx, dy], axis=-1)
-    rows[..., 2, :] = np.stack([sy, sx, 1.0 - d0 - d1 + d2, dz], axis=-1)
-    rows[..., 3, :] = np.stack([dx, dy, dz, 1.0 + d0 + d1 + d2], axis=-1)
-    largest = np.argmax(np.einsum("...kk->...k", rows), axis=-1)
-    q = np.take_along_axis(rows, largest[..., None, None], axis=-2)[..., 0, :]
-    q /= np.linalg.norm(q, axis=-1, keepdims=True)
+    q = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat().reshape(*R.shape[:-2], 4)
     # Scalar first, the first component that is not zero decides the sign.
     ranked = np.roll(q, 1, axis=-1)
     leading = np.argmax(np.abs(ranked) > _ZERO, axis=-1)[..., None]
@@ -216,13 +205,7 @@ def as_pose_array(T: Any) -> Array:
         (2, 4, 4)
     """
     needed = "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either"
-    if type(T) is not np.ndarray and (problem := sequences.too_long(T)):
-        raise PoseError(f"a pose must be {needed}: {problem}, {quoted(T)}")
-    try:
-        given = _unwrapped(T)
-    except Exception:  # whatever an object of unknown origin raises; what is wrong with it is said next
-        given = T
-    array = inputs.real(given, "a pose", needed, PoseError)
+    array = inputs.real(_unwrapped(T), "a pose", needed, PoseError)
     if array.shape[-2:] != (4, 4):
         shown = f"an array of shape {array.shape} given"
         raise PoseError(f"{shown}; poses have the shape (..., 4, 4): urdf_ik.pose makes them")
@@ -295,48 +278,31 @@ def _unwrapped(T: Any) -> Any:
 
 def _rotation(name: str, value: Array) -> Array:
     """(..., 3, 3) from an orientation in one of the notations."""
-    match name:
-        case "quat_xyzw":
-            return _from_quat_xyzw(_unit(value, name))
-        case "quat_wxyz":
-            return _from_quat_xyzw(_unit(np.roll(value, -1, axis=-1), name))
-        case "rotvec":
-            angle = np.hypot(np.hypot(value[..., :1], value[..., 1:2]), value[..., 2:])
-            ratio = np.where(angle > 0.0, np.sin(0.5 * angle) / np.where(angle > 0.0, angle, 1.0), 0.5)
-            return _from_quat_xyzw(np.concatenate([ratio * value, np.cos(0.5 * angle)], axis=-1))
-        case "rpy":
-            return _from_rpy(value)
-        case _:
-            return _from_rpy(value[..., ::-1])
+    if name == "rpy":
+        return _from_rpy(value)
+    if name == "euler_zyx":
+        return _from_rpy(value[..., ::-1])
+    from scipy.spatial.transform import Rotation
 
-
-def _from_quat_xyzw(q: Array) -> Array:
-    """(..., 3, 3) from unit quaternions (..., 4)."""
-    x, y, z, w = np.moveaxis(q, -1, 0)
-    R = np.empty((*q.shape[:-1], 3, 3))
-    R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
-    R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
-    R[..., 2, 0], R[..., 2, 1], R[..., 2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
-    return R
+    rows = value.reshape(-1, value.shape[-1])
+    if name == "rotvec":
+        return np.asarray(Rotation.from_rotvec(rows).as_matrix().reshape(*value.shape[:-1], 3, 3))
+    largest = np.abs(rows).max(axis=-1, keepdims=True)  # the division keeps squares from over- and underflow
+    if len(bad := np.argwhere(largest[:, 0] == 0.0)):
+        index = tuple(int(k) for k in np.unravel_index(bad[0, 0], value.shape[:-1]))
+        raise PoseError(f"{name} is all zeros, which is no rotation", index or None)
+    rotation = Rotation.from_quat(rows / largest, scalar_first=name == "quat_wxyz")
+    return np.asarray(rotation.as_matrix().reshape(*value.shape[:-1], 3, 3))
 
 
 def _from_rpy(rpy: Array) -> Array:
-    """(..., 3, 3) Rz(yaw) Ry(pitch) Rx(roll)."""
+    """(..., 3, 3) Rz(yaw) Ry(pitch) Rx(roll), with yourdfpy's rounding; SciPy's would differ in the last digit."""
     (sr, sp, sy), (cr, cp, cy) = np.moveaxis(np.sin(rpy), -1, 0), np.moveaxis(np.cos(rpy), -1, 0)
     R = np.empty((*rpy.shape[:-1], 3, 3))
-    R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
-    R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
+    R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = cy * cp, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy
+    R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = sy * cp, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy
     R[..., 2, 0], R[..., 2, 1], R[..., 2, 2] = -sp, cp * sr, cp * cr
     return R
-
-
-def _unit(q: Array, name: str) -> Array:
-    """Quaternions of length 1; the division by the largest entry first keeps squares from over- and underflow."""
-    largest = np.abs(q).max(axis=-1, keepdims=True)
-    if len(bad := np.argwhere(largest[..., 0] == 0.0)):
-        raise PoseError(f"{name} is all zeros, which is no rotation", tuple(bad[0].tolist()) or None)
-    scaled = q / largest
-    return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
 
 
 def _numbers(value: ArrayLike, name: str, size: int) -> Array:

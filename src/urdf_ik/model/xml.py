@@ -1,13 +1,10 @@
-"""The hardened XML parser: a path, XML text or open file in, an XML tree with line numbers out."""
+"""The XML reader: a path, XML text or open file in, an XML tree with line numbers out; no entities, no network."""
 
 from __future__ import annotations
 
 import codecs
-import gzip
-import io
 import os
 import re
-import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,29 +12,10 @@ from typing import Any, NamedTuple
 from lxml import etree
 
 from urdf_ik.errors import ArgumentError, UrdfError
-from urdf_ik.support import files
-from urdf_ik.support.text import quoted
 
 TEXT = "<text>"
-MAX_BYTES = 8 * 2**20
-"""Greatest size of a URDF: a tree of XML takes up to sixty times as much, and the greatest robots have one MiB."""
-ENCODINGS = frozenset(
-    [*(f"utf-{kind}" for kind in ("7", "8", "8-sig", "16", "16-le", "16-be", "32", "32-le", "32-be")), "ascii", "cp437"]
-    + [f"iso8859-{k}" for k in (*range(1, 12), *range(13, 17))] + [f"cp125{k}" for k in range(9)]
-    + ["koi8-r", "koi8-u", "gb2312", "gbk", "gb18030", "big5", "shift_jis", "cp932", "euc_jp", "iso2022_jp", "euc_kr"]
-)  # fmt: skip
-"""Codecs of the encodings that XML parsers know; Python's others do not encode text, or are slow."""
 XACRO_HINT = "for a xacro, end the file's name in .xacro, or give xacro_args (--xacro-arg NAME:=VALUE)"
 
-_GZIP = b"\x1f\x8b"
-_TOO_LARGE = f"it is larger than {MAX_BYTES >> 20} MiB"
-_BOMS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF32_LE, "utf-32"),
-    (codecs.BOM_UTF32_BE, "utf-32"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-)
 _DECLARED_ENCODING = re.compile(rb"\s*<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)[\"']", re.ASCII)
 _DECLARATION = re.compile(r"\s*<\?xml\s.*?\?>", re.DOTALL)
 _PROLOG_PART = re.compile(r"\s+|<\?.*?\?>|<!--.*?-->", re.DOTALL)
@@ -61,58 +39,54 @@ class Source(NamedTuple):
     path: Path | None
 
 
-def open_source(source: object) -> Source:
-    """Get the text of a path, of XML text, or of an open text or binary file.
+def open_source(source: Any) -> Source:
+    """The text of a path, of XML text, or of an open text or binary file.
 
     Raises:
         UrdfError: there is nothing to read there, or it is no text.
     """
     if isinstance(source, str | bytes | bytearray):
-        start = source.lstrip() if isinstance(source, str) else _without_bom(bytes(source)).lstrip()
-        if start[:1] in ("<", b"<", "\ufeff") or (isinstance(start, bytes) and start.startswith(_GZIP)):
-            return Source(_text(source, TEXT), TEXT, None)
-        if not start:
+        text = _text(source, TEXT)
+        if text.lstrip().startswith("<"):
+            return Source(text, TEXT, None)
+        if not text.strip():
             raise UrdfError("the text is empty", source=TEXT, hint="give a URDF's path or its XML text")
         if not isinstance(source, str):
-            raise UrdfError(f"{quoted(start[:40])} is no XML", source=TEXT, hint="XML text begins with '<'")
-        return _open_path(source)
-    if isinstance(source, os.PathLike):
+            raise UrdfError(f"{source[:40]!r} is no XML", source=TEXT, hint="XML text begins with '<'")
+    if isinstance(source, str | os.PathLike):
         return _open_path(os.fspath(source))
     if not hasattr(source, "read"):
         raise UrdfError(
-            f"cannot read a URDF from {type(source).__name__} {quoted(source)}",
+            f"cannot read a URDF from {type(source).__name__} {source!r}",
             source=TEXT,
             hint="give a path, XML text (str or bytes) or an open file",
         )
     named = getattr(source, "name", None)
     name = named if isinstance(named, str) and named else TEXT
     try:
-        content = files.from_open(source, MAX_BYTES)
-    except UrdfError:
-        raise
+        content = source.read()
     except (OSError, ValueError) as error:  # ValueError: a closed file; UnicodeDecodeError is one too
         raise UrdfError(f"cannot read the open file: {error}", source=name, hint="open it as UTF-8 or 'rb'") from None
-    if not isinstance(content, str | bytes):
-        raise UrdfError(f"read() gave {type(content).__name__}", source=name, hint="it must give str or bytes")
     return Source(_text(content, name), name, None)
 
 
 def parse(source: Source) -> Any:
-    """Parse the text into a tree without a DOCTYPE, an entity or the network; gives the ``<robot>`` element.
+    """The ``<robot>`` element of the text, parsed without entities and without the network.
 
     Raises:
         UrdfError: the XML is malformed, truncated or empty, has a DOCTYPE, or is no ``<robot>``.
     """
     text = _without_declaration(source.text)
-    _refuse_doctype(text, source.name)
-    try:
-        data = text.encode()
-    except UnicodeEncodeError as error:
-        line = text.count("\n", 0, error.start) + 1
-        raise UrdfError(f"not UTF-8: {error.reason}", source=source.name, line=line, hint="save as UTF-8") from None
+    data = text.encode(errors="surrogatepass")  # the parser refuses halves of surrogate pairs, and says the line
     root = _tree(data, source.name)
     if root.getroottree().docinfo.internalDTD is not None:
-        raise UrdfError("a DOCTYPE is refused", source=source.name, hint="delete the DOCTYPE and its entities")
+        raise UrdfError(
+            "a DOCTYPE is refused",
+            source=source.name,
+            line=text.count("\n", 0, text.index("<!DOCTYPE")) + 1,
+            element="<!DOCTYPE>",
+            hint="delete the DOCTYPE and write out what its entities stand for",
+        )
     if tag(root) != "robot":
         raise UrdfError(
             f"the root element is <{root.tag}>, not <robot>",
@@ -162,84 +136,48 @@ def has_xacro(value: str | None) -> bool:
 
 def _open_path(name: str | bytes) -> Source:
     label = os.fsdecode(name)
+    shown = " ".join(label.split())
+    shown = shown if len(shown) <= 120 else shown[:117] + "..."
     path = Path(label)
     try:
         if path.is_file():
-            if path.stat().st_size > MAX_BYTES:
-                raise UrdfError(_TOO_LARGE, source=label, hint="a URDF holds no meshes")
-            return Source(_text(_file_bytes(path), label), label, path.absolute())
+            return Source(_text(path.read_bytes(), label), label, path.absolute())
         directory = path.is_dir()
     except UrdfError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
         reason = getattr(error, "strerror", None) or str(error)
-        name_shown = _shorten(label)
-        raise UrdfError(f"cannot read: {reason}", source=name_shown, hint="check its path and rights") from None
+        raise UrdfError(f"cannot read: {reason}", source=shown, hint="check its path and rights") from None
     if directory:
-        found = ", ".join(sorted(each.name for each in path.glob("*.urdf"))[:5])
-        hint = f"choose one of its files: {found}" if found else "give the path of a .urdf file"
+        there = ", ".join(sorted(file.name for file in path.glob("*.urdf"))[:5])
+        hint = f"choose one of its files: {there}" if there else "give the path of a .urdf file"
         raise UrdfError("a directory, not a file", source=label, hint=hint)
     raise UrdfError(
-        "neither an existing file nor XML text", source=_shorten(label), hint="check the path; XML text begins with '<'"
+        "neither an existing file nor XML text", source=shown, hint="check the path; XML text begins with '<'"
     )
 
 
-def _file_bytes(path: Path) -> bytes:
-    """The file, up to a little more than the size that is read at all: what it says of its size may change."""
-    with files.opened(path) as file:
-        return file.read(MAX_BYTES + 1)
-
-
-def _shorten(label: str) -> str:
-    """A source's name, cut where it is long, on one line."""
-    line = " ".join(label.split())
-    return line if len(line) <= 120 else line[:117] + "..."
-
-
-def _without_bom(data: bytes) -> bytes:
-    for bom, encoding in _BOMS:
-        if data.startswith(bom):
-            return data[:400].decode(encoding, errors="ignore").encode() or data[len(bom) :]
-    return data
-
-
 def _text(content: str | bytes | bytearray, name: str) -> str:
-    if len(content) > MAX_BYTES:
-        raise UrdfError(_TOO_LARGE, source=name, hint="a URDF holds no meshes")
+    """Text as it is; bytes as their byte order mark or their XML declaration says, else as UTF-8."""
     if isinstance(content, str):
         return content.removeprefix("\ufeff")
-    data = _unpacked(bytes(content), name)
-    encoding = next((encoding for bom, encoding in _BOMS if data.startswith(bom)), None)
-    if encoding is None:
-        declared = _DECLARED_ENCODING.match(data)
-        encoding = declared[1].decode() if declared else "utf-8"
+    declared = _DECLARED_ENCODING.match(content)
+    encoding = declared[1].decode() if declared else "utf-8-sig"
+    if content.startswith(codecs.BOM_UTF8):
+        encoding = "utf-8-sig"
+    elif content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding = "utf-16"
     try:
-        if codecs.lookup(encoding).name not in ENCODINGS:
-            raise LookupError(f"{encoding} is none that XML parsers know")
-        return data.decode(encoding)
+        return bytes(content).decode(encoding)
     except UnicodeDecodeError as error:
         raise UrdfError(
-            f"not {encoding} text: byte 0x{data[error.start]:02x}",
+            f"not {encoding.removesuffix('-sig')} text: byte 0x{content[error.start]:02x}",
             source=name,
-            line=data.count(b"\n", 0, error.start) + 1,
+            line=content.count(b"\n", 0, error.start) + 1,
             hint="save the file as UTF-8, or declare its encoding in <?xml ... encoding=...?>",
         ) from None
-    except (LookupError, ValueError) as error:
+    except LookupError as error:
         raise UrdfError(f"unusable encoding: {error}", source=name, line=1, hint="save the file as UTF-8") from None
-
-
-def _unpacked(data: bytes, name: str) -> bytes:
-    """Gzip data unpacked, up to the greatest size that is read; other data unchanged."""
-    if not data.startswith(_GZIP):
-        return data
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-            unpacked = stream.read(MAX_BYTES + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        raise UrdfError(f"damaged gzip data: {error}", source=name, hint="compress the file again") from None
-    if len(unpacked) > MAX_BYTES:
-        raise UrdfError(f"it unpacks to more than {MAX_BYTES >> 20} MiB", source=name, hint="a URDF holds no meshes")
-    return unpacked
 
 
 def _without_declaration(text: str) -> str:
@@ -254,19 +192,6 @@ def prolog_end(text: str) -> int:
     while (part := _PROLOG_PART.match(text, end)) is not None:
         end = part.end()
     return end
-
-
-def _refuse_doctype(text: str, name: str) -> None:
-    """Refuse a DOCTYPE before the parser sees it, so that no entity is ever expanded."""
-    end = prolog_end(text)
-    if text.startswith("<!DOCTYPE", end):
-        raise UrdfError(
-            "a DOCTYPE is refused",
-            source=name,
-            line=text.count("\n", 0, end) + 1,
-            element="<!DOCTYPE>",
-            hint="delete the DOCTYPE and write out what its entities stand for",
-        )
 
 
 def _parser(recover: bool) -> Any:
@@ -319,8 +244,8 @@ def require_name(name: Any, owner: str) -> None:
         urdf_ik.errors.ArgumentError: name='' given; the tool's link needs a name, a text that is not empty
     """
     if not isinstance(name, str) or not name:
-        raise ArgumentError(f"name={quoted(name)} given; {owner} needs a name, a text that is not empty")
+        raise ArgumentError(f"name={name!r} given; {owner} needs a name, a text that is not empty")
     try:
         etree.Element("link", name=name)
     except ValueError as error:
-        raise ArgumentError(f"name={quoted(name)} cannot be written into a URDF: {error}") from None
+        raise ArgumentError(f"name={name!r} cannot be written into a URDF: {error}") from None

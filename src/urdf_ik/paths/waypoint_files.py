@@ -12,7 +12,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import pose
 from urdf_ik.paths.waypoints import read
-from urdf_ik.support import number_files
+from urdf_ik.support.tables import Table, read_table
 from urdf_ik.typing import Array
 
 POSITION = ("x", "y", "z")
@@ -30,10 +30,8 @@ ACCEPTED = (
 )
 LENGTH = 0.02
 """By what a quaternion's length may differ from 1: more is no rounding, but another order of columns or a mistake."""
-_WAYPOINTS = number_files.Wanted(KEYS, "waypoint", ACCEPTED, ArgumentError)
 POSE_COLUMNS = (*POSITION, "qx", "qy", "qz", "qw")
 """What seven numbers without a header are, where a caller says that they are a pose."""
-_POSES = number_files.Wanted(KEYS, "pose", f"{ACCEPTED}; {','.join(POSE_COLUMNS)} without a header, too", ArgumentError)
 
 
 def read_waypoints(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool = False) -> Array:
@@ -60,8 +58,8 @@ def read_waypoints(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool 
         >>> urdf_ik.read_waypoints(io.BytesIO(b"x,y,z,qw,qx,qy,qz\n0.5,0,0.2,0,0,1,0\n")).shape
         (1, 4, 4)
     """
-    name, held = number_files.read(source, _WAYPOINTS)
-    return _from_rows(held, degrees, bare=False) if isinstance(held, number_files.Rows) else _checked(name, held)
+    name, table = read_table(source, KEYS, "waypoint", ACCEPTED)
+    return _from_rows(table, degrees, bare=False) if isinstance(table, Table) else _checked(name, table)
 
 
 def read_poses(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool = False) -> Array:
@@ -72,13 +70,14 @@ def read_poses(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool = Fa
     Raises:
         ArgumentError: the file cannot be read, or holds no poses.
     """
-    name, held = number_files.read(source, _POSES)
-    if isinstance(held, number_files.Rows):
-        return _from_rows(held, degrees, bare=True)
-    if held.ndim in (1, 2) and held.shape[-1] == len(POSE_COLUMNS):
-        rows = np.atleast_2d(held)
+    accepted = f"{ACCEPTED}; {','.join(POSE_COLUMNS)} without a header, too"
+    name, table = read_table(source, KEYS, "pose", accepted)
+    if isinstance(table, Table):
+        return _from_rows(table, degrees, bare=True)
+    if table.ndim in (1, 2) and table.shape[-1] == len(POSE_COLUMNS):
+        rows = np.atleast_2d(table)
         return _posed("quat_wxyz", rows[:, [0, 1, 2, 6, 3, 4, 5]], lambda k: f"{name}, pose {k}")
-    return _checked(name, held)
+    return _checked(name, table)
 
 
 def _checked(name: str, values: Array) -> Array:
@@ -93,7 +92,7 @@ def _checked(name: str, values: Array) -> Array:
         raise ArgumentError(f"{name}: {error}") from None
 
 
-def _from_rows(rows: number_files.Rows, degrees: bool, bare: bool) -> Array:
+def _from_rows(rows: Table, degrees: bool, bare: bool) -> Array:
     """Waypoints of a CSV; ``bare``: seven numbers without a header are a pose, too."""
     width = len(rows.cells[0])
     if rows.header is None and not (bare and width == len(POSE_COLUMNS)):

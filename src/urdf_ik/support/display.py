@@ -13,14 +13,7 @@ _GOOD, _BAD = "#2e7d32", "#c62828"
 
 
 def short(title: str, lines: Sequence[str]) -> str:
-    """A text of at most six lines: what a prompt shows.
-
-    Example:
-        >>> print(short("Report FAILED", ["one", "two"]))
-        <Report FAILED>
-          one
-          two
-    """
+    """A text of at most six lines: what a prompt shows."""
     shown = list(lines)
     if len(shown) > _SHORT_LINES + 1:
         shown = [*shown[:_SHORT_LINES], f"and {len(shown) - _SHORT_LINES} lines more: print it"]
@@ -28,12 +21,7 @@ def short(title: str, lines: Sequence[str]) -> str:
 
 
 def html_of(title: str, verdict: str, well: bool, sections: Iterable[Section]) -> str:
-    """A report for a notebook: its title, its verdict, and every section as a table or a list; all of it is escaped.
-
-    Example:
-        >>> html_of("<arm>", "PASSED", True, [])
-        '<div><p><b>&lt;arm&gt;</b><br/><span style="color:#2e7d32">PASSED</span></p></div>'
-    """
+    """A report for a notebook: its title, its verdict, and every section as a table or a list; all of it is escaped."""
     parts = [f'<p><b>{_cell(title)}</b><br/><span style="color:{_GOOD if well else _BAD}">{_cell(verdict)}</span></p>']
     for section in sections:
         parts += [f"<p>{_cell(section.title)}</p>"] if section.title and section.title != verdict else []
@@ -47,12 +35,7 @@ def html_of(title: str, verdict: str, well: bool, sections: Iterable[Section]) -
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """An HTML table; every cell is escaped, but for :class:`Markup`.
-
-    Example:
-        >>> table(["joint"], [["<b>"]])
-        '<table><thead><tr><th>joint</th></tr></thead><tbody><tr><td>&lt;b&gt;</td></tr></tbody></table>'
-    """
+    """An HTML table; every cell is escaped, but for :class:`Markup`."""
     head = "".join(f"<th>{_cell(cell)}</th>" for cell in header)
     body = "".join("<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

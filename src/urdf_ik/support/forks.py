@@ -28,13 +28,7 @@ _import_lock: list[bool] = []
 
 
 def lock() -> threading.RLock:
-    """A lock that is free after a fork, in both processes.
-
-    Example:
-        >>> with lock() as held:
-        ...     held
-        True
-    """
+    """A lock that is free after a fork, in both processes."""
     made = threading.RLock()
     _own.add(made)
     return made

@@ -14,13 +14,6 @@ def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable
     Args:
         package: its full name.
         names: the module of each public name, relative to the package.
-
-    Example:
-        >>> from urdf_ik import maps
-        >>> maps.workspace.__module__
-        'urdf_ik.maps.workspaces.creation'
-        >>> dir(maps)
-        ['engine', 'placement', 'placements', 'workspace', 'workspaces']
     """
     module_of = names or {}
 

@@ -28,10 +28,6 @@ def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
     Args:
         count: number of colours.
         dark: for a black background; instead of darker the second eight are lighter.
-
-    Example:
-        >>> [tuple(round(255 * part) for part in colour) for colour in colours(2)]
-        [(0, 114, 178), (213, 94, 0)]
     """
     codes = [_ON_BLACK.get(code, code) if dark else code for code in _EIGHT]
     eight = [tuple(part / 255.0 for part in _parts(code)) for code in codes]
@@ -46,12 +42,7 @@ def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
 
 
 def shades(values: ArrayLike) -> NDArray[np.uint8]:
-    """The colours (..., 3), red, green and blue from 0 to 255, of ``values`` (...) from 0, dark blue, to 1, yellow.
-
-    Example:
-        >>> shades([0.0, 1.0]).tolist()
-        [[68, 1, 84], [253, 231, 37]]
-    """
+    """The colours (..., 3), red, green and blue from 0 to 255, of ``values`` (...) from 0, dark blue, to 1, yellow."""
     given = np.asarray(values, dtype=np.float64)
     table = np.array([_parts(code) for code in _VIRIDIS], dtype=np.float64)
     places = np.linspace(0.0, 1.0, len(table))

@@ -11,26 +11,13 @@ _Number = TypeVar("_Number", bound=np.generic)
 
 
 def frozen(array: NDArray[_Number]) -> NDArray[_Number]:
-    """``array``, read-only: a view or a fresh array, never one that somebody else writes to.
-
-    Example:
-        >>> frozen(np.zeros(3)).flags.writeable
-        False
-    """
+    """``array``, read-only: a view or a fresh array, never one that somebody else writes to."""
     array.setflags(write=False)
     return array
 
 
 class Frozen:
-    """An object whose arrays are all read-only, and stay so in its copies.
-
-    Example:
-        >>> import copy
-        >>> import urdf_ik
-        >>> chain = urdf_ik.load("planar_2r").chain
-        >>> copy.deepcopy(chain).limits.flags.writeable
-        False
-    """
+    """An object whose arrays are all read-only, and stay so in its copies."""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

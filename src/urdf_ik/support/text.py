@@ -9,36 +9,21 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-from urdf_ik.errors import MOST_OF_A_NAME, SHORT, escaped, printable
+from urdf_ik.errors import MOST_OF_A_NAME, escaped, printable
 
 _MOST_COMPARED = 1000
 """Greatest number of names that a misspelt name is compared with."""
 
 
 def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
-    """A value in a message: its ``repr`` on one line, cut after ``most`` characters.
-
-    Example:
-        >>> quoted("tool" * 30)
-        "'tooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltool..."
-    """
-    if isinstance(value, str | bytes):  # what is cut off need not be written first: it may be as long as a file
-        return printable(repr(value[: most + 1]), most)
-    try:
-        written = SHORT.repr(value)
-    except Exception:  # an object of unknown origin, or lists in each other without end
-        written = f"<{type(value).__name__}>"
-    return printable(" ".join(written.split()), most)
+    """A value in a message: its ``repr`` on one line, cut after ``most`` characters."""
+    return printable(" ".join(repr(value).split()), most)
 
 
 def nearest(name: object, names: Iterable[str], n: int = 3, cutoff: float = 0.6) -> list[str]:
     """The entries of ``names`` most similar to ``name``, the most similar first.
 
     Only the first characters of long names and the first of many names are compared, which bounds the work.
-
-    Example:
-        >>> nearest("too0", ["base_link", "tool0"])
-        ['tool0']
     """
     import difflib
 
@@ -53,10 +38,6 @@ def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: 
         rows: texts, all rows of the same length; the header is the first one.
         left: indices of the columns that are aligned to the left.
         rule: whether a line of hyphens stands below the first row.
-
-    Example:
-        >>> aligned([["joint", "value"], ["joint_1", "0.5"]], left=[0])
-        ['joint    value', 'joint_1    0.5']
     """
     rows = [[escaped(cell).replace("\n", "\\n") for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -102,10 +83,6 @@ def plain(value: Any, *, nulls: bool = False) -> Any:
     Args:
         value: numbers, text, arrays, and lists, tuples and dictionaries of these.
         nulls: numbers that are not finite become null instead of the text 'inf' or 'nan'.
-
-    Example:
-        >>> plain({"limits": (0.5, math.inf)})
-        {'limits': [0.5, 'inf']}
     """
     if isinstance(value, dict):
         return {key: plain(each, nulls=nulls) for key, each in value.items()}
@@ -119,14 +96,7 @@ def plain(value: Any, *, nulls: bool = False) -> Any:
 
 
 def json_text(value: Any, *, nulls: bool = False) -> str:
-    """Strict JSON with a line for every list of plain values; see :func:`plain`.
-
-    Example:
-        >>> print(json_text({"limits": (0.5, math.inf)}), end="")
-        {
-          "limits": [0.5, "inf"]
-        }
-    """
+    """Strict JSON with a line for every list of plain values; see :func:`plain`."""
     return _json_lines(plain(value, nulls=nulls), "\n") + "\n"
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support import sequences
 from urdf_ik.support.text import quoted
 
 
@@ -32,17 +31,9 @@ def picked(shape: tuple[int, ...], index: Any) -> NDArray[np.intp]:
         urdf_ik.errors.ArgumentError: index 7 into a batch of shape (2, 3): index 7 is out of bounds ...
     """
     try:
-        parts = index if isinstance(index, tuple) else (index,)
-        looked = [sequences.looked_through(part) for part in parts]
-        problem = next((problem for problem, _ in looked if problem), "")
-        if not problem:
-            # What is no list may go on without end, whatever it says of its length.
-            known = (
-                sequences.as_lists(part) if others else part for part, (_, others) in zip(parts, looked, strict=True)
-            )
-            return np.asarray(np.arange(math.prod(shape)).reshape(shape)[tuple(known)])
-    except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an index
-        problem = " ".join(str(failure).split())[:200]
+        return np.asarray(np.arange(math.prod(shape)).reshape(shape)[index])
+    except (IndexError, TypeError, ValueError) as failure:
+        problem = str(failure)
     raise ArgumentError(f"index {quoted(index)} into a batch of shape {shape}: {problem}")
 
 

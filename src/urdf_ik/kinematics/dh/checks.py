@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.kinematics.dh.fields import TableFields, table_error
 from urdf_ik.model.poses import check_poses
-from urdf_ik.support import inputs, sequences
+from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -94,32 +93,22 @@ def joint_types_of(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
     return tuple(words)
 
 
-def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
+def table_array(rows: Any, columns: Sequence[str] = COLUMNS) -> Array:
     """A writable array (n, number of columns) of numbers.
 
     Raises:
         UrdfError: a row has more or fewer columns, or an entry is no number.
     """
-    needed = f"rows of {', '.join(columns)}"
-    if problem := sequences.too_long(rows):
-        raise table_error(f"rows={quoted(rows)}: {problem}; {needed} are needed")
-    given = inputs.items(rows, "rows", needed, UrdfError)
-    out = np.full((len(given), len(columns)), np.inf)
-    for i, row in enumerate(given):
-        try:
-            if not isinstance(row, np.ndarray):
-                row = inputs.items(row, "row", needed, UrdfError)
-            values = np.atleast_1d(np.asarray(row, dtype=object))
-        except Exception:  # the same of one row
-            values = np.empty(0)
+    out = np.empty((len(rows), len(columns)))
+    for i, row in enumerate(rows):
+        values = np.atleast_1d(np.asarray(row))
         if values.shape != (len(columns),):
-            needed = ", ".join(columns)
-            raise table_error(f"{values.size} columns given, {len(columns)} are needed: {needed}", row=i + 1)
-        for k, value in enumerate(values):
+            needed = f"{len(columns)} are needed: {', '.join(columns)}"
+            raise table_error(f"{values.size} columns given, {needed}", row=i + 1)
+        for k, value in enumerate(row):
             if not inputs.is_real(value):
-                raise table_error(f"{quoted(value)} is no number", row=i + 1, column=columns[k])
-            with contextlib.suppress(OverflowError):  # then it stays infinite
-                out[i, k] = float(value)
+                raise table_error(f"{value!r} is no number", row=i + 1, column=columns[k])
+            out[i, k] = value
     return out
 
 

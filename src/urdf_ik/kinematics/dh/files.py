@@ -19,12 +19,10 @@ from urdf_ik.errors import PoseError
 from urdf_ik.kinematics.dh.checks import COLUMNS, CONVENTIONS
 from urdf_ik.kinematics.dh.fields import TableFields, table_error
 from urdf_ik.model.poses import pose, to_rpy
-from urdf_ik.support import files, inputs
+from urdf_ik.support import files
 from urdf_ik.support.text import aligned, quoted
 from urdf_ik.typing import Array
 
-MAX_BYTES = 2**20
-"""Greatest size of a table's file; one of 500 joints has less than a tenth of it."""
 KEYS = ("name", "convention", "angles", "base", "tool")
 OPTIONAL = ("name", "type", "offset", "lower", "upper")
 _UNITS = {"rad": False, "deg": True}
@@ -40,7 +38,7 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
         UrdfError: it holds no table; the error names row, column and value.
     """
     try:
-        text = files.read(inputs.path(path, "path"), MAX_BYTES).decode("utf-8-sig")
+        text = files.read(path).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise table_error("is no text; a table is CSV or JSON") from None
     parse = _from_json if text.lstrip().startswith(("{", "[")) else _from_csv

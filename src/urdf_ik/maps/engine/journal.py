@@ -54,7 +54,7 @@ class Journal:
         self._path = path
         self._good = 0  # bytes of whole lines
         self.chunks: dict[int, dict[str, Kept]] = {}
-        text = files.read(path, MAX_BYTES, JobError) if os.path.lexists(path) else b""
+        text = files.read(path, JobError) if os.path.lexists(path) else b""
         for line in text.splitlines(keepends=True):
             entry = _parsed(line)
             if entry is None:

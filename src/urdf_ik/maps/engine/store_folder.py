@@ -179,7 +179,7 @@ class Folder:
     def _holds(self, name: str, data: bytes | None) -> bool:
         """Whether a file has these bytes."""
         try:
-            return data is not None and files.read(self.path / name, len(data), JobError) == data
+            return data is not None and files.read(self.path / name, JobError) == data
         except JobError:
             return False
 
@@ -201,7 +201,7 @@ class Folder:
 
     def _is_whole(self, path: str, kept: Kept) -> bool:
         try:
-            data = files.read(self.path / path, kept.size, JobError)
+            data = files.read(self.path / path, JobError)
         except JobError:
             return False
         return len(data) == kept.size and digest(data) == kept.digest
@@ -257,7 +257,7 @@ def read_question(path: Path) -> dict[str, Any]:
     if not os.path.lexists(file):
         raise JobError(f"{name_of(path)} is no store of this package: there is no {name_of(file)}")
     try:
-        found = json.loads(files.read(file, MAX_QUESTION, JobError))
+        found = json.loads(files.read(file, JobError))
     except (ValueError, RecursionError) as error:
         if isinstance(error, JobError):
             raise

@@ -51,9 +51,8 @@ def read(
     """
     where = inputs.path(path, "path")
     name = files.name_of(where)
-    files.require_regular(where)
     try:
-        with files.opened(where) as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
+        with where.open("rb") as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
             _require_room(where, file, most)
             if "header" not in file.files:
                 raise ArgumentError(f"{name} is no workspace map: it has no header")

@@ -9,11 +9,15 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NoReturn, TypeVar
 
+import numpy as np
 from lxml import etree
 
 from urdf_ik.errors import UrdfError, listed
+from urdf_ik.model.poses import pose
 from urdf_ik.model.urdf.defects import Defects
+from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
+from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import nearest, quoted
 from urdf_ik.support.tolerances import LARGEST
 
@@ -118,6 +122,30 @@ class RawJoint:
         """Line of the ``<joint>`` tag."""
         line: int = self.place.element.sourceline
         return line
+
+    def read(self) -> Joint:
+        """The joint with its frame and its axis."""
+        x, y, z = map(float, self.origin.get("xyz", "0 0 0").split())
+        roll, pitch, yaw = map(float, self.origin.get("rpy", "0 0 0").split())
+        origin = pose((x, y, z), rpy=(roll, pitch, yaw))
+        axis = np.array([float(part) for part in (self.axis or "1 0 0").split()])
+        axis_length = float(np.linalg.norm(axis))
+        return Joint(
+            name=self.name,
+            type=self.type,
+            parent=self.parent,
+            child=self.child,
+            origin=frozen(origin),
+            axis=frozen(axis / axis_length),
+            lower=self.lower,
+            upper=self.upper,
+            velocity=self.velocity,
+            effort=self.effort,
+            mimic=self.mimic,
+            line=self.line,
+            rpy=(roll, pitch, yaw),
+            axis_length=axis_length,
+        )
 
     def write(self, robot: Any) -> None:
         """Append the joint to the clean tree, with its kinematics only."""

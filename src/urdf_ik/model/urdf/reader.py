@@ -6,18 +6,15 @@ import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
-import numpy as np
 from lxml import etree
 
 from urdf_ik.model import formats
-from urdf_ik.model.urdf import checks, links, tree
+from urdf_ik.model.urdf import links, tree
 from urdf_ik.model.urdf.defects import Defects
-from urdf_ik.model.urdf.joint import Joint
-from urdf_ik.model.urdf.urdf_model import UrdfModel, yourdfpy_model
+from urdf_ik.model.urdf.urdf_model import UrdfModel
 from urdf_ik.model.xml import open_source, parse
-from urdf_ik.support import inputs
 
 
 def read(
@@ -30,7 +27,7 @@ def read(
     """Read a URDF; a defect becomes a warning if the chain may do without the defective part.
 
     Args:
-        source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
+        source: a path, XML text, or an open text or binary file: a URDF, a MuJoCo model (MJCF), or
             a xacro, which is a program: a file whose name ends in ``.xacro``, or anything with ``xacro_args``.
         mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
             exist. The search for ROS packages starts here; AMENT_PREFIX_PATH and ROS_PACKAGE_PATH follow.
@@ -38,7 +35,7 @@ def read(
         strict: whether every defect is an error.
 
     Returns:
-        The model, with every joint's origin and axis as yourdfpy reads them.
+        The model, with every joint's origin and axis, digit for digit as yourdfpy reads them.
 
     Raises:
         UrdfError: the URDF cannot be read or is defective; the message names file, line, element and correction.
@@ -62,26 +59,21 @@ def read(
     raw = tree.check_mimics(joined, defects)
 
     # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
-    clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
+    clean = etree.Element("robot", name=name, version="1.1")
     links.write_materials(clean, original, opened.name)
     links.write_links(clean, names, opened.name, defects)
     if strict and defects.found:
         raise defects.found[0].error
-    for link in names:
-        etree.SubElement(bare, "link", name=link)
-    for robot in (clean, bare):
-        for joint in raw:
-            joint.write(robot)
+    for joint in raw:
+        joint.write(clean)
     xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
-    # yourdfpy would spend most of its time on the shapes, which kinematics does not need.
-    theirs = yourdfpy_model(etree.tostring(bare)).joint_map
     return UrdfModel(
         name=name,
         source=opened.name,
         path=opened.path,
         xml=xml,
         links=tuple(names),
-        joints=tuple(_joint(each, theirs[each.name]) for each in raw),
+        joints=tuple(joint.read() for joint in raw),
         root=root,
         mesh_roots=folders,
         warnings=tuple(defects.found),
@@ -89,33 +81,5 @@ def read(
     )
 
 
-def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
-    origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
-    axis = np.array(theirs.axis, dtype=np.float64)
-    axis_length = float(np.linalg.norm(axis))
-    axis /= axis_length
-    roll, pitch, yaw = map(float, raw.origin.get("rpy", "0 0 0").split())
-    for array in (origin, axis):
-        array.setflags(write=False)
-    return Joint(
-        name=raw.name,
-        type=raw.type,
-        parent=raw.parent,
-        child=raw.child,
-        origin=origin,
-        axis=axis,
-        lower=raw.lower,
-        upper=raw.upper,
-        velocity=raw.velocity,
-        effort=raw.effort,
-        mimic=raw.mimic,
-        line=raw.line,
-        rpy=(roll, pitch, yaw),
-        axis_length=axis_length,
-    )
-
-
 def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
-    each = [roots] if isinstance(roots, str | os.PathLike) else roots
-    held = inputs.items(each, "mesh_roots", "paths of folders")
-    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in held)
+    return tuple(Path(root).absolute() for root in ([roots] if isinstance(roots, str | os.PathLike) else roots))

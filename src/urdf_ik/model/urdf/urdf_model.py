@@ -18,7 +18,6 @@ from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.urdf.limbs import Limb
-from urdf_ik.model.urdf.yourdfpy_import import yourdfpy
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import nearest, quoted
 
@@ -356,6 +355,8 @@ def yourdfpy_model(xml: bytes) -> Any:
     capsules = [shape.getparent().getparent() for shape in tree.iter("capsule")]
     for body in capsules:  # yourdfpy knows no capsules, and would refuse the file
         body.getparent().remove(body)
-    return yourdfpy().URDF.load(
+    import yourdfpy  # brings trimesh, SciPy and NetworkX: 0.5 s that loading an arm need not pay
+
+    return yourdfpy.URDF.load(
         io.BytesIO(etree.tostring(tree) if capsules else xml), build_scene_graph=False, load_meshes=False
     )

@@ -129,7 +129,7 @@ class Baseline(Recorded):
             >>> Baseline.load("arm.lock.json").arm.joint_names
             ('joint_1', 'joint_2')
         """
-        return cls.from_text(files.read(path, MOST_BYTES).decode("utf-8", "replace"), files.name_of(path))
+        return cls.from_text(files.read(path).decode("utf-8", "replace"), files.name_of(path))
 
     @classmethod
     def from_text(cls, text: str, name: str = "the text") -> Baseline:

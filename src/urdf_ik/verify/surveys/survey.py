@@ -14,7 +14,6 @@ from urdf_ik.arm import Arm, load
 from urdf_ik.arm.loading import read
 from urdf_ik.errors import ArgumentError, ChainError, JobError, UnsupportedArm, UrdfError, UrdfIkError, printable
 from urdf_ik.maps.engine import Folder, run, versions
-from urdf_ik.model.xml import MAX_BYTES
 from urdf_ik.support import files as files_guard
 from urdf_ik.support import inputs
 from urdf_ik.support.text import json_text
@@ -276,7 +275,7 @@ def _place(chunk: int) -> str:
 def _kept(file: Path) -> Checked:
     """A report that stands in a store."""
     try:
-        return Checked(**json.loads(files_guard.read(file, MAX_REPORT, JobError)))
+        return Checked(**json.loads(files_guard.read(file, JobError)))
     except (TypeError, ValueError) as error:
         raise JobError(f"{files_guard.name_of(file)} is damaged: {printable(error, 200)}") from None
 
@@ -284,6 +283,6 @@ def _kept(file: Path) -> Checked:
 def _digest(path: str) -> str | None:
     """SHA-256 of a file; None where it cannot be read, which the check says then."""
     try:
-        return hashlib.sha256(files_guard.read(path, MAX_BYTES)).hexdigest()
+        return hashlib.sha256(files_guard.read(path)).hexdigest()
     except ArgumentError:
         return None

@@ -1,0 +1,193 @@
+"""Tables of numbers from files: CSV with or without a header, JSON, and NumPy's own formats; the content decides."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import zipfile
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UrdfIkError, printable
+from urdf_ik.support import files
+from urdf_ik.typing import Array
+
+
+class Table(NamedTuple):
+    """A CSV.
+
+    Attributes:
+        name: the file's name in messages.
+        header: names of its columns; None if its first line holds a number.
+        first: the line of the header, or of the first row.
+        lines: the line number of each row.
+        cells: texts, a list a row, without the header.
+        error: the class of errors.
+    """
+
+    name: str
+    header: list[str] | None
+    first: int
+    lines: list[int]
+    cells: list[list[str]]
+    error: Callable[[str], UrdfIkError]
+
+    def numbers(self, columns: Sequence[str], header: Sequence[str]) -> Array:
+        """(k, c) the columns asked for, as finite numbers.
+
+        Args:
+            columns: names, each of them in ``header``.
+            header: what the columns of the file are called.
+
+        Raises:
+            UrdfIkError: a line is too short or too long, or a cell is no finite number.
+        """
+        picked = [(column, header.index(column)) for column in columns]
+        out = np.empty((len(self.cells), len(picked)))
+        for k, (line, row) in enumerate(zip(self.lines, self.cells, strict=True)):
+            where = f"{self.name}, line {line}"
+            if len(row) != len(header):
+                raise self.error(f"{where}: {len(row)} values; {len(header)} are needed, as in the first line")
+            for j, (column, place) in enumerate(picked):
+                out[k, j] = number(row[place])
+                if not np.isfinite(out[k, j]):
+                    raise self.error(f"{where}, column {printable(column)}: {row[place]!r} is no finite number")
+        return out
+
+
+def read_table(
+    source: Any,
+    keys: Sequence[str],
+    element: str,
+    accepted: str,
+    error: Callable[[str], UrdfIkError] = ArgumentError,
+) -> tuple[str, Array | Table]:
+    """The name of a file in messages, and its numbers.
+
+    Args:
+        source: a path, or a file open for reading.
+        keys: what the array may be called in an .npz file or a JSON object.
+        element: what the messages call one entry of a list, such as 'waypoint'.
+        accepted: a sentence that describes valid contents.
+        error: the class of errors.
+
+    Raises:
+        UrdfIkError: ``error``; the file cannot be read, or holds no numbers.
+
+    Example:
+        >>> import io
+        >>> name, table = read_table(io.BytesIO(b"[[1, 2], [3, 4]]"), ["T"], "waypoint", "rows of numbers are needed")
+        >>> table.tolist()
+        [[1.0, 2.0], [3.0, 4.0]]
+    """
+    name, data = files.name_of(source), files.read(source, error)
+    try:
+        if not data.strip():
+            raise ValueError(" is empty")
+        if data.startswith((b"\x93NUMPY", b"PK")):
+            return name, _from_numpy(data, keys)
+        text = data.decode("utf-8-sig")
+        if text.lstrip().startswith(("[", "{")):
+            return name, _from_json(text, keys, element)
+        header, lines, cells = csv_rows(text, element)
+    except UnicodeDecodeError:
+        raise error(f"{name} is neither text nor a .npy or .npz file; {accepted}") from None
+    except json.JSONDecodeError as failure:
+        raise error(f"{name}, line {failure.lineno}: {failure.msg}; {accepted}") from None
+    except ValueError as failure:
+        raise error(f"{name}{failure}; {accepted}") from None
+    return name, Table(name, header, lines[0], lines[1:] if header else lines, cells, error)
+
+
+def csv_rows(text: str, element: str) -> tuple[list[str] | None, list[int], list[list[str]]]:
+    """The header of a CSV, the line numbers of header and rows, and the rows; lines that begin with '#' are remarks.
+
+    Args:
+        text: of the file; commas, semicolons, tabs or blanks separate the cells.
+        element: what the messages call a row.
+
+    Raises:
+        ValueError: there are no rows, or the text is no CSV; its message follows the file's name.
+    """
+    numbered = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()[:1] not in ("", "#")]
+    if not numbered:
+        raise ValueError(" holds nothing but comments")
+    mark = next((mark for mark in ",;\t" if mark in numbered[0][1]), " ")
+    reader = csv.reader((line for _, line in numbered), delimiter=mark, skipinitialspace=True)
+    lines: list[int] = []
+    cells: list[list[str]] = []
+    try:
+        for row in reader:
+            lines.append(numbered[reader.line_num - 1][0])
+            cells.append([cell.strip() for cell in row if cell.strip() or mark != " "])
+    except csv.Error as failure:
+        raise ValueError(f", line {numbered[max(reader.line_num, 1) - 1][0]}: {failure}") from None
+    if not all(np.isnan(number(cell)) for cell in cells[0]):
+        return None, lines, cells
+    if len(cells) == 1:
+        raise ValueError(f", line {lines[0]}: a header, and no {element} after it")
+    return cells[0], lines, cells[1:]
+
+
+def number(cell: str) -> float:
+    """The number in a cell, NaN where there is none."""
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan
+
+
+def _from_numpy(data: bytes, keys: Sequence[str]) -> Array:
+    try:
+        loaded = np.load(io.BytesIO(data), allow_pickle=False)
+        arrays = {"": loaded} if isinstance(loaded, np.ndarray) else dict(loaded)
+    except (ValueError, OSError, EOFError, SyntaxError, zipfile.BadZipFile):
+        raise ValueError(" is damaged, or holds Python objects instead of numbers") from None
+    key = next((key for key in keys if key in arrays), next(iter(arrays)) if len(arrays) == 1 else None)
+    if key is None:
+        raise ValueError(f" holds {', '.join(arrays) or 'nothing'}, and no array {' or '.join(keys)}")
+    if arrays[key].dtype.kind not in "fiu":
+        raise ValueError(f": its array has the type {arrays[key].dtype}, which is no real number")
+    return np.asarray(arrays[key], dtype=np.float64)
+
+
+def _from_json(text: str, keys: Sequence[str], element: str) -> Array:
+    value = _member(json.loads(text), keys, "")
+    if not isinstance(value, list):
+        value = [[value]]
+    arrays: list[Array] = []
+    for k, entry in enumerate(value):
+        where = f", {element} {k}"
+        entry = _member(entry, keys, where)
+        try:
+            array = np.array(entry)
+        except ValueError:
+            array = np.array(None)
+        if array.dtype.kind not in "fiu":
+            raise ValueError(f"{where}: {printable(json.dumps(_odd(entry)))} is no number")
+        if arrays and array.shape != arrays[0].shape:
+            raise ValueError(f"{where}: {printable(json.dumps(entry))} is of another shape than the first")
+        arrays.append(array.astype(np.float64))
+    return np.array(arrays)
+
+
+def _member(value: Any, keys: Sequence[str], where: str) -> Any:
+    """What an object holds under one of the keys; anything else as it is."""
+    if not isinstance(value, dict):
+        return value
+    for key in keys:
+        if key in value:
+            return value[key]
+    raise ValueError(f"{where}: the JSON object has {', '.join(value) or 'nothing'}, and no {' or '.join(keys)}")
+
+
+def _odd(entry: Any) -> Any:
+    """The first value in nested lists that is not a number; the lists where all are."""
+    for part in entry if isinstance(entry, list) else ():
+        odd = _odd(part)
+        if isinstance(odd, bool) or not isinstance(odd, int | float | list):
+            return odd
+    return entry
