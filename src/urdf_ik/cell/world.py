@@ -15,13 +15,8 @@ from lxml import etree
 
 from urdf_ik.cell.obstacle_index import ObstacleIndex, Standing, index_of
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
-<<<<<<< HEAD
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed
 from urdf_ik.model import poses, urdf
-=======
-from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed, printable
-from urdf_ik.model import poses, urdf
->>>>>>> a99e043c (Support: one check of arrays, one read_table; model without its own guards)
 from urdf_ik.support import files, forks
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import nearest, quoted
@@ -222,11 +217,7 @@ class World:
         for name, shape, pose in self:
             digest.update(f"{name}\0{type(shape).__name__}\0".encode())
             if isinstance(shape, Mesh):
-<<<<<<< HEAD
                 digest.update(files.read(shape.file()) + repr(shape.scale).encode())
-=======
-                found.update(files.read(shape.file()) + repr(shape.scale).encode())
->>>>>>> a99e043c (Support: one check of arrays, one read_table; model without its own guards)
             else:
                 for each in fields(shape):  # type: ignore[arg-type]
                     value = getattr(shape, each.name)
