@@ -1,8 +1,7 @@
-"""Files that are no plain URDF: xacro, MJCF, gzip, and ROS packages; each held against Pinocchio or MuJoCo."""
+"""Files that are no plain URDF: xacro, MJCF, and ROS packages; each held against Pinocchio or MuJoCo."""
 
 from __future__ import annotations
 
-import gzip
 import sys
 import warnings
 from pathlib import Path
@@ -137,17 +136,6 @@ def test_missing_packages_say_how_to_install_them(tmp_path: Path, monkeypatch: p
     (tmp_path / "arm.xml").write_text("<mujoco/>")
     with pytest.raises(MissingPackage, match=r"pip install 'urdf-ik\[mjcf\]'"):
         read(tmp_path / "arm.xml")
-
-
-def test_gzip_is_unpacked(tmp_path: Path) -> None:
-    """A compressed URDF is the URDF, as a file and as bytes; a damaged one and one that never ends are refused."""
-    text = b'<robot name="tiny"><link name="base"/></robot>'
-    (tmp_path / "tiny.urdf.gz").write_bytes(gzip.compress(text))
-    assert read(tmp_path / "tiny.urdf.gz").links == read(gzip.compress(text)).links == ("base",)
-    with pytest.raises(UrdfError, match="damaged gzip data"):
-        read(gzip.compress(text)[:-20])
-    with pytest.raises(UrdfError, match="more than 8 MiB"):
-        read(gzip.compress(b" " * (65 * 2**20)))
 
 
 MJCF = """<mujoco model="m">

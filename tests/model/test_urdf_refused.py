@@ -139,7 +139,7 @@ def test_a_doctype_is_refused_before_an_entity_is_expanded(doctype: str, encodin
     text = f'<?xml version="1.0" encoding="{encoding}"?>\n<!-- <robot> -->\n{doctype}<robot name="&b11;"/>'
     begun = time.process_time()
     error = refused(text.encode(encoding))
-    assert (error.line, error.element) == (3, "<!DOCTYPE>")
+    assert error.line == 3
     assert time.process_time() - begun < 1.0
 
 

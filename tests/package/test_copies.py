@@ -42,7 +42,7 @@ def test_arms_answer_as_before(way: str) -> None:
 def test_solutions_are_what_they_were(way: str) -> None:
     """The same joint vectors, which nobody may write to; the copy still knows its limits and its turns."""
     T = ARM.fk(Q)
-    for found in (ARM.ik(T), ARM.ik(np.stack([T, T])), urdf_ik.load("srs_7r").sweep(T, 4)):
+    for found in (ARM.ik(T), ARM.ik(np.stack([T, T])), urdf_ik.load("planar_2r").ik(np.eye(4))):
         again = WAYS[way](found)
         np.testing.assert_array_equal(again.q, found.q)
         np.testing.assert_array_equal(again.within_limits().turns().q, found.within_limits().turns().q)
@@ -61,17 +61,13 @@ def test_worlds_and_collision_models_keep_their_obstacles(way: str) -> None:
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_plans_and_trackers_go_on(way: str) -> None:
-    """A copied plan has the same waypoints and alternatives; a copied tracker steps as the original."""
+def test_plans_are_what_they_were(way: str) -> None:
+    """The same joint vectors and alternatives."""
     T = ARM.fk(Q)
     plan = ARM.follow(urdf_ik.line(T, ARM.fk(Q + 0.02), 4), world=obstacles())
     again = WAYS[way](plan)
     np.testing.assert_array_equal(again.q, plan.q)
     assert [other.cost for other in again.alternatives] == [other.cost for other in plan.alternatives]
-    if way != "copy":
-        tracker = WAYS[way](ARM.tracker(Q, dt=0.01))
-        np.testing.assert_array_equal(tracker.q, Q)
-        assert tracker.step(T).status == "ok"
 
 
 @pytest.mark.parametrize("way", WAYS)
