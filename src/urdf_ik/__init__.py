@@ -8,131 +8,45 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from urdf_ik.support import forks as _forks  # noqa: F401  a fork waits for first calls of other threads
 from urdf_ik.support.lazy import attributes
+from urdf_ik.version import __version__  # noqa: F401
 
-if TYPE_CHECKING:
-    from urdf_ik.arm import Arm, load
-    from urdf_ik.calibration import Calibration, calibrate
-    from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
-    from urdf_ik.cell.world import World
-    from urdf_ik.errors import (
-        ArgumentError,
-        ChainError,
-        JobError,
-        MissingPackage,
-        PoseError,
-        UnsupportedArm,
-        UrdfError,
-        UrdfIkError,
-    )
-    from urdf_ik.export import compile
-    from urdf_ik.ik.redundancy import Interval, Intervals, Region
-    from urdf_ik.ik.solutions import IKSolutions, Singular, Solution
-    from urdf_ik.kinematics.chain import Chain
-    from urdf_ik.kinematics.dh import DHTable
-    from urdf_ik.kinematics.structure import Structure
-    from urdf_ik.model.poses import pose
-    from urdf_ik.paths import Plan, arc, line, polyline, read_waypoints
-    from urdf_ik.verify.baselines import freeze
-    from urdf_ik.verify.comparison import Comparison, compare, compare_many
-
-__version__ = "0.1.0"
-
-__all__ = [
-    "ArgumentError",
-    "Arm",
-    "Box",
-    "Calibration",
-    "Capsule",
-    "Chain",
-    "ChainError",
-    "Comparison",
-    "Cylinder",
-    "DHTable",
-    "HalfSpace",
-    "IKSolutions",
-    "Interval",
-    "Intervals",
-    "JobError",
-    "Mesh",
-    "MissingPackage",
-    "Plan",
-    "Points",
-    "PoseError",
-    "Region",
-    "Singular",
-    "Solution",
-    "Sphere",
-    "Structure",
-    "UnsupportedArm",
-    "UrdfError",
-    "UrdfIkError",
-    "World",
-    "arc",
-    "calibrate",
-    "compare",
-    "compare_many",
-    "compile",
-    "freeze",
-    "line",
-    "load",
-    "polyline",
-    "pose",
-    "read_waypoints",
-]
-
-# Importing the package costs nothing: a name's module is imported when the name is first used.
-_MODULE = {
-    "ArgumentError": "errors",
-    "Arm": "arm",
-    "Box": "cell.shapes",
-    "Calibration": "calibration",
-    "Capsule": "cell.shapes",
-    "Chain": "kinematics.chain",
-    "ChainError": "errors",
-    "Comparison": "verify.comparison",
-    "Cylinder": "cell.shapes",
-    "DHTable": "kinematics.dh",
-    "HalfSpace": "cell.shapes",
-    "IKSolutions": "ik.solutions",
-    "Interval": "ik.redundancy",
-    "Intervals": "ik.redundancy",
-    "JobError": "errors",
-    "Mesh": "cell.shapes",
-    "MissingPackage": "errors",
-    "Plan": "paths",
-    "Points": "cell.shapes",
-    "PoseError": "errors",
-    "Region": "ik.redundancy",
-    "Singular": "ik.solutions",
-    "Solution": "ik.solutions",
-    "Sphere": "cell.shapes",
-    "Structure": "kinematics.structure",
-    "UnsupportedArm": "errors",
-    "UrdfError": "errors",
-    "UrdfIkError": "errors",
-    "World": "cell.world",
-    "arc": "paths",
-    "calibrate": "calibration",
-    "compare": "verify.comparison",
-    "compare_many": "verify.comparison",
-    "compile": "export",
-    "freeze": "verify.baselines",
-    "line": "paths",
-    "load": "arm",
-    "polyline": "paths",
-    "pose": "model.poses",
-    "read_waypoints": "paths",
+# A module is imported when one of its names is first used. The types of these names are in __init__.pyi.
+_PUBLIC = {
+    "arm": ("Arm", "load", "load_compiled"),
+    "calibration": ("Calibration", "calibrate"),
+    "cell.shapes": ("Box", "Capsule", "Cylinder", "HalfSpace", "Mesh", "Points", "Sphere"),
+    "cell.world": ("World",),
+    "errors": (
+        "ArgumentError",
+        "ChainError",
+        "JobError",
+        "MissingPackage",
+        "PoseError",
+        "UnsupportedArm",
+        "UrdfError",
+        "UrdfIkError",
+    ),
+    "export": ("compile",),
+    "ik.redundancy": ("Interval", "Intervals", "Region"),
+    "ik.solutions": ("IKSolutions", "Singular", "Solution"),
+    "kinematics.chain": ("Chain",),
+    "kinematics.dh": ("DHTable",),
+    "kinematics.structure": ("Structure",),
+    "model.poses": ("pose",),
+    "paths": ("Plan", "arc", "line", "polyline", "read_waypoints"),
+    "verify.baselines": ("freeze",),
+    "verify.comparison": ("Comparison", "compare", "compare_many"),
 }
+
+__all__ = sorted(name for names in _PUBLIC.values() for name in names)
 
 # The differentiable functions of torch and jax, which need not be installed: urdf_ik.torch.ik, urdf_ik.jax.ik.
 _AUTOGRAD = {"jax": "interop.autograd", "torch": "interop.autograd"}
 
-__getattr__ = attributes(__name__, _MODULE | _AUTOGRAD)
+__getattr__ = attributes(__name__, {name: module for module, names in _PUBLIC.items() for name in names} | _AUTOGRAD)
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, "__version__"})
+    return [*__all__, "__version__"]

@@ -75,7 +75,7 @@ def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: u
     text, file = urdf_ik.compile(arm), tmp_path / "arm.json"
     file.write_text(text)
     jsonschema.validate(json.loads(text), SCHEMA)
-    again = urdf_ik.load(file)
+    again = urdf_ik.load_compiled(file)
     assert urdf_ik.compile(again) == text == urdf_ik.compile(pickle.loads(pickle.dumps(again)))
     T, values = targets(arm, 1)
     free = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
@@ -165,7 +165,7 @@ def test_a_broken_file_is_refused(change: str, tmp_path: Path) -> None:
     file = tmp_path / "arm.json"
     file.write_text(broken(change))
     with pytest.raises(UrdfError, match=rf"arm\.json.*{DEFECTS[change]}"):
-        urdf_ik.load(file)
+        urdf_ik.load_compiled(file)
     refused = native_arms.refusal(file)
     assert str(file) in refused and DEFECTS[change] in refused
 
@@ -183,12 +183,12 @@ def test_a_file_of_another_release_is_refused(path: str, tmp_path: Path) -> None
         held = held[group]
     held["invented later"] = 1.0
     file.write_text(json.dumps(data))
-    assert urdf_ik.load(file).dof == 6
-    native_arms.solved(file, urdf_ik.load(file).fk(np.zeros((1, 6))))
+    assert urdf_ik.load_compiled(file).dof == 6
+    native_arms.solved(file, urdf_ik.load_compiled(file).fk(np.zeros((1, 6))))
     del held[last]
     file.write_text(json.dumps(data))
     with pytest.raises(UrdfError, match=rf"arm\.json.*{last}.*missing"):
-        urdf_ik.load(file)
+        urdf_ik.load_compiled(file)
     refused = native_arms.refusal(file)
     assert str(file) in refused and f"{path}: missing" in refused
 
@@ -196,15 +196,16 @@ def test_a_file_of_another_release_is_refused(path: str, tmp_path: Path) -> None
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     """A file that is not there is named by Python and by C++."""
     with pytest.raises(UrdfError, match=r"missing\.json"):
-        urdf_ik.load(tmp_path / "missing.json")
+        urdf_ik.load_compiled(tmp_path / "missing.json")
     assert "missing.json: it cannot be read" in native_arms.refusal(tmp_path / "missing.json")
 
 
 def test_settings_are_those_of_the_file(tmp_path: Path) -> None:
-    """A compiled arm takes no other base, tip or locked joint."""
-    text = urdf_ik.compile(urdf_ik.load("puma_560"))
-    with pytest.raises(urdf_ik.ArgumentError, match="tip='tool0' given; a compiled arm has its settings"):
-        urdf_ik.load(text, tip="tool0")
+    """``load``, which takes a base and a tip, names the function that reads a compiled arm."""
+    file = tmp_path / "arm.json"
+    file.write_text(urdf_ik.compile(urdf_ik.load("puma_560")))
+    with pytest.raises(urdf_ik.ArgumentError, match="load_compiled reads it"):
+        urdf_ik.load(file, tip="tool0")
 
 
 def test_a_changed_urdf_is_noticed(tmp_path: Path) -> None:

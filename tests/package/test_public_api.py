@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import json
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -38,6 +41,15 @@ def test_exported_names_are_listed_once() -> None:
     """No name is in __all__ twice, and the interface's stable names are all there."""
     assert len(set(urdf_ik.__all__)) == len(urdf_ik.__all__)
     assert set(PROMISED) <= set(urdf_ik.__all__)
+
+
+def test_the_stub_names_what_the_package_gives() -> None:
+    """Editors and mypy see the names that are imported at their first use."""
+    stub = Path(urdf_ik.__file__).with_suffix(".pyi").read_text()
+    listed = re.findall(r"^from (urdf_ik[\w.]*) import (\w+) as \2$", stub, re.MULTILINE)
+    assert sorted(name for _, name in listed) == sorted([*urdf_ik.__all__, "__version__"])
+    for module, name in listed:
+        assert getattr(importlib.import_module(module), name) is getattr(urdf_ik, name)
 
 
 def test_every_error_is_exported_and_has_one_root() -> None:

@@ -23,7 +23,6 @@ from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model import urdf
 from urdf_ik.model.xml import TEXT
 from urdf_ik.support import files
-from urdf_ik.support.text import quoted
 
 FORMAT, VERSION = "urdf-ik compiled arm", 1
 _AGAIN = "urdf-ik compile writes one"
@@ -41,8 +40,8 @@ def is_compiled(source: object) -> bool:
     return isinstance(source, str) and (source.lstrip()[:1] == "{" or source.lower().endswith(".json"))
 
 
-def load(source: str | os.PathLike[str]) -> Arm:
-    """The arm of a compiled arm's file or text.
+def load_compiled(source: str | os.PathLike[str]) -> Arm:
+    """The arm of a file or text that :func:`urdf_ik.compile` made, with all its settings.
 
     It solves with the numbers of the file. Its URDF is the part that the chain uses, without shapes.
 
@@ -52,7 +51,7 @@ def load(source: str | os.PathLike[str]) -> Arm:
     Example:
         >>> import urdf_ik
         >>> text = urdf_ik.compile(urdf_ik.load("planar_2r"))
-        >>> load(text)
+        >>> urdf_ik.load_compiled(text)
         <Arm 'planar_2r': base_link to tool0, ...>
     """
     if isinstance(source, str) and source.lstrip()[:1] == "{":
@@ -89,7 +88,7 @@ def document_of(text: str, source: str) -> dict[str, Any]:
         raise UrdfError(f'no compiled arm: it has no "format": "{FORMAT}"', source=source, hint=_AGAIN)
     if data.get("version") != VERSION:
         raise UrdfError(
-            f"a compiled arm of version {quoted(data.get('version'))}; this release reads version {VERSION}",
+            f"a compiled arm of version {data.get('version')!r}; this release reads version {VERSION}",
             source=source,
             hint=f"{_AGAIN} anew",
         )

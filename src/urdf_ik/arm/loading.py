@@ -15,7 +15,6 @@ from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
 from urdf_ik.model.srdf import chain_groups, disabled_pairs, groups_beside
-from urdf_ik.support.text import quoted
 
 
 def load(
@@ -35,9 +34,8 @@ def load(
 
     Args:
         source: a path, XML text, an open file, or a name such as 'zyyzyz_6r', 'ur5' or 'ur10e_description'. Names are
-            those of the catalogue and of robot_descriptions, which downloads a model at its first use. A file may be
-            compressed by gzip, a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``. A file whose name ends
-            in ``.json``, or JSON text, is a compiled arm, which :func:`urdf_ik.compile` made with all its settings.
+            those of the catalogue and of robot_descriptions, which downloads a model at its first use. A file may be a
+            MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``.
         base: base link; default: the root.
         tip: tip link; default: the tool frame of the longest chain, if there is only one (see
             :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
@@ -70,26 +68,11 @@ def load(
         >>> load("zyyzyz_6r")
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
-    if compiled.is_compiled(source):
-        settings = {"base": base, "tip": tip, "chain": chain, "srdf": srdf, "locked": locked, "redundancy": redundancy}
-        if extra := [name for name, value in settings.items() if value not in (None, ())]:
-            raise ArgumentError(f"{extra[0]}={quoted(settings[extra[0]])} given; a compiled arm has its settings")
-        return compiled.load(source)  # type: ignore[arg-type]
     model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
     disabled = () if srdf is None else disabled_pairs(srdf, model.links, strict=strict)
-    groups = {} if srdf is None or tip is not None else dict(chain_groups(srdf, model.links))
-    if entry is not None and chain is None and not groups:
-        base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
-    if tip is None and groups:
-        base, tip = _of_group(model, groups, base, chain)
-    elif tip is None:
-        beside = groups_beside(model.path, model.name, model.links) if chain is not None and model.path else {}
-        group = beside.get(chain) if isinstance(chain, str) else None
-        base, tip = model.resolve_chain(base, None, chain) if group is None else (base or group[0], group[1])
-    elif chain is not None:
-        raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
+    ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
+    joints = from_urdf(model, *ends).lock({} if locked is None else locked)
     given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
-    joints = from_urdf(model, base, tip).lock({} if locked is None else locked)
     return assemble(model, joints, given=given, cell=Cell(model, joints, disabled=disabled))
 
 
@@ -112,34 +95,54 @@ def read(
         >>> model.name, entry.tip
         ('planar_2r', 'tool0')
     """
+    if compiled.is_compiled(source):
+        raise ArgumentError(f"{source!r} is a compiled arm; urdf_ik.load_compiled reads it")
     entry = None
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)
         roots = [mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots
-        if not isinstance(roots, list | tuple):
-            raise ArgumentError(f"mesh_roots={quoted(mesh_roots)} given; paths of folders are needed")
         source, mesh_roots = entry.path, (*roots, *entry.package_dirs)
         if entry.xacro_args is not None:
             xacro_args = {**entry.xacro_args, **(xacro_args or {})}
     return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict), entry
 
 
-def _of_group(
-    model: urdf.UrdfModel, groups: Mapping[str, tuple[str, str]], base: str | None, name: str | None
-) -> tuple[str, str]:
-    """Base and tip of a group of an SRDF: of the only one that holds a chain, or of the one that is named.
+def choose_chain(
+    model: urdf.UrdfModel,
+    entry: catalogue.Entry | None,
+    base: str | None,
+    tip: str | None,
+    *,
+    chain: str | None = None,
+    srdf: str | os.PathLike[str] | bytes | None = None,
+) -> tuple[str | None, str | None]:
+    """Base and tip of the chain that the arguments of :func:`load` mean; a base of None is the root.
+
+    In this order: base and tip themselves, a group of the SRDF, the catalogue's base and tip, a group of an SRDF beside
+    the URDF, the chains of the URDF.
 
     Raises:
-        ChainError: there is no such group, or none is named and there are several.
+        ChainError: there is no such chain, or there are several and none is named.
+        ArgumentError: both a chain and a tip are given.
     """
-    if name is None and len(groups) == 1:
-        name = next(iter(groups))
-    if name is not None and not isinstance(name, str):
-        raise ChainError(f"chain={quoted(name)} given; the name of a group of the SRDF is needed", groups)
-    if name is None or name not in groups:
-        what = "several chains; name one" if name is None else f"no chain {quoted(name)}"
-        raise ChainError(f"{model.source}: the SRDF has {what}", groups)
-    return groups[name][0] if base is None else base, groups[name][1]
+    if tip is not None:
+        if chain is not None:
+            raise ArgumentError(f"chain={chain!r} and tip={tip!r} say the same; give one of them")
+        return entry.base if entry is not None and base is None else base, tip
+    if groups := {} if srdf is None else dict(chain_groups(srdf, model.links)):
+        name = next(iter(groups)) if chain is None and len(groups) == 1 else chain
+        if name not in groups:
+            what = "several chains; name one" if name is None else f"no chain {name!r}"
+            raise ChainError(f"{model.source}: the SRDF has {what}", groups)
+        return groups[name][0] if base is None else base, groups[name][1]
+    if entry is not None and chain is None:
+        base, tip = entry.base if base is None else base, entry.tip
+    if tip is not None:
+        return base, tip
+    beside = groups_beside(model.path, model.name, model.links) if chain is not None and model.path else {}
+    if chain in beside:
+        return base or beside[chain][0], beside[chain][1]
+    return model.resolve_chain(base, None, chain)
 
 
 def _is_name(source: str) -> bool:

@@ -100,22 +100,8 @@ class ArmOptions:
             typer.BadParameter: standard input is closed, or a lock or a tool's place cannot be understood.
             UrdfIkError: there is no such arm.
         """
-        from urdf_ik.arm import load
-
-        source = self._source()
         tool = self._tool(degrees)
-        arm = load(
-            source,
-            base=self.base,
-            tip=self.tip,
-            chain=self.chain,
-            srdf=self.srdf,
-            locked=self._locked(),
-            redundancy=self.redundancy_joint or (),
-            mesh_roots=self.mesh_root or (),
-            xacro_args=self._xacro_args(),
-            strict=self.strict,
-        )
+        arm = self._loaded()
         _say_warnings(arm.model)
         self._say_which(arm)
         if tool is not None:
@@ -152,6 +138,27 @@ class ArmOptions:
         model = read(self._source(), mesh_roots=roots, xacro_args=arguments, strict=self.strict)[0]
         _say_warnings(model)
         return model
+
+    def _loaded(self) -> Arm:
+        from urdf_ik.arm import is_compiled, load, load_compiled
+
+        source = self._source()
+        if is_compiled(source):
+            kept = ("mesh_root", "xacro_arg", "strict", "allow", "tool_xyz", "tool_rpy")
+            self.require_only(kept, f"{self.robot} is a compiled arm, which has its settings")
+            return load_compiled(source)
+        return load(
+            source,
+            base=self.base,
+            tip=self.tip,
+            chain=self.chain,
+            srdf=self.srdf,
+            locked=self._locked(),
+            redundancy=self.redundancy_joint or (),
+            mesh_roots=self.mesh_root or (),
+            xacro_args=self._xacro_args(),
+            strict=self.strict,
+        )
 
     def _source(self) -> Any:
         if self.robot == "-" and sys.stdin is None:

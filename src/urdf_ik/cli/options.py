@@ -15,10 +15,10 @@ import typer
 from typer import Option
 from typer.models import ArgumentInfo
 
-from urdf_ik import __version__
 from urdf_ik.cli.prompt.completion import data_files
 from urdf_ik.paths import path_settings
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
+from urdf_ik.version import __version__
 
 
 class Format(StrEnum):

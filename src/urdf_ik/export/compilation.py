@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from urdf_ik import __version__, _core
+from urdf_ik import _core
 from urdf_ik.arm import Arm, compiled
 from urdf_ik.arm.compiled import FORMAT, VERSION
 from urdf_ik.errors import UnsupportedArm, UrdfError
@@ -19,6 +19,7 @@ from urdf_ik.model.urdf import Joint, UrdfModel
 from urdf_ik.support import files, inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import json_text
+from urdf_ik.version import __version__
 
 _CHECKS = 6
 _SHAPES = ("visual", "collision", "inertial")
@@ -40,7 +41,7 @@ def compile(arm: Arm) -> str:  # noqa: A001  what it does, as re.compile
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> again = urdf_ik.load(urdf_ik.compile(arm))
+        >>> again = urdf_ik.load_compiled(urdf_ik.compile(arm))
         >>> T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
         >>> bool((again.ik(T).q == arm.ik(T).q).all())
         True

@@ -7,13 +7,13 @@ import re
 import struct
 from typing import Any
 
-from urdf_ik import __version__
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.export.compilation import compile
 from urdf_ik.export.solver_text import Node, inlined, macros, node_of, struct_of
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
+from urdf_ik.version import __version__
 
 _SPACE = f"urdf_ik_{__version__.replace('.', '_')}"
 

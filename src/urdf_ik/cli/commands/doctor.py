@@ -20,11 +20,11 @@ from importlib import import_module, metadata
 import numpy as np
 import typer
 
-from urdf_ik import __version__
 from urdf_ik.cell import missing_pinocchio as without_pinocchio
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
+from urdf_ik.version import __version__
 
 NEEDED = ("numpy", "pin", "coal", "yourdfpy", "lxml", "trimesh", "scipy")
 OPTIONAL = {

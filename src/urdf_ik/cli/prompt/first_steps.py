@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from urdf_ik import __version__
+from urdf_ik.version import __version__
 
 _WIDTH = 30
 _STEPS = (

@@ -73,7 +73,7 @@ def versions() -> dict[str, str]:
         >>> sorted(versions())
         ['instructions', 'urdf-ik']
     """
-    from urdf_ik import __version__
+    from urdf_ik.version import __version__
 
     return {"urdf-ik": __version__, "instructions": _core.isa()}
 

@@ -152,7 +152,7 @@ def made_by() -> tuple[tuple[str, str], ...]:
     """Versions of the packages that compute a baseline."""
     import pinocchio as pin
 
-    from urdf_ik import __version__
+    from urdf_ik.version import __version__
 
     return (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
 
