@@ -13,7 +13,7 @@ PACKAGE = "urdf_ik"
 # The rooms, floor by floor in the order in which a pose flows: a room imports from its own floor and from those below,
 # also inside functions and for type checking.
 FLOORS = (
-    {"_core", "cmake", "errors", "support", "typing"},
+    {"_core", "cmake", "errors", "support", "typing", "version"},
     {"model"},
     {"kinematics"},
     {"ik"},
@@ -47,10 +47,7 @@ def imports(name: str, path: Path, known: dict[str, Path]) -> Iterator[tuple[str
     """The package's modules that one imports, each with whether it does so when a function is called."""
     tree = ast.parse(path.read_text())
     late = {
-        id(node)
-        for function in ast.walk(tree)
-        if isinstance(function, ast.FunctionDef)
-        for node in ast.walk(function)
+        id(node) for function in ast.walk(tree) if isinstance(function, ast.FunctionDef) for node in ast.walk(function)
     }
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -58,7 +55,7 @@ def imports(name: str, path: Path, known: dict[str, Path]) -> Iterator[tuple[str
         elif isinstance(node, ast.ImportFrom):
             assert not node.level, f"{name}: a relative import"
             whole = [f"{node.module}.{alias.name}" for alias in node.names]
-            found = [full if full in known else str(node.module) for full in whole if full != f"{PACKAGE}.__version__"]
+            found = [full if full in known else str(node.module) for full in whole]
         else:
             continue
         for each in found:
