@@ -20,8 +20,9 @@ import trimesh
 import urdf_ik
 from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere, World, pose
 from urdf_ik.cell import CollisionModel, coal_shapes, distance_bounds
-from urdf_ik.cell.obstacle_index import FEW, BoxTree
+from urdf_ik.cell.obstacle_index import FEW
 from urdf_ik.cell.shapes import Shape
+from urdf_ik.cell.spatial_search import BoxTree
 from urdf_ik.cell.swept_motions import TOUCH
 
 Array = np.ndarray

@@ -138,11 +138,12 @@ class Search:
 
     def _same_branch(self, node: Any, *, edges: bool = False) -> Ints:
         """All nodes of a node's waypoint and branch, or the edges from them."""
-        layers, waypoint = self.graph.layers, int(np.searchsorted(self.graph.layers.first, node, side="right")) - 1
-        nodes = np.arange(layers.first[waypoint], layers.first[waypoint + 1])
-        nodes = nodes[layers.column[nodes] == layers.column[node]]
-        first = self.graph.edge_first
-        return np.concatenate([nodes[:0], *(np.arange(first[k], first[k + 1]) for k in nodes)]) if edges else nodes
+        layers, first = self.graph.layers, self.graph.edge_first
+        waypoint = int(np.searchsorted(layers.first, node, side="right")) - 1
+        low, high = layers.first[waypoint : waypoint + 2]
+        items = np.arange(first[low], first[high]) if edges else np.arange(low, high)
+        nodes = self.graph.start_of(items) if edges else items
+        return np.asarray(items[layers.column[nodes] == layers.column[node]])
 
     def _nearest(self, items: Ints, distance: Array) -> Ints:
         """The nearest of some items, more of them in every round."""
