@@ -17,7 +17,7 @@ from urdf_ik.paths.planner.graph import CHANGE, MISMATCH, Graph, Route
 from urdf_ik.paths.planner.nodes import Nodes
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.smoothing import smoothed
-from urdf_ik.paths.planner.stops import FINE_VALUES, closed_waypoint, grid_values, is_closed, stops_of
+from urdf_ik.paths.planner.stops import COARSE_VALUES, FINE_VALUES, closed_waypoint, grid_values, is_closed, stops_of
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
@@ -30,7 +30,7 @@ SPARSE_TURN, SPARSE_MOVE = 0.2, 0.06
 """Distance between the waypoints of the first grid [rad, fraction of the arm's size]."""
 DENSE_TURN, DENSE_MOVE = 0.15, 0.05
 """Longer segments are cut into equal pieces [rad, fraction of the arm's size]."""
-DENSE_GRIDS = (64, 128, FINE_VALUES)
+DENSE_GRIDS = (COARSE_VALUES, 128, FINE_VALUES)
 """Numbers of values of the grids at every waypoint; tried in this order where the first grid leads to no plan."""
 LOOSE_MISMATCH = (0.25, 1.0)
 """The same as ``MISMATCH``, for grids whose routes are refined later."""
@@ -42,8 +42,8 @@ FINER = 4
 """Refinement factor between successive grids."""
 NEIGHBOURS = (12, 6, 4)
 """Number of values on each side of the guide, on successive finer grids."""
-SPARSE_PASSES, ROUGH_PASSES, LAST_PASSES = 6, 4, 3
-"""Most passes on one grid: at some waypoints; at all of them before smoothing; and after it."""
+MOST_PASSES = 6
+"""Most passes on one grid."""
 WORTHWHILE = 0.99
 """Repeat the pass while it lowers the cost by more than 1 %."""
 SAME_COST = 1e-6
@@ -272,7 +272,7 @@ def _refined(settings: CheckedSettings, refined: Refined, guide: _Guide, step: f
     """A guide improved on successively finer grids around it."""
     for neighbours in NEIGHBOURS:
         step /= FINER
-        for _ in range(SPARSE_PASSES):
+        for _ in range(MOST_PASSES):
             route = _around(settings, refined, guide, step, neighbours, last=False).best()
             better = guide if route is None else _guide(settings, route)
             if not better.cost < guide.cost:
@@ -292,7 +292,7 @@ def _finished(
     if len(refined.T) < len(dense.T):
         guide = guide.spread(refined.place, dense.place)
     for factor in (FINER**3, FINER**2):
-        for _ in range(ROUGH_PASSES):
+        for _ in range(MOST_PASSES):
             route = _around(settings, dense, guide, step * factor, NEIGHBOURS[-1], last=False).best()
             if route is None:
                 return None
@@ -310,7 +310,7 @@ def _proven(settings: CheckedSettings, dense: Refined, guide: _Guide, step: floa
     """The route near a guide whose motions are proven and free of contact; None where there is none."""
     last: tuple[Search, Route] | None = None
     for factor in (FINER, 1):
-        for k in range(LAST_PASSES):
+        for k in range(MOST_PASSES):
             neighbours = NEIGHBOURS[0] if last is None and k else NEIGHBOURS[-1]
             search = _around(settings, dense, guide, step * factor, neighbours, last=True)
             route = search.best()

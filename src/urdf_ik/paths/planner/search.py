@@ -19,9 +19,6 @@ from urdf_ik.typing import Array
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-MOST_DOUBLINGS = 10
-"""After a contact 2 neighbours are checked too, in each later round twice as many; at most 2 << this."""
-
 
 class Search:
     """Routes through one graph.
@@ -146,5 +143,5 @@ class Search:
         return np.asarray(items[layers.column[nodes] == layers.column[node]])
 
     def _nearest(self, items: Ints, distance: Array) -> Ints:
-        """The nearest of some items, more of them in every round."""
-        return np.asarray(items[np.argsort(distance, kind="stable")[: 2 << min(self._rounds, MOST_DOUBLINGS)]])
+        """The nearest of some items: two in the first round, in each later one twice as many."""
+        return np.asarray(items[np.argsort(distance, kind="stable")[: 2 << self._rounds]])

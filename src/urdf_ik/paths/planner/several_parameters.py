@@ -24,12 +24,13 @@ from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
-from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
+from urdf_ik.paths.checked_settings import END_TOLERANCE, CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner.assembly import Refined, cut, made, not_found, offer, priced
 from urdf_ik.paths.planner.nodes import Joints, Nodes
 from urdf_ik.paths.planner.redundant import DENSE_MOVE, DENSE_TURN
 from urdf_ik.paths.planner.search import Search
+from urdf_ik.paths.planner.smoothing import MOST_STEPS
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
@@ -39,14 +40,10 @@ MOST_PLANS = 16
 """Most plans with the same parameter free."""
 MOST_IMPROVED = 3
 """Number of plans that are improved in all parameters, cheapest first."""
-MOST_STEPS = 30
-"""Most steps of Newton's method."""
 WORTHWHILE = 0.9999
 """Take another step while the last one lowered the sum by more than 0.01 %."""
 LONGEST_STEP = 0.2
 """Largest change of a joint per step [rad or m]."""
-SAME_VALUE = 1e-6
-"""Values of start and end that differ by less are equal [rad or m]."""
 
 
 class _Fixed(NamedTuple):
@@ -146,7 +143,7 @@ def _values(solver: Solver, k: int, end_values: list[Array], path: Array) -> lis
     if end_values:
         step = end_values[-1][k] - end_values[0][k]
         step = shortest(np.asarray(step)) if parameter.unit == "rad" else step
-        return [float(end_values[0][k])] if abs(step) < SAME_VALUE else []
+        return [float(end_values[0][k])] if abs(step) < END_TOLERANCE else []
     low, high = span(solver, parameter, path)
     spread = np.linspace(low, high, FIXED_VALUES, endpoint=not parameter.round)
     distance = np.abs(spread - parameter.default)

@@ -16,7 +16,7 @@ from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
 from urdf_ik.paths.planner.assembly import Refined
 from urdf_ik.typing import Array
 
-MOST_STEPS = 12
+MOST_STEPS = 30
 """Most steps of Newton's method."""
 WORTHWHILE = 0.999
 """Take another step while the last one lowered the sum by more than 0.1 %."""
