@@ -397,26 +397,12 @@ class Arm:
 
 
 def assemble(model: UrdfModel, chain: Chain, **settings: Any) -> Arm:
-    """The arm of a URDF and one of its chains; :func:`urdf_ik.arm.changes.assembled` lists settings and errors.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("planar_2r")
-        >>> assemble(arm.model, arm.chain.lock({"joint_1": 0.5})).joint_names
-        ('joint_2',)
-    """
+    """The arm of a URDF and one of its chains; :func:`urdf_ik.arm.changes.assembled` lists settings and errors."""
     return Arm(*changes.assembled(model, chain, **settings))
 
 
 def arm_of(solver: Solver) -> Arm:
-    """The arm whose solver made solutions, intervals or a plan.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("planar_2r")
-        >>> arm_of(arm.ik(arm.fk([0.1, 0.2])).solver).model is arm.model
-        True
-    """
+    """The arm whose solver made solutions, intervals or a plan."""
     cell = solver.contacts
     if not isinstance(cell, Cell):
         raise ArgumentError(f"{solver.name}: a solver that was prepared without a cell belongs to no arm")

@@ -50,8 +50,6 @@ def assembled(
         ChainError: one of ``given`` is not a joint of the chain.
         UnsupportedArm: no solver takes this arm with these settings.
     """
-    inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
-    inputs.kind(chain, "image_turns", "chain", "a chain, as urdf_ik.load(...).chain is,")
     cell = Cell(model, chain) if cell is None else cell
     speeds = velocity_limits(model, chain)
     return Parts(model, chain, preparation.prepare(model.name, chain, speeds, cell, task, free_axis, given), cell)
@@ -168,14 +166,7 @@ def with_locked(arm: Parts, values: Mapping[str, float]) -> Parts:
 
 
 def with_cell(arm: Parts, cell: Cell) -> Parts:
-    """A new arm in another cell, such as one with other allowed collisions.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> arm.with_cell(arm.cell.allow("link_4", "link_6")).cell.nearest_pair([0.0] * 6).links
-        ('link_3', 'link_5')
-    """
+    """A new arm in another cell, such as one with other allowed collisions."""
     return arm._replace(cell=cell, solver=arm.solver.again(contacts=cell))
 
 

@@ -29,12 +29,7 @@ _AGAIN = "urdf-ik compile writes one"
 
 
 def is_compiled(source: object) -> bool:
-    """Whether a source is a compiled arm: the path of a ``.json`` file, or its text.
-
-    Example:
-        >>> is_compiled("arm.json"), is_compiled("arm.urdf"), is_compiled('{"format": "urdf-ik compiled arm"}')
-        (True, False, True)
-    """
+    """Whether a source is a compiled arm: the path of a ``.json`` file, or its text."""
     if isinstance(source, os.PathLike):
         return Path(source).suffix.lower() == ".json"
     return isinstance(source, str) and (source.lstrip()[:1] == "{" or source.lower().endswith(".json"))
@@ -74,11 +69,6 @@ def document_of(text: str, source: str) -> dict[str, Any]:
 
     Raises:
         UrdfError: it is no JSON, no compiled arm, or one of another version.
-
-    Example:
-        >>> document_of('{"format": "urdf-ik compiled arm", "version": 0}', "arm.json")
-        Traceback (most recent call last):
-        urdf_ik.errors.UrdfError: arm.json: a compiled arm of version 0; this release reads version 1 ...
     """
     try:
         data = json.loads(text)

@@ -89,11 +89,6 @@ def read(
         UrdfError: the URDF is broken.
         ArgumentError: the name is unknown, or its model cannot be downloaded.
         MissingPackage: the package that reads a xacro or MJCF is not installed.
-
-    Example:
-        >>> model, entry = read("planar_2r")
-        >>> model.name, entry.tip
-        ('planar_2r', 'tool0')
     """
     if compiled.is_compiled(source):
         raise ArgumentError(f"{source!r} is a compiled arm; urdf_ik.load_compiled reads it")

@@ -132,50 +132,24 @@ class Structure:
         return len(self.branches)
 
     def is_parallel(self, first: int) -> bool:
-        """Whether axes ``first`` and ``first + 1`` are parallel or coincident.
-
-        Example:
-            >>> import urdf_ik
-            >>> structure = urdf_ik.load("puma_560").structure
-            >>> [k for k in range(1, 6) if structure.is_parallel(k)]
-            [2]
-        """
+        """Whether axes ``first`` and ``first + 1`` are parallel or coincident."""
         return self._pair(first).relation in ("parallel", "coincident")
 
     def is_intersecting(self, first: int) -> bool:
-        """Whether axes ``first`` and ``first + 1`` meet under an angle.
-
-        Example:
-            >>> import urdf_ik
-            >>> structure = urdf_ik.load("puma_560").structure
-            >>> [k for k in range(1, 6) if structure.is_intersecting(k)]
-            [1, 4, 5]
-        """
+        """Whether axes ``first`` and ``first + 1`` meet under an angle."""
         return self._pair(first).relation == "intersecting"
 
     def _pair(self, first: int) -> AxisPair:
         return self.pairs[inputs.whole(first, "first", low=1, high=len(self.pairs)) - 1]
 
     def triple(self, first: int, relation: str) -> AxisTriple | None:
-        """The triple that begins with axis ``first``, if its relation is this one.
-
-        Example:
-            >>> import urdf_ik
-            >>> str(urdf_ik.load("puma_560").structure.triple(4, "meet"))
-            'axes 4, 5 and 6 meet in a point'
-        """
+        """The triple that begins with axis ``first``, if its relation is this one."""
         first = inputs.whole(first, "first", low=1)
         relation = inputs.choice(relation, "relation", ("meet", "parallel"))
         return next((t for t in self.triples if t.first == first and t.relation == relation), None)
 
     def solutions_in_words(self) -> str:
-        """How many solutions there can be, and how the columns are counted.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("puma_560").structure.solutions_in_words()
-            'up to 8 solutions'
-        """
+        """How many solutions there can be, and how the columns are counted."""
         further = sum(name.startswith("further ") for name in self.branches)
         most = "one solution at most" if self.max_solutions == 1 else f"up to {self.max_solutions} solutions"
         if not further:
@@ -184,13 +158,7 @@ class Structure:
         return f"{most}: {ideal} next to those of the ideal arm, and {further} that only the arm as written can have"
 
     def imperfection_in_words(self) -> str:
-        """How far the URDF as written is off its family, and what is done about it.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("puma_560").structure.imperfection_in_words()
-            'none: the URDF as written is of this family, exact to rounding'
-        """
+        """How far the URDF as written is off its family, and what is done about it."""
         if self.is_general:
             return (
                 "none, since no relation between the axes is made use of; solutions are verified on the URDF as written"
@@ -241,7 +209,6 @@ def analyse(chain: Chain) -> Structure:
         >>> analyse(arm.chain).triple(4, "meet").first
         4
     """
-    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
     chain = chain.axes
     size = chain.size
     n = chain.n
@@ -253,12 +220,7 @@ def analyse(chain: Chain) -> Structure:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product of two vectors (3,), ten times as fast as NumPy's, which an arm needs some hundred times.
-
-    Example:
-        >>> cross(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])).tolist()
-        [0.0, 0.0, 1.0]
-    """
+    """Vector product of two vectors (3,), ten times as fast as NumPy's, which an arm needs some hundred times."""
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
@@ -268,14 +230,7 @@ def _length(v: Vector) -> float:
 
 
 def closest_points(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-    """Feet of the common normal of the lines p + s u and q + t v, unit directions that are not parallel.
-
-    Example:
-        >>> x, y, z = np.eye(3)
-        >>> feet = closest_points(np.zeros(3), x, 2 * z + x, y)
-        >>> [foot.tolist() for foot in feet]
-        [[1.0, 0.0, 0.0], [1.0, 0.0, 2.0]]
-    """
+    """Feet of the common normal of the lines p + s u and q + t v, unit directions that are not parallel."""
     normal = cross(u, v)
     square = normal @ normal
     s = cross(q - p, v) @ normal / square
@@ -284,13 +239,7 @@ def closest_points(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[Vector, 
 
 
 def meeting_point(points: Vector, directions: Vector) -> Vector:
-    """The point with the least sum of squared distances from lines (k, 3), (k, 3).
-
-    Example:
-        >>> points = np.array([[0.0, 1.0, 2.0], [3.0, 0.0, 2.0]])
-        >>> (meeting_point(points, np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])).round(6) + 0.0).tolist()
-        [0.0, 0.0, 2.0]
-    """
+    """The point with the least sum of squared distances from lines (k, 3), (k, 3)."""
     across = np.eye(3) - directions[:, :, None] * directions[:, None, :]
     # Relative to one of the points, so that an arm far from its base loses no digits.
     offset = np.einsum("kij,kj->i", across, points - points[0])

@@ -40,12 +40,6 @@ class SingularDirections:
         motion_gains: (..., n) singular values of ``motions``.
         motions: (..., n, n) joint velocities, one a row, at right angles to each other.
         idle: (..., n) bool: motions that leave the tip where it is.
-
-    Example:
-        >>> import urdf_ik
-        >>> found = singular_directions(urdf_ik.load("planar_2r").chain, [0.0, 0.0])
-        >>> found.lost_twists.shape, found.idle.tolist()
-        ((4, 6), [False, False])
     """
 
     gains: Array
@@ -90,7 +84,6 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
         >>> float(manipulability(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).round(4)) > 0.0
         True
     """
-    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,")
     J = chain.jacobian(q)[..., _rows(part), :]
     if chain.n == 0:
         return np.zeros(J.shape[:-2])
@@ -265,7 +258,6 @@ def _rows(part: str) -> slice:
 
 
 def _length(chain: Chain, length: float | None) -> float:
-    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,")
     return chain.size if length is None else inputs.number(length, "length", low=LEAST_LENGTH, unit="m")
 
 
@@ -295,3 +287,34 @@ def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
         joint = quoted(chain.joint_names[bad])
         raise ArgumentError(f"{name}: {array[bad]} for joint {joint}; a number {inputs.USABLE} is needed")
     return array
+
+
+def curvature(chain: Chain, q: Array, along: Array, moving: Array) -> Array:
+    """The rate of the twist ``J(q) along`` when the joints move with the velocities ``moving``: (dJ/dq moving) along.
+
+    With joint i before joint k on the way to the tip, column k of the Jacobian is (v_k, z_k), and
+    dv_k/dq_i = z_i x v_k, dv_i/dq_k = z_i x v_k, dz_k/dq_i = z_i x z_k, dz_i/dq_k = 0 (Hourtash, "The kinematic Hessian
+    and higher derivatives", IEEE CIRA 2005). With ``along`` = ``moving`` it is the term that joint velocities add to
+    the tip's acceleration.
+
+    Args:
+        chain: the arm.
+        q: (..., n) rad or m, finite.
+        along: (..., n) rad/s or m/s.
+        moving: (..., n) rad/s or m/s; the leading dimensions broadcast.
+
+    Returns:
+        (..., 6) m/s^2 and rad/s^2 at the tip, in base axes.
+    """
+    axes = chain.axes
+    if axes is not chain:
+        gain: Array = chain.gain  # type: ignore[attr-defined]  # where axes differ from joints, the chain is coupled
+        q, along, moving = (each @ gain.T for each in (q, along, moving))
+    J = axes.jacobian(q)
+    v, z = J[..., :3, :], np.where(axes.prismatic, 0.0, J[..., 3:, :])
+    a, b = along[..., None, :], moving[..., None, :]
+    # Sums over the joints before each one.
+    before_a, before_b = (np.cumsum(z * each, axis=-1) - z * each for each in (a, b))
+    linear = np.cross(before_a, v * b, axis=-2) + np.cross(before_b, v * a, axis=-2) + np.cross(z * a, v * b, axis=-2)
+    angular = np.cross(before_b, z * a, axis=-2)
+    return np.concatenate([linear.sum(axis=-1), angular.sum(axis=-1)], axis=-1)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model import downloads
-from urdf_ik.support.text import nearest, quoted
+from urdf_ik.support.text import nearest
 
 BUNDLED: Mapping[str, str] = {
     "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
@@ -95,21 +95,12 @@ def names() -> tuple[str, ...]:
     """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed.
 
     ``resolve`` also takes the names of robot_descriptions: :func:`urdf_ik.model.downloads.names`.
-
-    Example:
-        >>> names()[0]
-        'zyyzyz_6r'
     """
     return (*BUNDLED, *EXAMPLE_ROBOT_DATA)
 
 
 def is_here(name: str) -> bool:
-    """Whether the arm of that name can be loaded without a download or an installation.
-
-    Example:
-        >>> is_here("zyyzyz_6r")
-        True
-    """
+    """Whether the arm of that name can be loaded without a download or an installation."""
     if not isinstance(name, str):
         return False
     if name in BUNDLED:
@@ -137,7 +128,7 @@ def resolve(name: str) -> Entry:
         'tool0'
     """
     if not isinstance(name, str):
-        raise ArgumentError(f"{quoted(name)} given; the name of an arm is a text: {', '.join(names())}")
+        raise ArgumentError(f"{name!r} given; the name of an arm is a text: {', '.join(names())}")
     if name in BUNDLED:
         return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
     if name in EXAMPLE_ROBOT_DATA:
@@ -147,7 +138,7 @@ def resolve(name: str) -> Entry:
     if model := downloads.model_of(name):
         found = downloads.fetch(model, _near_and_here(name))
         return Entry(name, found.path, None, None, found.package_dirs, downloads.describe(model), found.xacro_args)
-    raise ArgumentError(f"no arm is called {quoted(name)}; {_alternatives(name)}")
+    raise ArgumentError(f"no arm is called {name!r}; {_alternatives(name)}")
 
 
 def _of_example_robot_data(name: str) -> str | None:
@@ -162,12 +153,12 @@ def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
     if share is None:
         raise ArgumentError(
-            f"{quoted(name)} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
+            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
         )
     path = _robot_file(share, name)
     if not path.is_file():
         raise ArgumentError(
-            f"{quoted(name)} is not in the installed {_DISTRIBUTION}, {path} is missing: "
+            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: "
             f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
         )
     return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support.text import quoted
 
 INSTALL = "pip install 'urdf-ik[robots]'"
 _ENDINGS = ("_description", "_mj_description")
@@ -36,24 +35,12 @@ class Model:
 
 
 def names() -> tuple[str, ...]:
-    """Names of the models that have arms, () where robot_descriptions is not installed.
-
-    Example:
-        >>> from urdf_ik.model import downloads
-        >>> "zyyzyz_6r" in downloads.names()
-        False
-    """
+    """Names of the models that have arms, () where robot_descriptions is not installed."""
     return tuple(sorted(name for name, facts in _descriptions().items() if facts.tags & _ARMS))
 
 
 def model_of(name: str) -> str | None:
-    """The model that a name means: itself, or with ``_description`` or ``_mj_description``; None for no model.
-
-    Example:
-        >>> from urdf_ik.model import downloads
-        >>> downloads.model_of("zyyzyz_6r") is None
-        True
-    """
+    """The model that a name means: itself, or with ``_description`` or ``_mj_description``; None for no model."""
     known = _descriptions()
     return next((each for each in (name, *(name + ending for ending in _ENDINGS)) if each in known), None)
 
@@ -71,13 +58,7 @@ def joints_of(model: str) -> int | None:
 
 
 def is_here(name: str) -> bool:
-    """Whether the files of a model have been downloaded.
-
-    Example:
-        >>> from urdf_ik.model import downloads
-        >>> downloads.is_here("no_such_robot")
-        False
-    """
+    """Whether the files of a model have been downloaded."""
     model = model_of(name)
     if model is None:
         return False
@@ -92,13 +73,7 @@ def is_here(name: str) -> bool:
 
 
 def repository_of(name: str) -> str | None:
-    """The repository that a model comes from, None for no model.
-
-    Example:
-        >>> from urdf_ik.model import downloads
-        >>> downloads.repository_of("zyyzyz_6r") is None
-        True
-    """
+    """The repository that a model comes from, None for no model."""
     model = model_of(name)
     return None if model is None else str(_descriptions()[model].repository)
 
@@ -119,7 +94,7 @@ def fetch(model: str, instead: str) -> Model:
     except Exception as error:  # git's own errors, and those of an installation without git
         said = " ".join(str(getattr(error, "stderr", "") or error).split()).removeprefix("stderr: ")
         raise ArgumentError(
-            f"{quoted(model)} is not on this machine, and robot_descriptions could not download it: {said[:300]}; "
+            f"{model!r} is not on this machine, and robot_descriptions could not download it: {said[:300]}; "
             f"without a network: {instead}"
         ) from None
     for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
@@ -129,7 +104,7 @@ def fetch(model: str, instead: str) -> Model:
             folders += [os.path.dirname(folder) for folder in folders]
             arguments = getattr(module, "XACRO_ARGS", {}) if attribute == "XACRO_PATH" else None
             return Model(Path(path), tuple(dict.fromkeys(map(Path, folders))), arguments)
-    raise ArgumentError(f"{quoted(model)} of robot_descriptions is neither URDF nor xacro nor MJCF")
+    raise ArgumentError(f"{model!r} of robot_descriptions is neither URDF nor xacro nor MJCF")
 
 
 @cache

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import to_rpy
 from urdf_ik.model.urdf import UrdfModel, read
-from urdf_ik.support.text import quoted
 
 _NAMING = ("link", "joint", "material")
 
@@ -21,13 +20,6 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
 
     Raises:
         ArgumentError: ``model`` already has one of the prefixed names.
-
-    Example:
-        >>> import numpy as np
-        >>> import urdf_ik
-        >>> one, other = (urdf_ik.load(name).model for name in ("puma_560", "planar_2r"))
-        >>> "table_link_2" in joined(one, other, "base_link", np.eye(4), "table_").links
-        True
     """
     robot, added = etree.fromstring(model.xml), etree.fromstring(other.xml)
     taken = {(each.tag, each.get("name")) for each in robot if each.tag in _NAMING}
@@ -39,7 +31,7 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
                 element.set(attribute, prefix + element.get(attribute))
     for element in added:
         if (element.tag, element.get("name")) in taken:
-            raise ArgumentError(f"{element.tag} {quoted(element.get('name'))} is there twice; give another name=...")
+            raise ArgumentError(f"{element.tag} {element.get('name')!r} is there twice; give another name=...")
         robot.append(element)
     joint = etree.SubElement(robot, "joint", name=f"{prefix}mount", type="fixed")
     etree.SubElement(joint, "origin", xyz=_numbers(pose[:3, 3]), rpy=_numbers(to_rpy(pose)))

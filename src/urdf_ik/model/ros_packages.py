@@ -22,11 +22,6 @@ def find(name: str, roots: Sequence[Path]) -> Path | None:
 
     Returns:
         The folder; None if neither ``roots`` nor AMENT_PREFIX_PATH nor ROS_PACKAGE_PATH has it.
-
-    Example:
-        >>> Path("cell_description").mkdir()
-        >>> find("cell_description", [Path(".")])
-        PosixPath('cell_description')
     """
     if not name or name != Path(name).name or name == "..":
         return None
@@ -39,24 +34,12 @@ def find(name: str, roots: Sequence[Path]) -> Path | None:
 
 
 def own_package(file: Path) -> Path | None:
-    """The folder of a file's ROS package: the nearest parent folder with a package.xml.
-
-    Example:
-        >>> Path("cell/urdf").mkdir(parents=True)
-        >>> _ = Path("cell/package.xml").write_text("<package><name>cell</name></package>")
-        >>> own_package(Path("cell/urdf/cell.urdf"))
-        PosixPath('cell')
-    """
+    """The folder of a file's ROS package: the nearest parent folder with a package.xml."""
     return next((folder for folder in file.parents if (folder / MANIFEST).is_file()), None)
 
 
 def is_package(folder: Path, name: str) -> bool:
-    """Whether a folder is the package of that name, by its manifest or by its own name.
-
-    Example:
-        >>> is_package(Path("ur_description"), "ur_description")
-        True
-    """
+    """Whether a folder is the package of that name, by its manifest or by its own name."""
     manifest = folder / MANIFEST
     if folder.name == name or not manifest.is_file():
         return folder.name == name

@@ -10,7 +10,7 @@ from typing import Any
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.model.xml import child, children, open_source, parse, tag
-from urdf_ik.support.text import nearest, quoted
+from urdf_ik.support.text import nearest
 
 __all__ = ["chain_groups", "disabled_pairs", "group_states", "groups_beside", "states_beside"]
 
@@ -35,11 +35,6 @@ def disabled_pairs(
 
     Raises:
         UrdfError: the SRDF cannot be read, or names a link that the URDF does not have.
-
-    Example:
-        >>> text = '<robot name="r"><disable_collisions link1="base" link2="hand"/></robot>'
-        >>> disabled_pairs(text, ["base", "hand"]), disabled_pairs(text, ["base"], strict=False)
-        ((('base', 'hand'),), ())
     """
     root, name = _opened(source)
     found = children(root, "disable_collisions")
@@ -88,11 +83,6 @@ def group_states(source: str | os.PathLike[str] | bytes) -> dict[str, dict[str, 
 
     Raises:
         UrdfError: the SRDF cannot be read.
-
-    Example:
-        >>> state = '<group_state name="home" group="arm"><joint name="j" value="0.5"/></group_state>'
-        >>> group_states(f'<robot name="r">{state}</robot>')
-        {'home': {'j': 0.5}}
     """
     states: dict[str, dict[str, float]] = {}
     for each in children(_opened(source)[0], "group_state"):
@@ -104,14 +94,7 @@ def group_states(source: str | os.PathLike[str] | bytes) -> dict[str, dict[str, 
 
 
 def states_beside(path: Path, robot: str) -> dict[str, dict[str, float]]:
-    """The postures of the SRDFs beside a URDF; see :func:`group_states` and :func:`groups_beside`.
-
-    Example:
-        >>> state = '<group_state name="home" group="arm"><joint name="j" value="0.5"/></group_state>'
-        >>> _ = Path("r.srdf").write_text(f'<robot name="r">{state}</robot>')
-        >>> states_beside(Path("r.urdf"), "r")
-        {'home': {'j': 0.5}}
-    """
+    """The postures of the SRDFs beside a URDF; see :func:`group_states` and :func:`groups_beside`."""
     states: dict[str, dict[str, float]] = {}
     for file in _beside(path):
         with suppress(UrdfError):
@@ -133,12 +116,6 @@ def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, t
 
     Returns:
         Base link and tip link by the group's name, those of the file with the URDF's name first.
-
-    Example:
-        >>> group = '<group name="arm"><chain base_link="a" tip_link="b"/></group>'
-        >>> _ = Path("r.srdf").write_text(f'<robot name="r">{group}</robot>')
-        >>> groups_beside(Path("r.urdf"), "r", ["a", "b"])
-        {'arm': ('a', 'b')}
     """
     groups: dict[str, tuple[str, str]] = {}
     for file in _beside(path):
@@ -173,7 +150,7 @@ def _two_links(element: Any, first: str, second: str, links: Collection[str], so
         if name not in links:
             close = nearest(name or "", links)
             raise UrdfError(
-                f"{attribute} is missing" if name is None else f"{attribute}={quoted(name)}: the URDF has no such link",
+                f"{attribute} is missing" if name is None else f"{attribute}={name!r}: the URDF has no such link",
                 source=source,
                 line=element.sourceline,
                 element=f"<{tag(element)}>",

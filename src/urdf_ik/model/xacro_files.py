@@ -11,7 +11,6 @@ from urdf_ik.errors import MissingPackage, UrdfError
 from urdf_ik.model import ros_packages
 from urdf_ik.model.xml import Source
 from urdf_ik.support import forks
-from urdf_ik.support.text import quoted
 
 INSTALL = "pip install 'urdf-ik[xacro]'"
 
@@ -63,7 +62,7 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
     def folder(package: str) -> str:
         found = ros_packages.find(package, searched)
         if found is None:
-            raise _NoPackage(f"there is no ROS package {quoted(package)}")
+            raise _NoPackage(f"there is no ROS package {package!r}")
         return str(found.absolute())
 
     arguments = _Arguments(given)
@@ -76,7 +75,7 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
             raise _refused(source, error, arguments) from None
     if unknown := sorted(set(arguments) & set(given) - arguments.known):
         raise UrdfError(
-            f"it has no argument {quoted(unknown[0])}", source=source.name, element="<xacro:arg>", hint=_has(arguments)
+            f"it has no argument {unknown[0]!r}", source=source.name, element="<xacro:arg>", hint=_has(arguments)
         )
     return Source(document.toprettyxml(indent="  "), f"{source.name} (expanded)", source.path)
 

@@ -237,11 +237,6 @@ def require_name(name: Any, owner: str) -> None:
 
     Raises:
         ArgumentError: it is no text, or empty, or holds what XML does not.
-
-    Example:
-        >>> require_name("", "the tool's link")
-        Traceback (most recent call last):
-        urdf_ik.errors.ArgumentError: name='' given; the tool's link needs a name, a text that is not empty
     """
     if not isinstance(name, str) or not name:
         raise ArgumentError(f"name={name!r} given; {owner} needs a name, a text that is not empty")

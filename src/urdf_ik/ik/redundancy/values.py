@@ -11,7 +11,7 @@ from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
-from urdf_ik.kinematics.chain.padding import filled
+from urdf_ik.kinematics.chain.serial import filled
 from urdf_ik.model.poses import check_poses
 from urdf_ik.typing import Array
 

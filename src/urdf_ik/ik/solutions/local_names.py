@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.ik.solver import Solver
-from urdf_ik.kinematics.chain.padding import filled
 from urdf_ik.kinematics.chain.redundancy import LOCKED_JOINT
+from urdf_ik.kinematics.chain.serial import filled
 from urdf_ik.typing import Array
 
 _LOCAL = ("solution ", "further ", "position ")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from urdf_ik.kinematics.chain.from_model import from_urdf
+from urdf_ik.kinematics.chain.from_model import from_urdf, velocity_limits
 from urdf_ik.kinematics.chain.mimic import CoupledChain
-from urdf_ik.kinematics.chain.rank import (
+from urdf_ik.kinematics.chain.redundancy import (
     dependent_joints,
     is_redundant,
     kinds_of,
@@ -13,7 +13,6 @@ from urdf_ik.kinematics.chain.rank import (
     typical_stretch,
 )
 from urdf_ik.kinematics.chain.serial import Chain, Follower, TreeJoint
-from urdf_ik.kinematics.chain.velocity_limits import velocity_limits
 
 __all__ = [
     "Chain",

@@ -12,7 +12,6 @@ from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 _NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -25,11 +24,6 @@ class FreeAxis(Frozen):
     Attributes:
         direction: (3,) unit vector in the tip.
         at: (3,) m, a point on the line, in the tip.
-
-    Example:
-        >>> import urdf_ik
-        >>> str(urdf_ik.load("puma_560").with_free_axis("z").solver.free_axis)
-        "the tip's z axis"
     """
 
     direction: tuple[float, float, float]
@@ -45,21 +39,17 @@ class FreeAxis(Frozen):
 
         Raises:
             ArgumentError: neither an axis nor a direction, or no point.
-
-        Example:
-            >>> FreeAxis.read([0.0, 0.0, 2.0], at=[0.1, 0.0, 0.0])
-            FreeAxis(direction=(0.0, 0.0, 1.0), at=(0.1, 0.0, 0.0))
         """
         wanted = "'x', 'y', 'z' or a direction of three numbers"
         if isinstance(axis, str):
             if axis not in _NAMED:
-                raise ArgumentError(f"axis={quoted(axis)} given; {wanted} is needed")
+                raise ArgumentError(f"axis={axis!r} given; {wanted} is needed")
             direction = np.array(_NAMED[axis])
         else:
             direction = _three("axis", axis, wanted)
         length = float(np.linalg.norm(direction))
         if length == 0.0:
-            raise ArgumentError(f"axis={quoted(axis)} given; a direction needs a length, such as (0, 0, 1)")
+            raise ArgumentError(f"axis={axis!r} given; a direction needs a length, such as (0, 0, 1)")
         x, y, z = (direction / length).tolist()
         px, py, pz = (0.0, 0.0, 0.0) if at is None else _three("at", at, "a point of three numbers [m]").tolist()
         return cls((x, y, z), (px, py, pz))
@@ -105,13 +95,7 @@ class FreeAxis(Frozen):
         return np.concatenate([linear, angular], axis=-2)
 
     def rotation(self, values: ArrayLike) -> Array:
-        """The tip's motion (..., 4, 4) when it is turned by angles (...) [rad] about the line.
-
-        Example:
-            >>> import numpy as np
-            >>> (FreeAxis.read("z", at=[1.0, 0.0, 0.0]).rotation(np.pi)[:3, 3].round(6) + 0.0).tolist()
-            [2.0, 0.0, 0.0]
-        """
+        """The tip's motion (..., 4, 4) when it is turned by angles (...) [rad] about the line."""
         v = inputs.real(values, "values", "an array of angles [rad]")
         out = np.zeros((*v.shape, 4, 4))
         constant, cosine, sine = self._parts
@@ -120,13 +104,7 @@ class FreeAxis(Frozen):
         return out
 
     def angle(self, motion: Array) -> Array:
-        """The angles (...) [rad] by which rotations about the line come nearest to motions (..., 4, 4) of the tip.
-
-        Example:
-            >>> axis = FreeAxis.read("z", at=[0.1, 0.0, 0.0])
-            >>> round(float(axis.angle(axis.rotation(0.3))), 6)
-            0.3
-        """
+        """The angles (...) [rad] by which rotations about the line come nearest to motions (..., 4, 4) of the tip."""
         motion = as_pose_array(motion)
         R, d = motion[..., :3, :3], np.array(self.direction)
         off = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], -1)
@@ -134,14 +112,7 @@ class FreeAxis(Frozen):
         return np.asarray(np.arctan2(off @ d, np.einsum("...ii", R) - along))
 
     def apart(self, one: Array, other: Array) -> tuple[Array, Array]:
-        """How far poses (..., 4, 4) of the tip are apart, whatever the rotation about the line: (...) m and (...) rad.
-
-        Example:
-            >>> import numpy as np
-            >>> axis = FreeAxis.read("z")
-            >>> [float(off) for off in axis.apart(np.eye(4), axis.rotation(0.3))]
-            [0.0, 0.0]
-        """
+        """Distance (...) [m] and angle (...) [rad] between poses (..., 4, 4), apart from rotations about the line."""
         one, other = as_pose_array(one), as_pose_array(other)
         try:
             off = (one - other)[..., :3, :] @ self.seen
@@ -155,11 +126,6 @@ def turning(h: Array, p: Array) -> Array:
     """(3, 3, 4) a rotation about the line along ``h`` (3,) through ``p`` (3,) by Rodrigues' formula, as three parts.
 
     Their sum, the second times cos v and the third times sin v, is the rotation by v.
-
-    Example:
-        >>> import numpy as np
-        >>> turning(np.array([0.0, 0.0, 1.0]), np.zeros(3))[1, :, :3].tolist()
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]
     """
     motion = np.zeros((3, 3, 4))
     x, y, z = h
@@ -176,7 +142,7 @@ def turning(h: Array, p: Array) -> Array:
 def _three(name: str, value: Any, wanted: str) -> Array:
     numbers = inputs.real(value, name, wanted)
     if numbers.shape != (3,) or inputs.first_bad(numbers) is not None:
-        raise ArgumentError(f"{name}={quoted(value)} given; {wanted} is needed")
+        raise ArgumentError(f"{name}={value!r} given; {wanted} is needed")
     return numbers
 
 

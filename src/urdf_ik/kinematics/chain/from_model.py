@@ -1,4 +1,4 @@
-"""The chain of a URDF between two links."""
+"""The chain between two links of a URDF, and the velocity limits of its joints."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from urdf_ik.errors import UnsupportedArm
 from urdf_ik.kinematics.chain.mimic import coupled, follows
 from urdf_ik.kinematics.chain.serial import Chain, Follower, TreeJoint
 from urdf_ik.model.urdf import MOVABLE, Joint, UrdfModel
-from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import LARGEST
 
 
 def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None) -> Chain:
@@ -24,12 +24,6 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         UrdfError: a part of the URDF that the chain uses has a defect.
         ChainError: base or tip is unknown, ambiguous, or not on one chain.
         UnsupportedArm: a joint of the chain is of a type that cannot be solved.
-
-    Example:
-        >>> from urdf_ik.model import catalogue, urdf
-        >>> chain = from_urdf(urdf.read(catalogue.resolve("scara_rrpr").path), "base_link", "link_2")
-        >>> chain.joint_names
-        ('joint_1', 'joint_2')
     """
     base, tip = model.resolve_chain(base, tip)
     model.require_sound(base, tip)
@@ -73,9 +67,9 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
 def _require_supported(model: UrdfModel, joint: Joint) -> None:
     if joint.type not in MOVABLE:
         raise UnsupportedArm(
-            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; only fixed, "
-            f"{', '.join(MOVABLE)} joints can be solved; begin behind it with base={quoted(joint.child)}, or end "
-            f"before it with tip={quoted(joint.parent)}"
+            f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; only fixed, "
+            f"{', '.join(MOVABLE)} joints can be solved; begin behind it with base={joint.child!r}, or end "
+            f"before it with tip={joint.parent!r}"
         )
 
 
@@ -111,3 +105,24 @@ def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
             )
             waiting.append(joint.child)
     return tuple(out)
+
+
+def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
+    """(n,) rad/s or m/s, greatest speed of each joint of a chain of the URDF; infinite where the URDF gives no speed.
+
+    A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. So do
+    one below 1e-15, which is zero by rounding, and one beyond 1e15, which programs write for none. A joint of the chain
+    that mimics another narrows its speed as it does its limits.
+    """
+    speeds = dict.fromkeys(chain.joint_names, np.inf)
+    followers = {follower.name for follower in chain.followers}
+    for joint in model.joints:
+        driver, multiplier, _ = model.driver(joint)
+        speed = joint.velocity if joint.name == driver.name or joint.name in followers else None
+        if speed is None or not 1.0 / LARGEST <= speed <= LARGEST:
+            continue
+        if multiplier and joint.type in MOVABLE and driver.name in speeds:
+            speeds[driver.name] = min(speeds[driver.name], speed / abs(multiplier))
+    limits = np.array([speeds[name] for name in chain.joint_names], dtype=np.float64)
+    limits.setflags(write=False)
+    return limits

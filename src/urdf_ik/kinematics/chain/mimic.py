@@ -33,14 +33,6 @@ class CoupledChain(Chain):
     Attributes:
         axes: the chain of the m axes, each a joint of its own.
         gain: (m, n) axis values per joint value, rad or m per rad or m.
-
-    Example:
-        >>> import urdf_ik
-        >>> xml = urdf_ik.load("planar_2r").model.xml.decode()
-        >>> follows = '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
-        >>> chain = urdf_ik.load(xml.replace('<child link="link_2"/>', follows)).chain
-        >>> chain.joint_names, chain.gain.tolist()
-        (('joint_1',), [[1.0], [-1.0]])
     """
 
     axes_alone: Chain = field(repr=False, kw_only=True)
@@ -80,16 +72,7 @@ class CoupledChain(Chain):
         return turns if turns <= MOST_TURNS else 0
 
     def spread(self, q: Array) -> Array:
-        """Values (..., m) of the axes for joint vectors (..., n).
-
-        Example:
-            >>> import urdf_ik
-            >>> xml = urdf_ik.load("planar_2r").model.xml.decode()
-            >>> follows = '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
-            >>> chain = urdf_ik.load(xml.replace('<child link="link_2"/>', follows)).chain
-            >>> chain.spread(np.array([0.5])).tolist()
-            [0.5, -0.5]
-        """
+        """Values (..., m) of the axes for joint vectors (..., n)."""
         # Number by number, not as a product of matrices: its digits depend on how many there are.
         out = np.zeros((*q.shape[:-1], len(self.gain)))
         for j in range(self.n):
@@ -144,12 +127,7 @@ class CoupledChain(Chain):
 
 
 def follows(multiplier: float) -> bool:
-    """Whether a joint that mimics another with this multiplier moves.
-
-    Example:
-        >>> follows(-1e-12), follows(0.0)
-        (True, False)
-    """
+    """Whether a joint that mimics another with this multiplier moves."""
     return abs(multiplier) > STILL
 
 

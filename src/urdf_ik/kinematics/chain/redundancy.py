@@ -1,8 +1,9 @@
-"""The redundancy parameters of arms with more joints than a pose fixes."""
+"""What a task leaves free of a chain: its redundancy parameters, and the rank of its Jacobian."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, wrapped
-from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 SWIVEL, LOCKED_JOINT, FREE_AXIS = "swivel", "locked joint", "free axis"
@@ -42,12 +43,6 @@ class Redundancy:
         default: value [unit] that ``ik`` uses by default: zero for a swivel or a free axis, else the middle of the
             joint's limits, zero without limits.
         unit: 'rad' or 'm'.
-
-    Example:
-        >>> import urdf_ik
-        >>> redundancy = urdf_ik.load("srs_7r").redundancy
-        >>> redundancy.kind, redundancy.default, redundancy.unit
-        ('swivel', 0.0, 'rad')
     """
 
     kind: str
@@ -69,8 +64,8 @@ class Redundancy:
     def __str__(self) -> str:
         low, high = self.range
         what = {
-            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {quoted(self.joint)}",
-            LOCKED_JOINT: f"value of joint {quoted(self.joint)}",
+            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r}",
+            LOCKED_JOINT: f"value of joint {self.joint!r}",
         }.get(self.kind, self.label)
         return f"{what}, {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
 
@@ -79,21 +74,16 @@ class Redundancy:
 
         Raises:
             ArgumentError: a value is not a finite number, or an angle is beyond 1e6 rad, where its digits are lost.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("srs_7r").redundancy.check([0, 0.5]).tolist()
-            [0.0, 0.5]
         """
         if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
             values = value
         else:
             values = inputs.real(value, "redundancy", f"a number [{self.unit}], or an array of numbers: {self}")
         if (bad := inputs.first_bad(values)) is not None:
-            problem = f"redundancy is {quoted(value)}; {inputs.why_bad(values[bad])}"
+            problem = f"redundancy is {value!r}; {inputs.why_bad(values[bad])}"
             raise ArgumentError(f"{problem}, finite numbers [{self.unit}]: {self}")
         if self.unit == "rad" and (np.abs(values) > FARTHEST).any():
-            raise ArgumentError(f"redundancy is {quoted(value)}; angles up to {FARTHEST:g} rad are taken: {self}")
+            raise ArgumentError(f"redundancy is {value!r}; angles up to {FARTHEST:g} rad are taken: {self}")
         return values
 
     def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:
@@ -102,13 +92,6 @@ class Redundancy:
         Raises:
             PoseError: ``poses`` is not an array of poses.
             ArgumentError: the values are not finite numbers, or the shapes do not fit.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> poses, values = arm.redundancy.spread(arm.fk([0.1] * 7), [0.0, 0.5, 1.0])
-            >>> poses.shape, values.shape
-            ((3, 4, 4), (3,))
         """
         if not isinstance(poses, np.ndarray) or poses.shape[-2:] != (4, 4):
             raise PoseError("poses must be an array (..., 4, 4)")
@@ -125,14 +108,7 @@ class Redundancy:
         return all_poses, all_values
 
     def wrapped(self, values: Array) -> Array:
-        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> urdf_ik.load("srs_7r").redundancy.wrapped(np.array([0.5, np.pi + 0.5])).round(4).tolist()
-            [0.5, -2.6416]
-        """
+        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
         given = inputs.real(values, "values", f"an array of numbers [{self.unit}]")
         return given if self.unit == "m" else wrapped(given)
 
@@ -142,13 +118,6 @@ def spread(parameters: tuple[Redundancy, ...], poses: Array, value: ArrayLike) -
 
     Raises:
         ArgumentError: the values are no finite numbers, or the shapes do not fit.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("srs_7r").with_free_axis("z")
-        >>> poses, values = spread(arm.solver.parameters, arm.fk([0.1] * 7), [[0.0, 0.5], [0.2, 0.5], [0.4, 0.5]])
-        >>> poses.shape, values.shape
-        ((3, 4, 4), (3, 2))
     """
     first, *rest = parameters
     if not rest:
@@ -185,3 +154,65 @@ def locked_joint(chain: Chain, k: int) -> Redundancy:
     if not slides and abs(middle) > FARTHEST:
         middle = math.remainder(middle, TURN)
     return Redundancy(LOCKED_JOINT, chain.joint_names[k], (low, high), middle, "m" if slides else "rad")
+
+
+_SAMPLES = 60
+
+
+def kinds_of(chain: Chain) -> str:
+    """The joints in letters, base to tip: '4R' or 'RRPR'."""
+    letters = "".join("P" if slides else "R" for slides in chain.prismatic)
+    return letters if "P" in letters else f"{chain.n}R"
+
+
+def is_redundant(chain: Chain) -> bool:
+    """Whether the Jacobian loses rank everywhere: then a pose has a continuum of solutions, or no solution.
+
+    Joint vectors are sampled; the chain is redundant if at least half of them are singular by the solvers' measure.
+    Seven joints of a redundant chain do not control all six directions of the tip.
+    """
+    return typical_stretch(chain) < DEFAULT.singular
+
+
+def typical_stretch(chain: Chain) -> float:
+    """Median of the Jacobian's smallest singular value at sampled joint vectors, lengths as shares of the size."""
+    return float(np.median(least_stretches(chain, chain.jacobian(sampled(chain)))))
+
+
+def dependent_joints(chain: Chain) -> tuple[str, ...]:
+    """The smallest set of joints that are linearly dependent at almost every joint vector; () where there is none."""
+    J = chain.jacobian(sampled(chain))
+
+    def depends(joints: list[int]) -> bool:
+        return float(np.median(least_stretches(chain, J, joints))) < DEFAULT.singular
+
+    kept = list(range(chain.n))
+    if chain.n > 6 or not depends(kept):
+        return ()
+    for k in range(chain.n):
+        fewer = [j for j in kept if j != k]
+        if fewer and depends(fewer):
+            kept = fewer
+    return tuple(chain.joint_names[k] for k in kept)
+
+
+def sampled(chain: Chain) -> Array:
+    """Joint vectors (k, n) all over."""
+    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (_SAMPLES, chain.n))
+    return np.where(chain.prismatic, q * chain.size / math.pi, q)
+
+
+def least_stretches(chain: Chain, J: Array, joints: Sequence[int] | None = None) -> Array:
+    """Smallest singular values (k,) of Jacobians (k, rows, n), lengths as shares of the arm's size.
+
+    Args:
+        chain: the arm.
+        J: its Jacobians, or the rows of them that matter [m or rad, by rad or m].
+        joints: those whose columns count; None: all.
+    """
+    scaled = J / chain.size
+    scaled[:, 3:] = J[:, 3:]
+    scaled[:, :, chain.prismatic] *= chain.size
+    if joints is not None:
+        scaled = scaled[:, :, list(joints)]
+    return np.asarray(np.linalg.svd(scaled, compute_uv=False)[:, -1], dtype=np.float64)

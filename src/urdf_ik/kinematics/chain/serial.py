@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, ChainError
-from urdf_ik.kinematics.chain.padding import filled, over_gaps
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
-from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 
 _AnyChain = TypeVar("_AnyChain", bound="Chain")
 
@@ -58,12 +57,6 @@ class TreeJoint(Frozen):
         """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``.
 
         Joints beside the chain stand at the values in ``beside``.
-
-        Example:
-            >>> import urdf_ik
-            >>> joint = urdf_ik.load("planar_2r").chain.tree[0]
-            >>> joint.column, joint.held([1], np.array([0.5, 0.0]), {}).offset
-            (0, 0.5)
         """
         if self.column is None:
             value = beside.get(self.driver)
@@ -143,13 +136,7 @@ class Chain(Frozen):
 
     @property
     def links(self) -> tuple[str, ...]:
-        """Links from base to tip.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").chain.links
-            ('base_link', 'link_1', 'link_2', 'tool0')
-        """
+        """Links from base to tip."""
         parent = {joint.child: joint.parent for joint in self.tree}
 
         def up(link: str) -> list[str]:
@@ -203,27 +190,11 @@ class Chain(Frozen):
         return base + slides or 1.0
 
     def with_screws(self, H: NDArray[np.float64], P: NDArray[np.float64], R_tip: NDArray[np.float64]) -> Chain:
-        """The same joints with other axes, as of a URDF with other numbers.
-
-        Example:
-            >>> import urdf_ik
-            >>> chain = urdf_ik.load("planar_2r").chain
-            >>> longer = chain.with_screws(chain.H, 2.0 * chain.P, chain.R_tip)
-            >>> bool(longer.size == 2.0 * chain.size)
-            True
-        """
+        """The same joints with other axes, as of a URDF with other numbers."""
         return replace(self, H=H, P=P, R_tip=R_tip)
 
     def reversed(self) -> Chain:
-        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards.
-
-        Example:
-            >>> import urdf_ik
-            >>> chain = urdf_ik.load("scara_rrpr").chain
-            >>> back = chain.reversed()
-            >>> bool(np.allclose(back.fk([0.2, 0.1, 0.5, 0.3]) @ chain.fk([0.3, 0.5, 0.1, 0.2]), np.eye(4)))
-            True
-        """
+        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
         back = self.R_tip.T
         points = np.vstack([self.P.sum(axis=0), self.points[::-1], np.zeros(3)])
         return replace(
@@ -319,14 +290,7 @@ class Chain(Frozen):
         return over_gaps(self.check(q, padded=True), self.motion.jacobian) if J is None else J
 
     def placed(self, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4).
-
-        Example:
-            >>> import urdf_ik
-            >>> H, points, T = urdf_ik.load("planar_2r").chain.placed(np.zeros(2))
-            >>> (points.round(6) + 0.0).tolist()
-            [[0.0, 0.0, 0.0], [0.066, 0.0, 0.0]]
-        """
+        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4)."""
         q = self.check(q)
         # Such a place becomes geometry: its numbers must be the same on every processor.
         placed: Any = _core.prepared(lambda: (self.motion.axes(q), self.motion.fk(q)))
@@ -346,12 +310,6 @@ class Chain(Frozen):
 
         Raises:
             ArgumentError: the last dimension is not n, or another value is not finite.
-
-        Example:
-            >>> import urdf_ik
-            >>> poses = urdf_ik.load("scara_rrpr").chain.link_poses([0.0, 0.0, 0.1, 0.0])
-            >>> (poses["link_2"][:3, 3].round(6) + 0.0).tolist()
-            [0.325, 0.0, 0.38]
         """
         Q, gone = filled(self.check(q, padded=True))
         batch = Q.shape[:-1]
@@ -370,11 +328,6 @@ class Chain(Frozen):
 
         Raises:
             ArgumentError: the last dimension is not n, or a value is not finite.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").chain.check([[0, 1], [2, 3]]).tolist()
-            [[0.0, 1.0], [2.0, 3.0]]
         """
         Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.n})")
         if Q.ndim == 0 or Q.shape[-1] != self.n:
@@ -387,7 +340,7 @@ class Chain(Frozen):
             where = inputs.first_bad(np.where(np.isnan(Q).all(axis=-1, keepdims=True), 0.0, Q))
         if where is not None:
             raise ArgumentError(
-                f"joint vector{list(where[:-1]) or ''}: joint {quoted(self.joint_names[where[-1]])} "
+                f"joint vector{list(where[:-1]) or ''}: joint {self.joint_names[where[-1]]!r} "
                 f"is {Q[where]}; {inputs.why_bad(Q[where])}"
             )
         return Q
@@ -409,8 +362,7 @@ def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     if unknown := [name for name in held if name not in able]:
         where = "it is locked already" if unknown[0] in dict(chain.locked) else "no joint of that name moves by itself"
         raise ChainError(
-            f"joint {quoted(unknown[0])} cannot be locked: {where}; the chain is that from {quoted(chain.base)} to "
-            f"{quoted(chain.tip)}",
+            f"joint {unknown[0]!r} cannot be locked: {where}; the chain is that from {chain.base!r} to {chain.tip!r}",
             able,
         )
     return held
@@ -418,4 +370,20 @@ def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
 
 def _held_at(name: str, value: float) -> float:
     """``value`` as a float."""
-    return inputs.number(value, f"joint {quoted(name)} cannot be locked: its value", unit="rad or m")
+    return inputs.number(value, f"joint {name!r} cannot be locked: its value", unit="rad or m")
+
+
+def filled(q: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Joint vectors (..., n) with zeros in the rows that are NaN, and which rows (...) these are."""
+    gone = np.asarray(np.isnan(q).any(axis=-1))
+    return (np.where(gone[..., None], 0.0, q) if gone.any() else q), gone
+
+
+def over_gaps(q: Array, compute: Callable[[Array], Array]) -> Array:
+    """``compute`` of joint vectors (..., n), an array (..., ...) of floats, with NaN where a row is NaN."""
+    whole, gone = filled(q)
+    if whole is q:
+        return compute(q)
+    out = np.array(compute(whole), dtype=np.float64)
+    out[gone] = np.nan
+    return out

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.kinematics.derivatives.second_order import curvature
 from urdf_ik.kinematics.derivatives.written import written
+from urdf_ik.kinematics.velocity import curvature
 from urdf_ik.typing import Array
 
 SHOULDER, ELBOW, WRIST = slice(0, 3), 3, slice(4, 7)
@@ -48,12 +48,6 @@ def rate(at: Seen, by: Seen) -> Any:
     """The rate of the swivel angle (...) when its vectors have rates; of complex numbers too.
 
     It is the angle about the line, from the normal of the plane of line and axis 1 to axis 4; see swivel.hpp.
-
-    Example:
-        >>> x, y, z = np.eye(3)
-        >>> turning = Seen(line=0.0 * x, axis=z, up=0.0 * z)  # axis 4 about the line
-        >>> float(rate(Seen(line=x, axis=y, up=z), turning))
-        1.0
     """
     length = np.sqrt((at.line * at.line).sum(-1))[..., None]
     w = at.line / length
@@ -69,17 +63,7 @@ def rate(at: Seen, by: Seen) -> Any:
 
 
 def slopes(chain: Chain, points: Points, q: Array) -> Array:
-    """The derivatives (..., 7) of the swivel angle by the joints (..., 7).
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("srs_7r")
-        >>> ends = arm.solver.redundant_member.swivel
-        >>> points = Points(ends.tool_point, ends.base_origin, ends.base_rotation[2])
-        >>> row = slopes(arm.chain, points, np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
-        >>> row.shape, bool((abs(row[4:]) < 1e-12).all())
-        ((7,), True)
-    """
+    """The derivatives (..., 7) of the swivel angle by the joints (..., 7)."""
     T, J = chain.fk(q), chain.jacobian(q)
     arm = (T[..., :3, :3] @ points.wrist[:, None])[..., 0]
     z = np.swapaxes(J[..., 3:, :], -1, -2)
@@ -103,15 +87,6 @@ def second_rate(chain: Chain, points: Points, q: Array, along: Array, moving: Ar
 
     Returns:
         (...) rad/s^2, symmetric in the two velocities.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("srs_7r")
-        >>> ends = arm.solver.redundant_member.swivel
-        >>> points = Points(ends.tool_point, ends.base_origin, ends.base_rotation[2])
-        >>> q, about = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), np.eye(7)[0]
-        >>> bool(abs(second_rate(arm.chain, points, q, about, about)) < 1e-12)  # axis 1 leaves the angle as it is
-        True
     """
     T, J, bent = chain.fk(q), chain.jacobian(q), curvature(chain, q, along, moving)
     arm = (T[..., :3, :3] @ points.wrist[:, None])[..., 0]
@@ -138,15 +113,6 @@ def rates_by_geometry(chain: Chain, points: Points, q: Array, parameters: Sequen
 
     Shoulder and wrist are the points with the least squared distances from their three axes where all joints are zero,
     as the solver takes them: they follow every change of the numbers, also one after which the axes meet no more.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("srs_7r")
-        >>> ends = arm.solver.redundant_member.swivel
-        >>> points = Points(ends.tool_point, ends.base_origin, ends.base_rotation[2])
-        >>> q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
-        >>> rates_by_geometry(arm.chain, points, q, [("joint_4", "xyz", 0), ("joint_4", "xyz", 1)]).shape
-        (2,)
     """
     geometry, zero = written(chain), np.zeros(chain.n)
     T0, twists0 = chain.fk(zero), geometry.twists(zero, parameters=parameters)

@@ -18,7 +18,6 @@ from urdf_ik.kinematics.chain.serial import TreeJoint
 from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 FIELDS = ("xyz", "rpy", "axis", "offset")
@@ -86,12 +85,6 @@ class WrittenChain(Frozen):
         dof: length n of the joint vector.
         values: (p,) the numbers of the URDF, in the order of ``parameters``.
         coupled: whether some joints mimic others.
-
-    Example:
-        >>> import urdf_ik
-        >>> geometry = written(urdf_ik.load("planar_2r").chain)
-        >>> len(geometry.parameters), str(geometry.parameters[10])
-        (26, 'joint_2 xyz x')
     """
 
     joints: tuple[TreeJoint, ...]
@@ -121,11 +114,6 @@ class WrittenChain(Frozen):
 
         Raises:
             ArgumentError: there is no such parameter; the error lists those of the joint, or the joints.
-
-        Example:
-            >>> import urdf_ik
-            >>> written(urdf_ik.load("planar_2r").chain).columns([("joint_2", "xyz", 0)])
-            [10]
         """
         place = {parameter: k for k, parameter in enumerate(self.parameters)}
         found = []
@@ -135,22 +123,12 @@ class WrittenChain(Frozen):
                 names = list(dict.fromkeys(joint.name for joint in self.joints))
                 own = [tuple(p) for p in self.parameters if isinstance(key, tuple) and key and p.joint == key[0]]
                 valid = f"those of this joint: {own}" if own else f"the joints of the chain: {', '.join(names)}"
-                raise ArgumentError(f"there is no parameter {quoted(each)}, (joint, field, part); {valid}")
+                raise ArgumentError(f"there is no parameter {each!r}, (joint, field, part); {valid}")
             found.append(place[key])
         return found
 
     def fk(self, q: ArrayLike, values: ArrayLike | None = None) -> Array:
-        """Poses (..., 4, 4) of the tip at joint vectors (..., n), with the numbers ``values`` (p,) of the URDF.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> geometry = written(arm.chain)
-            >>> longer = geometry.values.copy()
-            >>> longer[geometry.columns([("joint_2", "xyz", 0)])] += 0.1
-            >>> float((geometry.fk([0.0, 0.0], longer) - arm.fk([0.0, 0.0]))[0, 3].round(6))
-            0.1
-        """
+        """Poses (..., 4, 4) of the tip at joint vectors (..., n), with the numbers ``values`` (p,) of the URDF."""
         Q, numbers = self._checked(q, values)
         tip = np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))
         for moved in self._walk(Q, numbers):
@@ -161,13 +139,6 @@ class WrittenChain(Frozen):
         """Directions H (m, 3), steps P (m + 1, 3) and rotation R_tip (3, 3) of the chain's m axes with other numbers.
 
         They are what :class:`urdf_ik.Chain` holds; where joints mimic others, it has more axes than joints.
-
-        Example:
-            >>> import urdf_ik
-            >>> chain = urdf_ik.load("planar_2r").chain
-            >>> geometry = written(chain)
-            >>> bool(abs(geometry.screws(geometry.values)[1] - chain.P).max() < 1e-15)
-            True
         """
         _, numbers = self._checked(np.zeros(self.dof), values)
         axes, points, tip = [], [], np.eye(4)
@@ -194,12 +165,6 @@ class WrittenChain(Frozen):
 
         Raises:
             ArgumentError: an argument does not fit, or there is no such parameter.
-
-        Example:
-            >>> import urdf_ik
-            >>> geometry = written(urdf_ik.load("planar_2r").chain)
-            >>> (geometry.twists([0.0, 0.0], parameters=[("joint_2", "offset", 0)])[:, 0].round(6) + 0.0).tolist()
-            [0.0, 0.13, 0.0, 0.0, 0.0, 1.0]
         """
         Q, numbers = self._checked(q, values)
         asked, motions = self._asked(parameters), _Motions(Q.shape[:-1])
@@ -220,13 +185,6 @@ class WrittenChain(Frozen):
         Returns:
             A point on the axis (..., 3) m and its unit direction (..., 3), in base axes; and their rates (..., 6, k),
             the point's above the direction's.
-
-        Example:
-            >>> import urdf_ik
-            >>> geometry = written(urdf_ik.load("planar_2r").chain)
-            >>> point, direction, rates = geometry.axis(1, [0.0, 0.0], [("joint_2", "xyz", 0), ("joint_2", "axis", 0)])
-            >>> (rates.round(6) + 0.0).T.tolist()
-            [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]]
         """
         Q, numbers = self._checked(q, None)
         asked, motions = self._asked(parameters), _Motions(Q.shape[:-1])
@@ -346,7 +304,6 @@ def written(chain: Chain) -> WrittenChain:
         >>> bool(abs(written(arm.chain).fk(q) - arm.fk(q)).max() < 1e-12)
         True
     """
-    inputs.kind(chain, "tree", "chain", "a chain, as arm.chain is,")
     links = chain.links
     between = {(joint.parent, joint.child): joint for joint in chain.tree}
     joints, upwards, values = [], [], []

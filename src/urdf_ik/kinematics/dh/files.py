@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.errors import PoseError
-from urdf_ik.kinematics.dh.checks import COLUMNS, CONVENTIONS
-from urdf_ik.kinematics.dh.fields import TableFields, table_error
+from urdf_ik.kinematics.dh.fields import COLUMNS, CONVENTIONS, TableFields, table_error
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.support import files
-from urdf_ik.support.text import aligned, quoted
+from urdf_ik.support.tables import csv_rows
+from urdf_ik.support.text import aligned
 from urdf_ik.typing import Array
 
 KEYS = ("name", "convention", "angles", "base", "tool")
@@ -44,15 +44,15 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
     parse = _from_json if text.lstrip().startswith(("{", "[")) else _from_csv
     whole, joints = parse(text)
     if unknown := [key for key in whole if key not in KEYS]:
-        raise table_error(f"unknown key {quoted(unknown[0])}; there are {', '.join(KEYS)}")
+        raise table_error(f"unknown key {unknown[0]!r}; there are {', '.join(KEYS)}")
     chosen = whole.get("convention") or convention
     if chosen is None:
         raise table_error("the convention is not said; add 'convention: standard' or 'modified', or name it")
     if whole.get("convention") is not None and chosen not in CONVENTIONS:
-        raise table_error(f"unknown convention {quoted(chosen)}; there are {' and '.join(CONVENTIONS)} (Craig's)")
+        raise table_error(f"unknown convention {chosen!r}; there are {' and '.join(CONVENTIONS)} (Craig's)")
     unit = whole.get("angles", "deg" if degrees else "rad")
     if unit not in _UNITS:
-        raise table_error(f"angles in {quoted(unit)}; there are rad and deg")
+        raise table_error(f"angles in {unit!r}; there are rad and deg")
     return {
         **_columns(joints),
         "convention": chosen,
@@ -158,21 +158,18 @@ def _from_csv(text: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
             key, _, value = line.lstrip("# ").partition(":")
             if key.strip() in KEYS:  # any other line is a remark
                 whole[key.strip()] = value.strip()
-    reader = csv.reader([line for line in lines if not line.startswith("#")], skipinitialspace=True)
     try:
-        rows = list(reader)
-    except csv.Error as error:
-        raise table_error(f"line {reader.line_num} of the table: {error}; {_ALL}") from None
-    if not rows:
-        raise table_error(f"the table is empty; {_ALL}")
-    header = [cell.strip() for cell in rows[0]]
-    if not set(COLUMNS) <= set(header):
-        raise table_error(f"the first line must be a header, and {quoted(','.join(header))} lacks some; {_ALL}")
-    joints = []
-    for i, row in enumerate(rows[1:], start=1):
-        if len(row) != len(header):
-            raise table_error(f"{len(row)} columns given, the header has {len(header)}: {','.join(header)}", row=i)
-        joints.append({key: cell.strip() for key, cell in zip(header, row, strict=True) if cell.strip()})
+        header, _, rows = csv_rows(text, "joint")
+    except ValueError as error:
+        raise table_error(f"the table{error}; {_ALL}") from None
+    if not set(COLUMNS) <= set(header or ()):
+        first = ",".join(header or rows[0])
+        raise table_error(f"the first line must be a header, and {first!r} lacks some; {_ALL}")
+    names, joints = header or [], []
+    for i, row in enumerate(rows, start=1):
+        if len(row) != len(names):
+            raise table_error(f"{len(row)} columns given, the header has {len(names)}: {','.join(names)}", row=i)
+        joints.append({key: cell for key, cell in zip(names, row, strict=True) if cell})
     return whole, joints
 
 
@@ -214,7 +211,7 @@ def _number(joint: dict[str, Any], key: str, row: int, default: float | None = N
             raise ValueError
         return float(value)
     except (TypeError, ValueError):
-        raise table_error(f"{quoted(value)} is no number", row=row, column=key) from None
+        raise table_error(f"{value!r} is no number", row=row, column=key) from None
 
 
 def _frame(value: Any, name: str, degrees: bool) -> Array | None:
@@ -224,7 +221,7 @@ def _frame(value: Any, name: str, degrees: bool) -> Array | None:
     try:
         numbers = np.array(value.replace(",", " ").split() if isinstance(value, str) else value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise table_error(f"{name} transform: {quoted(value)} are no numbers; {_FRAME_FORM}") from None
+        raise table_error(f"{name} transform: {value!r} are no numbers; {_FRAME_FORM}") from None
     if numbers.shape == (4, 4):
         return numbers
     if numbers.shape != (6,):

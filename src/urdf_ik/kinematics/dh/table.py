@@ -8,27 +8,21 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh import files
-from urdf_ik.kinematics.dh.checks import (
-    check,
+from urdf_ik.kinematics.dh.fields import (
+    TableFields,
     check_convention,
     joint_types_of,
-    names_of,
-    numbers,
     table_array,
+    table_error,
     transform,
 )
-from urdf_ik.kinematics.dh.fields import table_error
-from urdf_ik.kinematics.dh.frames import rotation_z, slide_z, step_x
-from urdf_ik.kinematics.dh.from_chain import fields_of, frames_of
-from urdf_ik.support import inputs
+from urdf_ik.kinematics.dh.frames import fields_of, frames_of, step_x
 from urdf_ik.support.files import name_of
-from urdf_ik.support.read_only import Frozen
-from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
@@ -36,7 +30,7 @@ _SAMPLES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class DHTable(Frozen):
+class DHTable(TableFields):
     """A serial arm as a Denavit-Hartenberg table between a base and a tool transform.
 
     The joint's variable is added to ``theta`` (revolute, continuous) or to ``d`` (prismatic): what stands there is
@@ -62,24 +56,6 @@ class DHTable(Frozen):
         >>> arm.dof, (arm.fk([0.0, 0.0])[:3, 3].round(6) + 0.0).tolist()
         (2, [0.5, 0.0, 0.0])
     """
-
-    convention: str
-    alpha: Array
-    a: Array
-    d: Array
-    theta: Array
-    joint_types: tuple[str, ...]
-    joint_names: tuple[str, ...]
-    limits: Array
-    base: Array
-    tool: Array
-    name: str = "arm"
-
-    def __post_init__(self) -> None:
-        for field in ("alpha", "a", "d", "theta", "limits", "base", "tool"):
-            # Copies, since they are frozen.
-            object.__setattr__(self, field, numbers(getattr(self, field), field))
-        check(self)
 
     @classmethod
     def from_array(
@@ -119,7 +95,7 @@ class DHTable(Frozen):
             >>> table.joint_names, table.a.tolist()
             (('joint_1', 'joint_2', 'joint_3'), [0.325, 0.275, 0.0])
         """
-        table, degrees = table_array(rows), inputs.flag(degrees, "degrees", UrdfError)
+        table = table_array(rows)
         n = len(table)
         kinds = joint_types_of(joint_types, n)
         bounds = np.tile([-np.inf, np.inf], (n, 1)) if limits is None else table_array(limits, ("lower", "upper"))
@@ -137,7 +113,7 @@ class DHTable(Frozen):
             d=table[:, 2],
             theta=table[:, 3],
             joint_types=tuple("continuous" if e else kind for e, kind in zip(endless, kinds, strict=True)),
-            joint_names=tuple(f"joint_{i + 1}" for i in range(n)) if joint_names is None else names_of(joint_names),
+            joint_names=tuple(f"joint_{i + 1}" for i in range(n)) if joint_names is None else tuple(joint_names),
             limits=np.where(
                 np.array([kind == "continuous" for kind in kinds], dtype=np.bool_)[:, None], [-np.inf, np.inf], bounds
             ),
@@ -195,8 +171,7 @@ class DHTable(Frozen):
             ([0.0, 0.4318, 0.0203, 0.0, 0.0, 0.0], [0.672, 0.0, 0.15, 0.4318, 0.0, 0.0])
         """
         check_convention(convention)
-        inputs.kind(chain, "joint_types", "chain", "the chain of an arm, arm.chain,", UrdfError)
-        between = f"between {quoted(chain.base)} and {quoted(chain.tip)}"
+        between = f"between {chain.base!r} and {chain.tip!r}"
         if chain.n == 0:
             raise table_error(f"no movable joint {between}, so there is no table")
         if chain.axes is not chain:
@@ -218,42 +193,8 @@ class DHTable(Frozen):
             )
         return table
 
-    @property
-    def n(self) -> int:
-        """Number of joints."""
-        return len(self.alpha)
-
-    @property
-    def prismatic(self) -> NDArray[np.bool_]:
-        """(n,) true for prismatic joints."""
-        return np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
-
-    def origins(self) -> Array:
-        """(n + 1, 4, 4) joint frames at q = 0, each in the one before, then the tip; every axis is z of its frame.
-
-        Example:
-            >>> import urdf_ik
-            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
-            >>> (table.origins()[:, 0, 3].round(6) + 0.0).tolist()
-            [0.0, 0.3, 0.2]
-        """
-        about_x = [step_x(a, alpha) for a, alpha in zip(self.a, self.alpha, strict=True)]
-        about_z = [rotation_z(theta) @ slide_z(d) for theta, d in zip(self.theta, self.d, strict=True)]
-        if self.convention == "modified":
-            steps = [x @ z for x, z in zip(about_x, about_z, strict=True)]
-            return np.array([self.base @ steps[0], *steps[1:], self.tool])
-        steps = [z @ x for z, x in zip(about_z, about_x, strict=True)]
-        return np.array([self.base, *steps[:-1], steps[-1] @ self.tool])
-
     def chain(self, base: str = "base_link", tip: str = "tool0") -> Chain:
-        """The table as screw axes between links of these names.
-
-        Example:
-            >>> import urdf_ik
-            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
-            >>> table.chain(tip="flange").joint_names
-            ('joint_1', 'joint_2')
-        """
+        """The table as screw axes between links of these names."""
         frames = np.array(list(_products(self.origins())))
         return Chain(
             base=base,
@@ -267,26 +208,11 @@ class DHTable(Frozen):
         )
 
     def fk(self, q: ArrayLike) -> Array:
-        """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`.
-
-        Example:
-            >>> import urdf_ik
-            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
-            >>> (table.fk([0.0, 0.0])[:3, 3].round(6) + 0.0).tolist()
-            [0.5, 0.0, 0.0]
-        """
+        """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
         return self.chain().fk(q)
 
     def converted(self, convention: str) -> DHTable:
-        """The same arm in the other convention; what has no room in the table goes to base or tool.
-
-        Example:
-            >>> import urdf_ik
-            >>> table = urdf_ik.DHTable.from_array([[90, 0, 0.4, 0], [0, 0.2, 0, 0]], "standard", degrees=True)
-            >>> other = table.converted("modified")
-            >>> other.convention, (np.degrees(other.alpha).round(6) + 0.0).tolist()
-            ('modified', [0.0, 90.0])
-        """
+        """The same arm in the other convention; what has no room in the table goes to base or tool."""
         check_convention(convention)
         if convention == self.convention:
             return self
@@ -299,15 +225,7 @@ class DHTable(Frozen):
         return replace(self, convention=convention, alpha=alpha, a=a, base=base)
 
     def deviation(self, chain: Chain) -> float:
-        """Greatest difference from the chain's poses over sampled joint vectors, in rad and shares of its size.
-
-        Example:
-            >>> import urdf_ik
-            >>> chain = urdf_ik.load("puma_560").chain
-            >>> urdf_ik.DHTable.from_chain(chain).deviation(chain) < 1e-9
-            True
-        """
-        inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,", UrdfError)
+        """Greatest difference from the chain's poses over sampled joint vectors, in rad and shares of its size."""
         if chain.n != self.n:
             raise table_error(f"the chain has {chain.n} joints, and the table {self.n}")
         Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, chain.n))
@@ -343,19 +261,11 @@ class DHTable(Frozen):
             joint_1,continuous,0.0,0.3,0.0,0.0,,
             joint_2,continuous,0.0,0.2,0.0,0.0,,
         """
-        return files.as_csv(self, inputs.flag(degrees, "degrees", UrdfError))
+        return files.as_csv(self, degrees)
 
     def to_json(self, *, degrees: bool = False) -> str:
-        """JSON text that :meth:`read` takes, with every digit.
-
-        Example:
-            >>> import json
-            >>> import urdf_ik
-            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
-            >>> json.loads(table.to_json())["convention"]
-            'standard'
-        """
-        return files.as_json(self, inputs.flag(degrees, "degrees", UrdfError))
+        """JSON text that :meth:`read` takes, with every digit."""
+        return files.as_json(self, degrees)
 
     def __str__(self) -> str:
         return files.as_text(self)

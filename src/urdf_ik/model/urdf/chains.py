@@ -57,12 +57,6 @@ class Candidate:
         before: movable joints between the root and the base, which it shares with other chains.
         chosen: whether it is the default if neither base nor tip is given.
         reason: why this link is the tip, or why the tip is ambiguous, in words.
-
-    Example:
-        >>> import urdf_ik
-        >>> chain = urdf_ik.load("zyyzyz_6r").model.chains()[0]
-        >>> chain.name, chain.base, chain.tip, chain.chosen
-        ('tool0', 'base_link', 'tool0', True)
     """
 
     name: str
@@ -256,7 +250,7 @@ class Chains:
         apart = [link for link in leaves if self._is_apart(link)]
         if len(apart) == 1:
             return apart[0], "the only frame away from the last link's own"
-        return None, f"{len(body.links)} links, all fixed to {quoted(body.links[0])}"
+        return None, f"{len(body.links)} links, all fixed to {body.links[0]!r}"
 
     def _is_apart(self, link: str) -> bool:
         """Whether the origin of a fixed leaf differs from its parent link's."""
@@ -271,14 +265,14 @@ def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], c
         names = ", ".join(quoted(name) for name in islice(every, _MOST_NAMES))
         close = nearest(chain, [limb.name for limb in limbs])
         meant = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
-        return ChainError(f"{source}: no chain, or more than one, is called {quoted(chain)}{meant}; there are {names}")
+        return ChainError(f"{source}: no chain, or more than one, is called {chain!r}{meant}; there are {names}")
     longest = len(candidates[0].before) + len(candidates[0].joints)
     rivals = [each for each in candidates if 2 * (len(each.before) + len(each.joints)) > longest]
     if len(rivals) == 1:
         tips = [candidates[0].tip, *candidates[0].frames]
         why = f"the joints are {', '.join(candidates[0].joints)}, but their end has {candidates[0].reason}"
         return ChainError(f"{source}: the tip is ambiguous: {why}; name one with tip=...", tips)
-    named = "; ".join(f"{quoted(each.name)}: {each}" for each in rivals[:_SHOWN])
+    named = "; ".join(f"{each.name!r}: {each}" for each in rivals[:_SHOWN])
     more = f"; and {len(rivals) - _SHOWN} more" if len(rivals) > _SHOWN else ""
     by_limb = ", ".join(f"{limb.name} ({len(limb.joints)})" for limb in limbs if limb.kind != "finger")
     why = f"{len(rivals)} movable chains come into question: {named}{more}"

@@ -59,7 +59,7 @@ class Place:
         """The attribute's ``count`` finite decimal numbers, as written."""
         text = element.get(attribute, default)
         if text is not None and len(text) > _LONGEST:
-            problem = f"{attribute}={quoted(text)} has {len(text)} characters"
+            problem = f"{attribute}={text!r} has {len(text)} characters"
             self.fail(problem, hint="write numbers with at most 17 digits", at=element)
         if text is not None and _NUMBERS.fullmatch(text):
             good: list[str] = text.split()
@@ -70,14 +70,14 @@ class Place:
         if text is None:
             self.fail(f"{attribute} is missing", hint=hint, at=element)
         if has_xacro(text):
-            self.fail(f"{attribute}={quoted(text)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
+            self.fail(f"{attribute}={text!r} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
         values = [value for value in _SPACE.split(text) if value]
         for value in values:
             if not _NUMBER.fullmatch(value) or not math.isfinite(float(value)):
                 hint = f"write {written}, finite and decimal, with spaces between them"
-                self.fail(f"{attribute}={quoted(text)}: {quoted(value)} is no finite number", hint=hint, at=element)
+                self.fail(f"{attribute}={text!r}: {value!r} is no finite number", hint=hint, at=element)
         if len(values) != count:
-            self.fail(f"{attribute}={quoted(text)} has {len(values)} values instead of {count}", hint=hint, at=element)
+            self.fail(f"{attribute}={text!r} has {len(values)} values instead of {count}", hint=hint, at=element)
         return values
 
     def origin(self, element: Any) -> dict[str, str]:
@@ -87,7 +87,7 @@ class Place:
             return {}
         if origin.get("quat_xyzw") is not None:
             # URDF 1.2 only: Pinocchio reads it there, yourdfpy never does.
-            problem = f"quat_xyzw={quoted(origin.get('quat_xyzw'))} is read by some URDF readers only"
+            problem = f"quat_xyzw={origin.get('quat_xyzw')!r} is read by some URDF readers only"
             self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
         values = {name: self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")}
         return {name: " ".join(self.in_range(origin, name, each)) for name, each in values.items()}
@@ -95,7 +95,7 @@ class Place:
     def in_range(self, element: Any, attribute: str, values: list[str]) -> list[str]:
         """The values, unless one of them exceeds ``LARGEST``."""
         if any(abs(float(value)) > LARGEST for value in values):
-            problem = f"{attribute}={quoted(element.get(attribute))} is beyond {LARGEST:g}, where no digit is left"
+            problem = f"{attribute}={element.get(attribute)!r} is beyond {LARGEST:g}, where no digit is left"
             self.fail(problem, hint="write lengths in m, and angles in rad", at=element)
         return values
 
@@ -229,7 +229,7 @@ def _joint_name(place: Place, taken: Mapping[str, RawJoint], defects: Defects) -
         if name == "universe":
             place.fail("the joint name 'universe' is Pinocchio's own", hint="give the joint another name")
         if (other := taken.get(name)) is not None:
-            problem = f"the joint name {quoted(name)} is taken by line {other.line}"
+            problem = f"the joint name {name!r} is taken by line {other.line}"
             place.fail(problem, hint="give each joint a name of its own")
     except UrdfError as error:
         own = f"{name or 'joint'} (line {place.element.sourceline})"
@@ -243,7 +243,7 @@ def _joint_name(place: Place, taken: Mapping[str, RawJoint], defects: Defects) -
 def _type(place: Place) -> str:
     kind: str | None = place.element.get("type")
     if kind not in TYPES:
-        problem = "type is missing" if kind is None else f"unknown type {quoted(kind)}"
+        problem = "type is missing" if kind is None else f"unknown type {kind!r}"
         place.fail(problem, hint=f"one of {', '.join(TYPES)}")
     return kind
 
@@ -283,11 +283,11 @@ def _end(place: Place, end: str) -> str:
 def _undeclared(place: Place, end: str, name: str, links: Mapping[str, Any]) -> UrdfError:
     element = child(place.element, end)
     if has_xacro(name):
-        problem = f"link={quoted(name)} holds an unresolved xacro expression"
+        problem = f"link={name!r} holds an unresolved xacro expression"
         return place.error(problem, hint=XACRO_HINT, at=element)
     close = nearest(name, links)
-    hint = f"declare it with <link name={quoted(name)}/>" + (f", or did you mean {listed(close)}?" if close else "")
-    return place.error(f"link {quoted(name)} is not declared", hint=hint, at=element)
+    hint = f"declare it with <link name={name!r}/>" + (f", or did you mean {listed(close)}?" if close else "")
+    return place.error(f"link {name!r} is not declared", hint=hint, at=element)
 
 
 def _axis(place: Place) -> str:
@@ -299,7 +299,7 @@ def _axis(place: Place) -> str:
     x, y, z = map(float, values)
     largest = max(abs(x), abs(y), abs(z))
     if not largest:
-        problem = f"xyz={quoted(element.get('xyz'))} is a zero axis"
+        problem = f"xyz={element.get('xyz')!r} is a zero axis"
         place.fail(problem, hint='write a direction, such as "0 0 1"', at=element)
     if abs(math.hypot(x, y, z) - 1.0) < 1e-15:
         return " ".join(values)
@@ -332,7 +332,7 @@ def _capacity(place: Place, limit: Any, name: str) -> float:
     """The joint's greatest velocity or effort."""
     value = float(place.numbers(limit, name, 1)[0])
     if value < 0:
-        place.fail(f"{name}={quoted(limit.get(name))} is negative", hint="write zero or more", at=limit)
+        place.fail(f"{name}={limit.get(name)!r} is negative", hint="write zero or more", at=limit)
     return value
 
 

@@ -63,12 +63,6 @@ class UrdfWarning:
         joints: a chain that uses one of these joints, or one that mimics them, is refused.
         links: a chain through one of these links is refused.
         collides: whether collision checks are refused.
-
-    Example:
-        >>> import urdf_ik
-        >>> xml = urdf_ik.load("planar_2r").model.xml.decode().replace("</robot>", "<link/></robot>")
-        >>> print(urdf_ik.load(xml).model.warnings[0])
-        <text>:103: <link>: it has no name; the link is left out
     """
 
     rule: str
@@ -93,12 +87,7 @@ class UrdfWarning:
         return self.error.element or ""
 
     def within(self, prefix: str) -> UrdfWarning:
-        """The same warning for a model whose joints and links have a prefix.
-
-        Example:
-            >>> UrdfWarning("origin", UrdfError("broken"), joints=("turn",)).within("left_").joints
-            ('left_turn',)
-        """
+        """The same warning for a model whose joints and links have a prefix."""
         joints, links = (tuple(prefix + each for each in names) for names in (self.joints, self.links))
         return replace(self, joints=joints, links=links)
 

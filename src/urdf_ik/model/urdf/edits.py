@@ -10,7 +10,6 @@ from xml.parsers import expat
 from urdf_ik.errors import UrdfError
 from urdf_ik.model.urdf.urdf_model import UrdfModel
 from urdf_ik.model.xml import open_source
-from urdf_ik.support.text import quoted
 
 _ATTRIBUTE = r"""(\s{name}\s*=\s*)("[^"]*"|'[^']*')"""
 _TAG_END = re.compile(r"""(?:[^"'>]|"[^"]*"|'[^']*')*>""")
@@ -48,7 +47,7 @@ def with_numbers(source: object, changes: Mapping[str, Mapping[str, Mapping[str,
     for name, elements in changes.items():
         if name not in joints:
             raise UrdfError(
-                f"there is no joint {quoted(name)} in the text",
+                f"there is no joint {name!r} in the text",
                 source=opened.name,
                 hint="give a URDF, not a program that makes one (xacro)",
             )
@@ -70,13 +69,7 @@ def with_numbers(source: object, changes: Mapping[str, Mapping[str, Mapping[str,
 
 
 def text_of(model: UrdfModel) -> Any:
-    """What a URDF was read from, where its joints stand there as such; else its clean XML.
-
-    Example:
-        >>> import urdf_ik
-        >>> text_of(urdf_ik.load("planar_2r").model).name
-        'planar_2r.urdf'
-    """
+    """What a URDF was read from, where its joints stand there as such; else its clean XML."""
     if model.path is None or not model.path.is_file():
         return model.xml
     opened = open_source(model.path)

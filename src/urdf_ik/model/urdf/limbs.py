@@ -44,11 +44,6 @@ class Limb:
         base: its first link, where it branches off from the other limbs.
         tip: its last link.
         joints: its movable joints without a mimic, base to tip.
-
-    Example:
-        >>> import urdf_ik
-        >>> [limb.name for limb in urdf_ik.load("dual_6r").model.limbs()]
-        ['left_arm', 'right_arm']
     """
 
     name: str
@@ -85,13 +80,7 @@ class Ending:
 
 
 def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
-    """The limbs, each with a unique name, in the given order.
-
-    Example:
-        >>> leg = Ending("hip", "foot", ("LHipYaw",), ("LHipYaw", "l_foot"))
-        >>> [limb.name for limb in named([leg, Ending("neck", "face", ("pan",), ("pan", "face"))])]
-        ['left_leg', 'head']
-    """
+    """The limbs, each with a unique name, in the given order."""
     limbs: list[Limb] = []
     kinds = [each.kind for each in endings]
     wanted = [(kind, _name(each, kind)) for each, kind in zip(endings, kinds, strict=True)]

@@ -110,7 +110,7 @@ def _mesh(place: Place, shape: Any) -> dict[str, str]:
 def _lengths(place: Place, shape: Any, attribute: str, count: int) -> str:
     values = place.in_range(shape, attribute, place.numbers(shape, attribute, count))
     if any(float(value) < 0 for value in values):
-        place.fail(f"{attribute}={quoted(shape.get(attribute))} is negative", hint="write lengths in metres", at=shape)
+        place.fail(f"{attribute}={shape.get(attribute)!r} is negative", hint="write lengths in metres", at=shape)
     return " ".join(values)
 
 

@@ -10,7 +10,7 @@ from urdf_ik.errors import UrdfError, listed, printable
 from urdf_ik.model.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, children, is_xacro, written_tag
-from urdf_ik.support.text import nearest, quoted
+from urdf_ik.support.text import nearest
 
 MAX_LINKS = 500
 """Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""
@@ -27,7 +27,7 @@ def check_robot(robot: Any, source: str, defects: Defects) -> str:
     """
     place = Place(source, robot, "<robot>")
     if (version := robot.get("version", "1.0")) not in VERSIONS:
-        place.fail(f"unknown version {quoted(version)}", hint=f"one of {', '.join(VERSIONS)}, or none")
+        place.fail(f"unknown version {version!r}", hint=f"one of {', '.join(VERSIONS)}, or none")
     name: str | None = robot.get("name")
     if name is None:
         defects.add("robot name", place.error("the robot has no name", hint='write <robot name="...">'))
@@ -53,7 +53,7 @@ def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
         except UrdfError as error:
             defects.add("link xacro" if name else "link name", error, links=[name] if name else [])
         if name in links:
-            problem = f"the link name {quoted(name)} is taken by line {links[name].sourceline}"
+            problem = f"the link name {name!r} is taken by line {links[name].sourceline}"
             twice = place.error(problem, hint="give each link a name of its own")
             defects.add("link twice", twice, links=[name], collides=_collides([element]))
         elif name:
@@ -97,7 +97,7 @@ def check_tree(
         other = parent_of.setdefault(joint.child, joint)
         if other is not joint:
             error = joint.place.error(
-                f"link {quoted(joint.child)} has two parents: this joint and {quoted(other.name)} at line {other.line}",
+                f"link {joint.child!r} has two parents: this joint and {other.name!r} at line {other.line}",
                 hint="a link is the child of one joint only; a closed loop cannot be written as a URDF",
                 at=child(joint.place.element, "child"),
             )
@@ -197,10 +197,10 @@ def _refused_driver(joint: RawJoint, joints: Mapping[str, RawJoint]) -> UrdfErro
     if driver not in joints:
         close = nearest(driver, joints)
         hint = "name a joint of this URDF" + (f"; did you mean {listed(close)}?" if close else "")
-        return joint.place.error(f"it mimics {quoted(driver)}, and there is no such joint", hint=hint, at=element)
+        return joint.place.error(f"it mimics {driver!r}, and there is no such joint", hint=hint, at=element)
     if (kind := joints[driver].type) not in MOVABLE:
         why = "does not move" if kind == "fixed" else "has no single value"
-        problem = f"it mimics {quoted(driver)}, a {kind} joint, which {why}"
+        problem = f"it mimics {driver!r}, a {kind} joint, which {why}"
         return joint.place.error(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
     return None
 

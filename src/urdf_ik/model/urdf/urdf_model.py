@@ -100,11 +100,6 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").model.parent_joint("link_1").name
-            'joint_1'
         """
         self._require(link)
         return self._carrier.get(link)
@@ -114,12 +109,6 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link.
-
-        Example:
-            >>> import urdf_ik
-            >>> model = urdf_ik.load("planar_2r").model
-            >>> [joint.name for joint in model.children("base_link")]
-            ['joint_1']
         """
         self._require(link)
         return self._carried.get(link, ())
@@ -129,12 +118,6 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link.
-
-        Example:
-            >>> import urdf_ik
-            >>> model = urdf_ik.load("planar_2r").model
-            >>> [joint.name for joint in model.path_between("base_link", "tool0")]
-            ['joint_1', 'joint_2', 'tool_joint']
         """
         up = self._up_from(self._require(base, "base"))
         down = self._up_from(self._require(tip, "tip"))
@@ -201,14 +184,9 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link, or the chain is ambiguous; ``candidates`` lists the valid names.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").model.resolve_chain(tip="link_1")
-            ('base_link', 'link_1')
         """
         if chain is not None and not isinstance(chain, str):
-            raise ChainError(f"chain={quoted(chain)} given; the name of a chain is needed")
+            raise ChainError(f"chain={chain!r} given; the name of a chain is needed")
         if tip is not None:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
         if base is None and any(each.rule == "parts" and each.joints for each in self.warnings):
@@ -220,7 +198,7 @@ class UrdfModel:
                 raise defects[0].error  # without it there might be a chain
             start = self.root if base is None else base
             raise ChainError(
-                f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
+                f"{self.source}: no {', '.join(MOVABLE)} joint below base {start!r}: there is no movable chain",
                 [] if start == self.root else [self.root],
             )
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
@@ -237,10 +215,6 @@ class UrdfModel:
         Raises:
             UrdfError: a joint or link of the chain, or a joint that one of its joints mimics, has a defect.
             ChainError: there is no such link.
-
-        Example:
-            >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").model.require_sound("base_link", "tool0")
         """
         if not self.warnings:
             return
@@ -259,15 +233,7 @@ class UrdfModel:
         return row
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
-        """The joint that drives ``joint`` through its mimics, with multiplier and offset; itself without a mimic.
-
-        Example:
-            >>> import urdf_ik
-            >>> model = urdf_ik.load("planar_2r").model
-            >>> joint, multiplier, offset = model.driver(model.joints[0])
-            >>> joint.name, multiplier, offset
-            ('joint_1', 1.0, 0.0)
-        """
+        """The joint that drives ``joint`` through its mimics, with multiplier and offset; itself without a mimic."""
         if not isinstance(joint, Joint):
             inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
         if joint.mimic is None:
@@ -304,7 +270,7 @@ class UrdfModel:
         hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
         raise ChainError(
-            f"{printable(self.source, 200)}: there is no {what} {quoted(link)}{hint}",
+            f"{printable(self.source, 200)}: there is no {what} {link!r}{hint}",
             dict.fromkeys([*close, *self.links]),
         )
 
@@ -329,28 +295,14 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
 
     Raises:
         UrdfError: the path leads outside these folders, or no such file exists there; the message lists them.
-
-    Example:
-        >>> from pathlib import Path
-        >>> from urdf_ik.model import urdf
-        >>> Path("hand.stl").touch()
-        >>> _ = Path("arm.urdf").write_text('<robot name="arm"><link name="base"/></robot>')
-        >>> resolve_mesh(urdf.read("arm.urdf"), "hand.stl").name
-        'hand.stl'
     """
-    inputs.kind(model, "folders", "model", "the model of a URDF, as urdf_ik.model.urdf.read gives it,")
     if not isinstance(filename, str):
-        raise UrdfError(f"{quoted(filename)} given; a mesh's filename is a text", source=model.source)
+        raise UrdfError(f"{filename!r} given; a mesh's filename is a text", source=model.source)
     return meshes.resolve(filename, model.folders, model.source)
 
 
 def yourdfpy_model(xml: bytes) -> Any:
-    """The yourdfpy.URDF of clean XML, without meshes, scene and capsules.
-
-    Example:
-        >>> yourdfpy_model(b'<robot name="r"><link name="only"/></robot>').robot.name
-        'r'
-    """
+    """The yourdfpy.URDF of clean XML, without meshes, scene and capsules."""
     tree = etree.fromstring(xml)
     capsules = [shape.getparent().getparent() for shape in tree.iter("capsule")]
     for body in capsules:  # yourdfpy knows no capsules, and would refuse the file
