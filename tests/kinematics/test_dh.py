@@ -252,7 +252,7 @@ HEAD = "# convention: standard\nalpha,a,d,theta"
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", ["empty", "alpha, a, d, theta"]),
+        ("", ["nothing but comments", "alpha, a, d, theta"]),
         ("1,2,3,4\n", ["header", "alpha, a, d, theta"]),
         (f"{HEAD}\n0,1,2\n", ["row 1", "3 columns", "4"]),
         (f"{HEAD}\n0,1,0,0\n0,x,0,0\n", ["row 2, column 'a'", "'x'"]),
@@ -269,7 +269,6 @@ HEAD = "# convention: standard\nalpha,a,d,theta"
         ("# tool: 1 2 3\n" + HEAD + "\n0,1,0,0\n", ["tool transform", "3 numbers", "roll"]),
         ("# base: 1 2 3 a b c\n" + HEAD + "\n0,1,0,0\n", ["base transform", "no numbers"]),
         ("alpha,a,d,theta\n0,1,0,0\n", ["convention"]),
-        pytest.param("9" * 200_000 + ",1\n1,2\n", ["line 1", "field limit"], id="a wide field"),
         ("{", ["no JSON"]),
         ('{"convention": "standard"}', ["'joints'"]),
         ('{"convention": "standard", "joint": 1, "joints": []}', ["'joint'"]),
@@ -292,7 +291,6 @@ def test_files_that_hold_no_table(text: str, words: list[str], tmp_path: Path) -
         ([(0, 0, 0, 0), (0, 0, 0)], {}, ["row 2", "3 columns", "alpha, a, d, theta"]),
         (np.zeros((2, 5)), {}, ["row 1", "5 columns"]),
         (np.zeros((0, 4)), {}, ["no rows"]),
-        (7, {}, ["7", "rows of"]),
         ([(0, "x", 0, 0)], {}, ["row 1, column 'a'", "'x'"]),
         (np.zeros((2, 4)), {"joint_types": "RRP"}, ["3 joint types", "2 rows"]),
         (np.zeros((2, 4)), {"joint_types": "RX"}, ["row 2, column 'type'", "'X'"]),

@@ -83,7 +83,7 @@ def test_joint_vectors_are_not_modified() -> None:
         (["a", "b", "c"], "array of numbers"),
         ([[0.0, 0.0, 0.0], [0.0, 0.0]], "array of numbers"),
         (None, "array of numbers"),
-        (np.ones(3, dtype=bool), "truth values"),
+        (np.ones(3, dtype=bool), "type bool"),
         ({"j0": 1.0}, "array of numbers"),
         ([1j, 0.0, 0.0], "array of numbers"),
     ],

@@ -49,7 +49,7 @@ def real(value: Any, what: str, needed: str, error: Error = ArgumentError) -> Ar
         return np.require(value, np.float64, ["C", "A", "E"])
     try:
         array = np.asarray(value)
-        if array.dtype.kind in "fiuO":
+        if array.dtype.kind in "fiu":
             return np.require(array, np.float64, ["C", "A", "E"])
         problem = f"it holds values of the type {array.dtype}"
     except (TypeError, ValueError, OverflowError) as failure:
