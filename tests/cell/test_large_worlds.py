@@ -5,9 +5,7 @@ The oracle asks coal about every pair of a link's shape and an obstacle, one by 
 
 from __future__ import annotations
 
-import copy
 import os
-import pickle
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -310,24 +308,6 @@ def test_boxes_found_by_the_tree() -> None:
         assert np.all(tree.nearby(points, np.zeros(count, dtype=np.bool_)) == -1)
 
 
-def test_copies_of_a_large_world() -> None:
-    """A world that was asked can be pickled and copied; the copies answer the same and go their own ways."""
-    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(11)
-    world = random_world(rng, 3 * FEW, 0.9)
-    q = rng.uniform(-2.0, 2.0, (5, 6))
-    model = arm.cell.collisions.in_world(world)
-    expected = model.distance(q)
-    for again in (pickle.loads(pickle.dumps(world)), copy.deepcopy(world), copy.copy(world)):
-        assert (again.names, again.version, again.digest()) == (world.names, world.version, world.digest())
-        assert not again["o1"].pose.flags.writeable
-        np.testing.assert_array_equal(arm.cell.collisions.in_world(again).distance(q), expected)
-        again.add("at the tip", Sphere(0.2), arm.fk(q[0]))
-        assert arm.clearance(q[0], again) == 0.0
-        np.testing.assert_array_equal(model.distance(q), expected)
-    for same in (pickle.loads(pickle.dumps(model)), copy.deepcopy(model), copy.copy(model)):
-        np.testing.assert_array_equal(same.distance(q), expected)
-
-
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a fork is needed")
 def test_a_large_world_after_a_fork() -> None:
     """A child that was forked after a query has the parent's answers, and may change its world."""
@@ -364,13 +344,3 @@ def test_one_large_world_from_many_threads() -> None:
 
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(ask, range(80)))
-
-
-def test_the_text_of_a_large_world_is_short() -> None:
-    """A world of 20,000 obstacles is printed in one line."""
-    world = World()
-    ball = Sphere(0.1)
-    for i in range(20_000):
-        world.add(f"b{i}", ball)
-    assert len(repr(world)) < 200
-    assert repr(world).endswith("b7: Sphere, and 19992 more)")

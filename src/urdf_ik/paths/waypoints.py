@@ -9,7 +9,6 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import check_poses, to_rotvec
 from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 
@@ -31,7 +30,7 @@ def read(T: Any) -> Array:
 
 
 MOST_WAYPOINTS = 10_000_000
-"""Waypoints of a line, an arc or a polyline at most: 1.3 GB of poses."""
+"""Most waypoints of a line or an arc (1.3 GB of poses)."""
 
 
 def interpolated(T0: Array, T1: Array, share: Array, turn: Array | None = None) -> Array:
@@ -54,7 +53,7 @@ def interpolated(T0: Array, T1: Array, share: Array, turn: Array | None = None) 
     out: Array = np.zeros((*np.broadcast_shapes(T0.shape[:-2], T1.shape[:-2], np.shape(share)), 4, 4))
     # Rodrigues' formula, row by row.
     R = np.empty((*sine.shape, 3, 3))
-    R[..., 0, 0], R[..., 1, 1], R[..., 2, 2] = (cosine + each * each * versine for each in (x, y, z))
+    R[..., 0, 0], R[..., 1, 1], R[..., 2, 2] = (cosine + component * component * versine for component in (x, y, z))
     R[..., 0, 1], R[..., 1, 0] = x * y * versine - z * sine, x * y * versine + z * sine
     R[..., 0, 2], R[..., 2, 0] = x * z * versine + y * sine, x * z * versine - y * sine
     R[..., 1, 2], R[..., 2, 1] = y * z * versine - x * sine, y * z * versine + x * sine
@@ -122,10 +121,8 @@ def arc(T0: Any, via: Any, T1: Any, n: int = 100) -> Array:
         [0.0, 1.0, 0.0]
     """
     start, end, count = _one(T0, "T0"), _one(T1, "T1"), _count(n)
-    middle = inputs.real(getattr(via, "homogeneous", via), "via", "a point (3,) [m] or a pose (4, 4)")
-    middle = middle[:3, 3] if middle.shape == (4, 4) else middle
-    if middle.shape != (3,) or inputs.first_bad(middle) is not None:
-        raise ArgumentError(f"via is {quoted(via)}; a point (3,) [m] or a pose (4, 4) is needed")
+    middle = np.asarray(getattr(via, "homogeneous", via))
+    middle = inputs.array(middle[:3, 3] if middle.shape == (4, 4) else middle, "via", (3,), unit="m")
     a, b, c = start[:3, 3], middle, end[:3, 3]
     ab, ac = b - a, c - a
     normal = np.cross(ab, ac)
@@ -176,11 +173,11 @@ def polyline(poses: Any, step: float = 0.01, *, blend: float = 0.0, turn: float 
         raise ArgumentError(f"a polyline through {len(corners)} pose asked for; at least two are needed")
     step, turn = (inputs.number(value, name, above=0.0) for name, value in (("step", step), ("turn", turn)))
     blend = inputs.number(blend, "blend", low=0.0, unit="m")
-    apart = twists(corners[:-1], corners[1:])
-    lengths = np.linalg.norm(apart[:, :3], axis=1)
+    legs_twists = twists(corners[:-1], corners[1:])
+    lengths = np.linalg.norm(legs_twists[:, :3], axis=1)
     # Where a leg begins and ends being straight, as shares of it.
     shares = np.divide(blend, lengths, out=np.zeros_like(lengths), where=lengths > 0.0).clip(0.0, 0.5)
-    angles = np.linalg.norm(apart[:, 3:], axis=1)
+    angles = np.linalg.norm(legs_twists[:, 3:], axis=1)
     legs: list[Array] = []
     for k, (length, rotation) in enumerate(zip(lengths.tolist(), angles.tolist(), strict=True)):
         low, high = (shares[k] if k else 0.0), 1.0 - (shares[k] if k + 1 < len(lengths) else 0.0)

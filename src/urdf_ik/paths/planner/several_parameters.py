@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
 
 from urdf_ik.ik import preparation
 from urdf_ik.ik.pose_solving import solve
@@ -30,7 +29,7 @@ from urdf_ik.paths.planner.assembly import Refined, cut, made, not_found, offer,
 from urdf_ik.paths.planner.nodes import Joints, Nodes
 from urdf_ik.paths.planner.redundant import DENSE_MOVE, DENSE_TURN
 from urdf_ik.paths.planner.search import Search
-from urdf_ik.paths.planner.smoothing import MOST_STEPS
+from urdf_ik.paths.planner.smoothing import MOST_STEPS, newton_step, sum_of_squares
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
@@ -211,11 +210,11 @@ def _smoothed(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
     fixed = np.zeros(len(q), dtype=np.bool_)
     fixed[0], fixed[-1] = settings.start is not None, settings.end is not None
     low, high = settings.solver.limits.T
-    least = _sum(q, factor)
+    least = sum_of_squares(q, factor)
     for _ in range(MOST_STEPS):
         N = _null_space(settings, refined, q)
         N[fixed] = 0.0
-        step = np.einsum("knj,kj->kn", N, _newton(q, N, factor))
+        step = np.einsum("knj,kj->kn", N, newton_step(q, N, factor))
         longest = np.abs(step).max()
         step *= min(1.0, LONGEST_STEP / longest) if longest else 1.0
         best = None
@@ -225,7 +224,7 @@ def _smoothed(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
             if settings.obstacles is not None:
                 good[good] = settings.obstacles.free(trial[good])
             trial = np.where(good[:, None] & ~fixed[:, None], trial, q)
-            total = _sum(trial, factor)
+            total = sum_of_squares(trial, factor)
             if total < least:
                 best = total, trial
                 break
@@ -235,32 +234,6 @@ def _smoothed(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
         if not least < WORTHWHILE * before:
             break
     return q
-
-
-def _sum(q: Array, factor: Array) -> float:
-    return float(((np.diff(q, axis=0) * factor) ** 2).sum())
-
-
-def _newton(q: Array, N: Array, factor: Array) -> Array:
-    """Coefficients (k, j) of the null-space directions N (k, n, j) at the minimum of the sum."""
-    k, _, j = N.shape
-    left, right = N[:-1] * factor[:, :, None], N[1:] * factor[:, :, None]
-    gap = np.diff(q, axis=0) * factor
-    diagonal, slope = np.zeros((k, j, j)), np.zeros((k, j))
-    diagonal[:-1] += np.einsum("kni,knj->kij", left, left)
-    diagonal[1:] += np.einsum("kni,knj->kij", right, right)
-    slope[:-1] += np.einsum("kni,kn->ki", left, gap)
-    slope[1:] -= np.einsum("kni,kn->ki", right, gap)
-    coupling = -np.einsum("kni,knj->kij", left, right)
-    # The added diagonal keeps the system regular where the whole route can slide, or a joint vector is fixed.
-    diagonal += 1e-9 * np.eye(j) * max(float(np.abs(diagonal).max()), 1e-12)
-    banded = np.zeros((2 * j, k * j))
-    for a in range(j):
-        for b in range(j):
-            if a <= b:
-                banded[2 * j - 1 + a - b, b::j] = diagonal[:, a, b]
-            banded[j - 1 + a - b, j + b :: j] = coupling[:, a, b]
-    return np.asarray(solveh_banded(banded, slope.ravel(), check_finite=False)).reshape(k, j)
 
 
 def _null_space(settings: CheckedSettings, refined: Refined, q: Array) -> Array:

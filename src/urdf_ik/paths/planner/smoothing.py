@@ -48,13 +48,14 @@ def _least(
     settings: CheckedSettings, refined: Refined, q: Array, value: Array, obstacles: Obstacles | None
 ) -> tuple[Array, Array]:
     """The same, with contacts checked at every step where there are obstacles."""
-    inverse = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
+    factor = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
     fixed = np.zeros(len(q), dtype=np.bool_)
     fixed[0], fixed[-1] = settings.start is not None, settings.end is not None
-    least = _sum(q, inverse)
+    least = sum_of_squares(q, factor)
     for _ in range(MOST_STEPS):
         t = _derivative(settings, refined, q, value)
-        step = _newton(q, t, inverse, fixed | np.isnan(t).any(axis=1)).clip(-LONGEST_STEP, LONGEST_STEP)
+        directions = np.where((fixed | np.isnan(t).any(axis=1))[:, None], 0.0, t)
+        step = newton_step(q, directions[:, :, None], factor)[:, 0].clip(-LONGEST_STEP, LONGEST_STEP)
         best = None
         for share in (1.0, 0.5, 0.25):
             trial_value = _inside(settings, value + share * step)
@@ -63,7 +64,7 @@ def _least(
             if obstacles is not None:
                 good[good] = obstacles.free(trial[good])
             trial, trial_value = np.where(good[:, None], trial, q), np.where(good, trial_value, value)
-            total = _sum(trial, inverse)
+            total = sum_of_squares(trial, factor)
             if total < least:
                 best = total, trial, trial_value
                 break
@@ -75,24 +76,31 @@ def _least(
     return q, value
 
 
-def _sum(q: Array, inverse: Array) -> float:
-    return float(((np.diff(q, axis=0) * inverse) ** 2).sum())
+def sum_of_squares(q: Array, factor: Array) -> float:
+    """The sum over steps of (factor dq)^2, along joint vectors (k, n)."""
+    return float(((np.diff(q, axis=0) * factor) ** 2).sum())
 
 
-def _newton(q: Array, t: Array, inverse: Array, fixed: NDArray[np.bool_]) -> Array:
-    """Changes (k,) of the values to the minimum."""
-    gap = np.diff(q, axis=0) * inverse
-    left, right = np.where(fixed[:-1, None], 0.0, t[:-1] * inverse), np.where(fixed[1:, None], 0.0, t[1:] * inverse)
-    diagonal = np.zeros(len(q))
-    diagonal[:-1] += (left * left).sum(axis=1)
-    diagonal[1:] += (right * right).sum(axis=1)
-    off = -(left * right).sum(axis=1)
-    slope = np.zeros(len(q))
-    slope[:-1] += (left * gap).sum(axis=1)
-    slope[1:] -= (right * gap).sum(axis=1)
-    # Values without influence stay. The factor keeps the system regular where the whole route can slide.
-    diagonal = np.where(diagonal > 0.0, diagonal * (1.0 + 1e-9), 1.0)
-    return np.asarray(solveh_banded(np.vstack([np.append(0.0, off), diagonal]), slope, check_finite=False))
+def newton_step(q: Array, N: Array, factor: Array) -> Array:
+    """Coefficients (k, j) with which q + N a minimises the sum of squares; N (k, n, j) are directions of motion."""
+    k, _, j = N.shape
+    left, right = N[:-1] * factor[:, :, None], N[1:] * factor[:, :, None]
+    gap = np.diff(q, axis=0) * factor
+    diagonal, slope = np.zeros((k, j, j)), np.zeros((k, j))
+    diagonal[:-1] += np.einsum("kni,knj->kij", left, left)
+    diagonal[1:] += np.einsum("kni,knj->kij", right, right)
+    slope[:-1] += np.einsum("kni,kn->ki", left, gap)
+    slope[1:] -= np.einsum("kni,kn->ki", right, gap)
+    coupling = -np.einsum("kni,knj->kij", left, right)
+    # The added diagonal keeps the system regular where the whole route can slide, or a joint vector is fixed.
+    diagonal += 1e-9 * np.eye(j) * max(float(np.abs(diagonal).max()), 1e-12)
+    banded = np.zeros((2 * j, k * j))
+    for a in range(j):
+        for b in range(j):
+            if a <= b:
+                banded[2 * j - 1 + a - b, b::j] = diagonal[:, a, b]
+            banded[j - 1 + a - b, j + b :: j] = coupling[:, a, b]
+    return np.asarray(solveh_banded(banded, slope.ravel(), check_finite=False)).reshape(k, j)
 
 
 def _derivative(settings: CheckedSettings, refined: Refined, q: Array, value: Array) -> Array:
