@@ -258,7 +258,7 @@ HEAD = "# convention: standard\nalpha,a,d,theta"
         (f"{HEAD}\n0,1,0,0\n0,x,0,0\n", ["row 2, column 'a'", "'x'"]),
         (f"{HEAD}\n0,1,0,0\n0,nan,0,0\n", ["row 2, column 'a'", "nan"]),
         (f"{HEAD}\n0,1,,0\n", ["row 1, column 'd'", "missing"]),
-        (f"{HEAD}\n", ["no rows"]),
+        (f"{HEAD}\n", ["a header, and no joint"]),
         (f"{HEAD},colour\n0,1,0,0,red\n", ["row 1, column 'colour'", "offset"]),
         (f"{HEAD},type\n0,1,0,0,screw\n", ["row 1, column 'type'", "'screw'", "prismatic"]),
         (f"{HEAD},type\n0,1,0,0,P\n", ["row 1, column 'lower'", "prismatic", "finite"]),

@@ -102,7 +102,7 @@ def to_quat_xyzw(T: Any) -> Array:
     from scipy.spatial.transform import Rotation
 
     R = check_poses(T)[..., :3, :3]
-    q = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_quat().reshape(*R.shape[:-2], 4)
+    q = Rotation.from_matrix(np.array(R.reshape(-1, 3, 3))).as_quat().reshape(*R.shape[:-2], 4)
     # Scalar first, the first component that is not zero decides the sign.
     ranked = np.roll(q, 1, axis=-1)
     leading = np.argmax(np.abs(ranked) > _ZERO, axis=-1)[..., None]
@@ -262,7 +262,7 @@ def _rotation(name: str, value: Array) -> Array:
         return _from_rpy(value[..., ::-1])
     from scipy.spatial.transform import Rotation
 
-    rows = value.reshape(-1, value.shape[-1])
+    rows = np.array(value.reshape(-1, value.shape[-1]))  # SciPy takes no read-only arrays
     if name == "rotvec":
         return np.asarray(Rotation.from_rotvec(rows).as_matrix().reshape(*value.shape[:-1], 3, 3))
     largest = np.abs(rows).max(axis=-1, keepdims=True)  # the division keeps squares from over- and underflow

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import zipfile
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -144,7 +143,7 @@ def _from_numpy(data: bytes, keys: Sequence[str]) -> Array:
     try:
         loaded = np.load(io.BytesIO(data), allow_pickle=False)
         arrays = {"": loaded} if isinstance(loaded, np.ndarray) else dict(loaded)
-    except (ValueError, OSError, EOFError, SyntaxError, zipfile.BadZipFile):
+    except Exception:  # NumPy, zip, zlib and Python's tokenizer each have their own errors for damaged bytes
         raise ValueError(" is damaged, or holds Python objects instead of numbers") from None
     key = next((key for key in keys if key in arrays), next(iter(arrays)) if len(arrays) == 1 else None)
     if key is None:
@@ -157,20 +156,13 @@ def _from_numpy(data: bytes, keys: Sequence[str]) -> Array:
 def _from_json(text: str, keys: Sequence[str], element: str) -> Array:
     value = _member(json.loads(text), keys, "")
     if not isinstance(value, list):
-        value = [[value]]
+        return np.array(_numbers(value, ""))
     arrays: list[Array] = []
     for k, entry in enumerate(value):
         where = f", {element} {k}"
-        entry = _member(entry, keys, where)
-        try:
-            array = np.array(entry)
-        except ValueError:
-            array = np.array(None)
-        if array.dtype.kind not in "fiu":
-            raise ValueError(f"{where}: {printable(json.dumps(_odd(entry)))} is no number")
-        if arrays and array.shape != arrays[0].shape:
+        arrays.append(_numbers(_member(entry, keys, where), where))
+        if arrays[k].shape != arrays[0].shape:
             raise ValueError(f"{where}: {printable(json.dumps(entry))} is of another shape than the first")
-        arrays.append(array.astype(np.float64))
     return np.array(arrays)
 
 
@@ -184,10 +176,14 @@ def _member(value: Any, keys: Sequence[str], where: str) -> Any:
     raise ValueError(f"{where}: the JSON object has {', '.join(value) or 'nothing'}, and no {' or '.join(keys)}")
 
 
-def _odd(entry: Any) -> Any:
-    """The first value in nested lists that is not a number; the lists where all are."""
-    for part in entry if isinstance(entry, list) else ():
-        odd = _odd(part)
-        if isinstance(odd, bool) or not isinstance(odd, int | float | list):
-            return odd
-    return entry
+def _numbers(value: Any, where: str) -> Array:
+    """A number, or lists of numbers, as an array."""
+    level = [value]
+    while level:
+        if odd := [part for part in level if isinstance(part, bool) or not isinstance(part, int | float | list)]:
+            raise ValueError(f"{where}: {printable(json.dumps(odd[0]))} is no number")
+        level = [part for parts in level if isinstance(parts, list) for part in parts]
+    try:
+        return np.array(value, dtype=np.float64)
+    except (ValueError, OverflowError) as failure:
+        raise ValueError(f"{where}: {printable(json.dumps(value))}: {failure}") from None
