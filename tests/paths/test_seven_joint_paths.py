@@ -101,7 +101,7 @@ def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
     q = joint_path(arm, 40, 2, size=0.2)
     T = arm.fk(q)
     asked = checked_settings.checked(arm.solver, T, PathSettings(), None)
-    whole = assembly.Refined(T, np.arange(40.0), np.ones(39))
+    whole = assembly.Refined(T, np.arange(40.0), np.ones(39), np.zeros((39, 6)))
     value = np.unwrap(arm.redundancy_of(q))
     better, moved = smoothing.smoothed(asked, whole, q, value)
 

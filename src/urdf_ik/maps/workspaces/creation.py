@@ -153,7 +153,7 @@ def workspace(
     if store is not None and output is not None:
         raise ArgumentError("a store and an output are given; leave one of the two out")
     if world is not None and not (collision_free or clearance):
-        raise ArgumentError("a world is given, and nothing asks for it; give collision_free=True or clearance=True")
+        raise ArgumentError("world= has no effect without collision_free=True or clearance=True")
     within_limits, collision_free, manipulability, margin, clearance = (
         inputs.flag(value, name)
         for value, name in (

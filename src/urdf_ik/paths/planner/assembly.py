@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -29,16 +28,13 @@ class Refined:
         T: (k, 4, 4) m.
         place: (k,) place along the path: 2.5 is half way from given waypoint 2 to given waypoint 3.
         pieces: (k - 1,) into how many equal pieces the given segment was cut that each piece belongs to.
+        twists: (k - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes.
     """
 
     T: Array
     place: Array
     pieces: Array
-
-    @cached_property
-    def twists(self) -> Array:
-        """(k - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes."""
-        return waypoints.twists(self.T[:-1], self.T[1:])
+    twists: Array
 
 
 def cut(settings: CheckedSettings, path: Array, turn: float = LONGEST_TURN, move: float = LONGEST_MOVE) -> Refined:
@@ -50,14 +46,14 @@ def cut(settings: CheckedSettings, path: Array, turn: float = LONGEST_TURN, move
     )
     pieces = np.maximum(1, np.ceil(longest - 1e-9)).astype(np.int64)
     if len(path) == 1 or pieces.max() == 1:
-        return Refined(path, np.arange(len(path), dtype=np.float64), np.ones(len(path) - 1))
+        return Refined(path, np.arange(len(path), dtype=np.float64), np.ones(len(path) - 1), twists)
     segment = np.repeat(np.arange(len(pieces)), pieces)
     inside = np.arange(len(segment)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     share = inside / pieces[segment]
     T = waypoints.interpolated(path[segment], path[segment + 1], share)
     T[share == 0.0] = path[:-1]
-    place = np.append(segment + share, len(path) - 1.0)
-    return Refined(np.concatenate([T, path[-1:]]), place, pieces[segment].astype(np.float64))
+    T, place = np.concatenate([T, path[-1:]]), np.append(segment + share, len(path) - 1.0)
+    return Refined(T, place, pieces[segment].astype(np.float64), waypoints.twists(T[:-1], T[1:]))
 
 
 def priced(

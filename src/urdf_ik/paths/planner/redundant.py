@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.paths import waypoints
 from urdf_ik.paths.checked_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
@@ -193,7 +194,8 @@ def _sparse(settings: CheckedSettings, dense: Refined) -> Refined:
     place = np.concatenate([[0.0], np.cumsum(length)])
     chosen = np.searchsorted(place, np.arange(0.0, place[-1], 1.0))
     chosen = np.unique(np.concatenate([[0], chosen, [len(place) - 1]]))
-    return Refined(dense.T[chosen], dense.place[chosen], 1.0 / np.diff(dense.place[chosen]))
+    T, place = dense.T[chosen], dense.place[chosen]
+    return Refined(T, place, 1.0 / np.diff(place), waypoints.twists(T[:-1], T[1:]))
 
 
 def _grid(settings: CheckedSettings, refined: Refined, count: int) -> Array:
@@ -351,7 +353,7 @@ def _around(
     values = guide.value[:, None] + step * np.arange(-neighbours, neighbours + 1)
     values = parameter.wrapped(values) if parameter.round else np.clip(values, *parameter.range)
     near = min(WIDEST_GRID_STEP, NEAR + 2.0 * neighbours * step)
-    waypoints = np.arange(len(refined.T))
-    nodes = node_sets.solved(solver, joints, refined.T, waypoints, values, centres=guide.q, near=near)
+    everywhere = np.arange(len(refined.T))
+    nodes = node_sets.solved(solver, joints, refined.T, everywhere, values, centres=guide.q, near=near)
     layers = _with_ends(settings, refined, nodes).layers(refined.T, refined.twists)
     return Search(priced(settings, refined, layers, MISMATCH if last else LOOSE_MISMATCH), proves=last)
