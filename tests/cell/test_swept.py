@@ -207,7 +207,7 @@ def test_bad_motions() -> None:
         arm.motion_is_free(q, [0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
     with pytest.raises(ArgumentError, match="finite"):
         arm.cell.collisions.motions_free(q[None], np.full((1, 6), np.inf))
-    with pytest.raises(ArgumentError, match=r"both must be \(k, 6\)"):
+    with pytest.raises(ArgumentError, match=r"finite numbers \(m, 6\)"):
         arm.cell.collisions.motions_free(q, q)
     with pytest.raises(ArgumentError, match=r"margin=-0\.1"):
         arm.motion_is_free(q, q, margin=-0.1)

@@ -412,14 +412,10 @@ class CollisionModel:
         """
         margin = swept_motions.check_margin(margin)
         self._require_geometry()
-        start, end = (self.reference.vectors(q) for q in (q0, q1))
-        if start.ndim != 2 or start.shape != end.shape:
-            raise ArgumentError(
-                f"motions from {start.shape} to {end.shape} given; both must be (k, {len(self.joint_names)})"
-            )
-        for name, array in (("q0", start), ("q1", end)):
-            if (bad := inputs.first_bad(array)) is not None:
-                raise ArgumentError(f"{name}{list(bad)} is {array[bad]:g}; {inputs.why_bad(array[bad])}")
+        n = len(self.joint_names)
+        start, end = (inputs.array(q, name, (None, n)) for name, q in (("q0", q0), ("q1", q1)))
+        if start.shape != end.shape:
+            raise ArgumentError(f"motions from {start.shape} to {end.shape} given; both must be (k, {n})")
         swept_motions.check_length(start, end, self.joint_names)
         return swept_motions.motions(self.present_check(), start, end, margin)
 
@@ -471,12 +467,7 @@ class CollisionModel:
     def _one(self, q: ArrayLike) -> tuple[Array, CoalCheck]:
         """A joint vector as (1, n), and the check."""
         self._require_geometry()
-        Q = self.reference.vectors(q)
-        if Q.ndim != 1:
-            raise ArgumentError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
-        if inputs.first_bad(Q) is not None:
-            raise ArgumentError(f"the joint vector {quoted(Q)} is not finite; what is near at it cannot be known")
-        return Q[None], self.present_check()
+        return inputs.array(q, "one joint vector", (len(self.joint_names),))[None], self.present_check()
 
     def _touching(self, check: CoalCheck, Q: Array, margin: float) -> Iterator[tuple[int, Iterator[int]]]:
         """Rows of Q (k, n) in which a pair may touch, each with the pairs that do."""

@@ -185,9 +185,7 @@ class Reference:
         Raises:
             ArgumentError: the last dimension is not nq, or a value is not finite.
         """
-        full, nq = inputs.real(q_pin, "a configuration", "an array of numbers"), self.pin_model.nq
-        if full.shape[-1:] != (nq,) or inputs.first_bad(full) is not None:
-            raise ArgumentError(f"configurations of shape {full.shape} given; (..., {nq}) finite numbers are needed")
+        full = inputs.array(q_pin, "configurations", (..., self.pin_model.nq))
         out = np.empty((*full.shape[:-1], self.dof))
         for column, name in enumerate(self.joint_names):
             joint = self._joint(name)

@@ -5,7 +5,6 @@ Each shape is centred at the origin of its frame, cylinders and capsules along z
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +19,6 @@ from urdf_ik.model import meshes
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
-from urdf_ik.support.tolerances import LARGEST
 from urdf_ik.typing import Array
 
 SPECK = 1e-8
@@ -60,8 +58,7 @@ class Box(Shape):
     size: tuple[float, float, float]
 
     def __init__(self, size: ArrayLike) -> None:
-        edges = _numbers("Box", "size", size)
-        object.__setattr__(self, "size", _positive("Box", "size", edges * 3 if len(edges) == 1 else edges, 3))
+        object.__setattr__(self, "size", _lengths("Box", "size", size, 3))
 
     def geometry(self) -> Any:
         """A ``coal.Box``."""
@@ -213,12 +210,9 @@ class Mesh(Shape):
         scale: ArrayLike = 1.0,
         package_dirs: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
     ) -> None:
-        name, factors = str(path), _numbers("Mesh", "scale", scale)
-        factors = factors * 3 if len(factors) == 1 else factors
-        if len(factors) != 3 or 0.0 in factors:
-            raise ArgumentError(
-                f"Mesh {quoted(name)}: scale is {quoted(scale)}; one number or three are needed, none of them zero"
-            )
+        name, factors = str(path), _numbers("Mesh", "scale", scale, 3)
+        if 0.0 in factors:
+            raise ArgumentError(f"Mesh {name!r}: scale is {scale!r}; numbers other than zero are needed")
         folders = [package_dirs] if isinstance(package_dirs, str | os.PathLike) else package_dirs
         object.__setattr__(self, "path", name)
         object.__setattr__(self, "scale", factors)
@@ -292,11 +286,9 @@ class Points(Frozen, Shape):
     radius: float
 
     def __post_init__(self) -> None:
-        points = inputs.real(self.points, "Points: points", "numbers of shape (k, 3)").copy()
-        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
-            raise ArgumentError(f"Points: points of shape {points.shape} given; (k, 3), one point or more, is needed")
-        if (bad := inputs.first_bad(points)) is not None:
-            raise ArgumentError(f"Points: point {bad[0]} is {points[bad[0]].tolist()}; {inputs.why_bad(points[bad])}")
+        points = inputs.array(self.points, "Points: points", (None, 3), unit="m").copy()
+        if not len(points):
+            raise ArgumentError("Points: points of shape (0, 3) given; one point or more is needed")
         points.setflags(write=False)
         object.__setattr__(self, "points", points)
         _set_lengths(self, "radius")
@@ -334,28 +326,22 @@ def reason_of(error: Exception) -> str:
     return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
 
 
-def _numbers(shape: str, name: str, value: ArrayLike, count: int | None = None) -> tuple[float, ...]:
-    """``value`` as finite numbers, ``count`` of them where that is given."""
-    needed = {None: "finite numbers", 1: "one finite number"}.get(count, f"{count} finite numbers")
-    array = inputs.real(value, f"{shape}: {name}", needed).reshape(-1)
-    if not len(array) or inputs.first_bad(array) is not None or len(array) != (count or len(array)):
-        most = f" of at most {LARGEST:g}" if inputs.first_bad(array, math.inf) is None else ""
-        are = "is" if count == 1 else "are"
-        raise ArgumentError(f"{shape}: {name} is {quoted(value)}; {needed}{most} {are} needed")
-    return tuple(float(x) for x in array)
+def _numbers(shape: str, name: str, value: ArrayLike, count: int) -> tuple[float, ...]:
+    """``count`` finite numbers, from as many or from one."""
+    one = np.ndim(value) == 0
+    numbers = inputs.array(value, f"{shape}: {name}", () if one else (count,))
+    return (float(numbers),) * count if one else tuple(float(x) for x in numbers)
 
 
-def _positive(shape: str, name: str, values: tuple[float, ...], count: int) -> tuple[float, ...]:
-    if len(values) != count or min(values) <= 0.0:
-        shown = f"{values[0]:g}" if len(values) == 1 else f"({', '.join(f'{x:g}' for x in values)})"
-        what = "a length above zero is" if count == 1 else f"{count} lengths above zero are"
-        raise ArgumentError(f"{shape}: {name} is {shown}; {what} needed, in m")
-    return values
+def _lengths(shape: str, name: str, value: ArrayLike, count: int) -> tuple[float, ...]:
+    numbers = _numbers(shape, name, value, count)
+    if min(numbers) <= 0.0:
+        raise ArgumentError(f"{shape}: {name} is {value!r}; lengths above zero are needed, in m")
+    return numbers
 
 
 def _set_lengths(shape: Shape, *names: str) -> None:
     """Check that these fields are lengths, and keep them as floats."""
-    kind = type(shape).__name__
     for name in names:
-        (value,) = _positive(kind, name, _numbers(kind, name, getattr(shape, name), 1), 1)
-        object.__setattr__(shape, name, value)
+        (length,) = _lengths(type(shape).__name__, name, getattr(shape, name), 1)
+        object.__setattr__(shape, name, length)
