@@ -51,8 +51,18 @@ def interrupted(call: Callable[[], object]) -> None:
 pytestmark = pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="threads are counted in /proc")
 
 
-@pytest.mark.parametrize("threads", [1, 3])
-@pytest.mark.parametrize("name", ["puma_560", "srs_7r", "kinova", "scara_rrpr"])
+@pytest.mark.parametrize(
+    ("name", "threads"),
+    [
+        ("puma_560", 3),
+        *(
+            pytest.param(name, threads, marks=pytest.mark.slow)
+            for name in ("puma_560", "srs_7r", "kinova", "scara_rrpr")
+            for threads in (1, 3)
+            if (name, threads) != ("puma_560", 3)
+        ),
+    ],
+)
 def test_a_batch_ends(name: str, threads: int) -> None:
     """Closed forms, seven joints, elimination and four joints; by the thread that was called, and with others."""
     arm = urdf_ik.load(name)
@@ -62,6 +72,7 @@ def test_a_batch_ends(name: str, threads: int) -> None:
     assert len(arm.ik(T[0]))
 
 
+@pytest.mark.slow
 def test_forward_kinematics_ends() -> None:
     """The same of poses of many joint vectors."""
     arm = urdf_ik.load("puma_560")
@@ -69,6 +80,7 @@ def test_forward_kinematics_ends() -> None:
     interrupted(lambda: arm.fk(q))
 
 
+@pytest.mark.slow
 def test_a_path_ends() -> None:
     """A path with many waypoints of seven joints."""
     arm = urdf_ik.load("srs_7r")

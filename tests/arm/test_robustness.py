@@ -7,7 +7,6 @@ import pickle
 import select
 import signal
 import threading
-import tracemalloc
 import warnings
 from collections.abc import Callable
 
@@ -185,13 +184,6 @@ def test_wrong_shapes_are_refused(shape: tuple[int, ...]) -> None:
         arm_of("ur5").arm.ik(np.ones(shape))
 
 
-@pytest.mark.parametrize("value", ["pose", None, [["a"] * 4] * 4, np.full((4, 4), 1j), {"x": 1}])
-def test_invalid_arrays_are_refused(value: object) -> None:
-    """Text, None, complex numbers and the like raise PoseError instead of NumPy's own errors."""
-    with pytest.raises(PoseError):
-        arm_of("ur5").arm.ik(value)
-
-
 @pytest.mark.parametrize(
     "q", [np.zeros(5), np.zeros((6, 5)), np.zeros(()), np.r_[np.zeros(5), np.nan], np.full(6, np.inf)]
 )
@@ -261,23 +253,3 @@ def test_single_precision_and_integers() -> None:
     assert expected.valid.any()
     for kind in (np.float32, np.float16, np.longdouble, np.int64, np.int32):
         np.testing.assert_array_equal(case.arm.ik(pose.astype(kind)).q, expected.q)
-
-
-@pytest.mark.parametrize("name", ARMS)
-@pytest.mark.parametrize("threads", [1, 2])
-def test_memory_of_a_large_batch(name: str, threads: int) -> None:
-    """A batch of 100,000 poses takes at most 10 % and 72 bytes a pose more than its answer."""
-    case = arm_of(name)
-    poses = poses_of(case, 1000)[np.arange(100_000) % 1000]
-    case.arm.ik(poses[:100], threads=threads)
-    tracemalloc.start()
-    try:
-        solutions = case.arm.ik(poses, threads=threads)
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    branches = len(case.arm.structure.branches)
-    answer = 100_000 * branches * (6 * 8 + 1)
-    assert solutions.q.shape == (100_000, branches, 6)
-    # Checking the poses may take a few numbers a pose for a moment.
-    assert peak < 1.1 * answer + 100_000 * 9 * 8

@@ -267,20 +267,12 @@ def _number(name: str, value: float, *, zero: bool = False) -> float:
 
 
 def _twist(twist: ArrayLike, count: int) -> Array:
-    V = inputs.real(twist, "a twist", f"an array of numbers (..., {count})")
-    if V.ndim == 0 or V.shape[-1] != count:
-        raise ArgumentError(f"a twist of shape {V.shape} given; the last dimension must be {count}")
-    if (bad := inputs.first_bad(V)) is not None:
-        problem = "is not finite" if not np.isfinite(V[bad]) else f"is {V[bad]}; {inputs.why_bad(V[bad])}"
-        raise ArgumentError(f"twist{list(bad)} {problem}")
-    return V
+    return inputs.array(twist, "twist", (..., count))
 
 
 def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     """One positive number a joint."""
-    array = inputs.real(values, name, f"{chain.n} numbers")
-    if array.shape != (chain.n,):
-        raise ArgumentError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
+    array = inputs.array(values, name, (chain.n,))
     good = inputs.usable(array)
     if not good.all():
         bad = int(np.flatnonzero(~good)[0])

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from urdf_ik.cli import console, tables
 from urdf_ik.errors import UrdfIkError, listed
 from urdf_ik.model.urdf import UrdfModel
-from urdf_ik.model.urdf.limbs import Limb
+from urdf_ik.model.urdf.chains import Limb
 
 _MOST_JOINTS = 7
 """Chains with more joints are not analysed for the table: each choice of joints to lock is an arm of its own."""

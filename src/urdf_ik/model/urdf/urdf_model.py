@@ -13,11 +13,10 @@ from lxml import etree
 
 from urdf_ik.errors import ChainError, UrdfError, printable
 from urdf_ik.model import meshes, ros_packages
-from urdf_ik.model.urdf.chains import Candidate, Chains, doubt
+from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
 from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
-from urdf_ik.model.urdf.limbs import Limb
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import nearest, quoted
 
