@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
@@ -272,12 +271,13 @@ def _twist(twist: ArrayLike, count: int) -> Array:
 
 def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     """One positive number a joint."""
-    array = inputs.array(values, name, (chain.n,))
+    array = inputs.real(values, name, f"{chain.n} numbers")
+    if array.shape != (chain.n,):
+        raise ArgumentError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
     good = inputs.usable(array)
     if not good.all():
         bad = int(np.flatnonzero(~good)[0])
-        joint = quoted(chain.joint_names[bad])
-        raise ArgumentError(f"{name}: {array[bad]} for joint {joint}; a number {inputs.USABLE} is needed")
+        raise ArgumentError(f"{name}: {array[bad]} for joint {chain.joint_names[bad]!r}; a number {inputs.USABLE} is needed")
     return array
 
 
