@@ -277,7 +277,8 @@ def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     good = inputs.usable(array)
     if not good.all():
         bad = int(np.flatnonzero(~good)[0])
-        raise ArgumentError(f"{name}: {array[bad]} for joint {chain.joint_names[bad]!r}; a number {inputs.USABLE} is needed")
+        joint = chain.joint_names[bad]
+        raise ArgumentError(f"{name}: {array[bad]} for joint {joint!r}; a number {inputs.USABLE} is needed")
     return array
 
 
