@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import urdf_ik
-from urdf_ik.maps import engine, workspaces
+from urdf_ik.maps import cluster, workspaces
 from urdf_ik.maps.workspaces.orientations import Targets, samples
 
 MB = 2**20 if sys.platform == "darwin" else 2**10
@@ -74,8 +74,8 @@ def made(arm: urdf_ik.Arm, options: argparse.Namespace, block: int, client: Any)
     """Make the map, and delete it."""
     folder = Path(tempfile.mkdtemp(dir=options.folder))
     before, own, begin = _of_workers(client, "cpu"), time.process_time(), time.perf_counter()
-    found = workspaces.workspace(
-        arm, options.voxel, options.orientations, within_limits=options.within, store=folder / "map.zarr", block=block,
+    found = workspaces.stored_workspace(
+        arm, folder / "map.zarr", options.voxel, options.orientations, within_limits=options.within, block=block,
         client=client,
     )  # fmt: skip
     wall, own = time.perf_counter() - begin, time.process_time() - own
@@ -106,7 +106,7 @@ def main() -> None:
     arm = urdf_ik.load(options.robot)
     grid = workspaces.workspace(arm, options.voxel, 1, within_limits=False).grid
     poses, bare = grid.count * options.orientations, Bare(arm, options, grid)
-    clients = {count: None if count == 0 else engine.connect(workers=count) for count in options.workers}
+    clients = {count: None if count == 0 else cluster.connect(workers=count) for count in options.workers}
     for count, client in clients.items():
         if client is not None:
             client.wait_for_workers(count)

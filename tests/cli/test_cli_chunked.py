@@ -1,4 +1,4 @@
-"""``placement`` and ``check FOLDER``: what they print is what the library finds; stores and workers."""
+"""``placement`` and ``check FOLDER``: what they print is what the library finds."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_path_and_a_world_have_columns_of_their_own(targets: Path, tmp_path: P
 
 
 def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
-    """A row a file; status 1 where one fails or cannot be read, 0 where all pass; workers do the same work."""
+    """A row a file; status 1 where one fails or cannot be read, 0 where all pass."""
     lab = tmp_path / "lab"
     lab.mkdir()
     for name in ("planar_2r", "puma_560"):
@@ -67,8 +67,6 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
     table = succeed("check", str(lab), "-n", "5")
     assert "planar_2r.urdf" in table and table.endswith("PASSED: 2 files: 2 passed\n")
     assert max(map(len, table.splitlines())) <= 80
-    with_workers = succeed("check", str(lab), "-n", "5", "--store", str(tmp_path / "night"), "--workers", "1")
-    assert with_workers == table
     (lab / "cut.urdf").write_text("<robot name=")
     result = call("check", str(lab), "-n", "5", "-f", "json")
     assert result.exit_code == 1
@@ -84,7 +82,6 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
         (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--output", "map.bmp"), "pictures are written as"),
         (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--workers", "2"), "give --store FOLDER, too"),
         (("placement", ARM, "-p", "no.csv", BOX, "--step", "1"), "no.csv"),
-        (("check", ARM, "--store", "night"), "a store is for the arms of a folder"),
         (("check", "{folder}", "--lock", "a=1"), "--lock is for an arm"),
     ],
 )

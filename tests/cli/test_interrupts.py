@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 from command import ARM, start, succeed
 
-from urdf_ik.maps import engine
+from urdf_ik.maps import cluster
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the test reads Linux's /proc")
 
@@ -72,7 +72,7 @@ def is_gone(group: int) -> bool:
 @pytest.fixture(scope="module")
 def scheduler() -> Iterator[str]:
     """The address of a scheduler with one worker that does not belong to the command."""
-    with engine.connect(workers=1) as client:
+    with cluster.connect(workers=1) as client:
         yield client.scheduler.address
 
 
@@ -112,26 +112,26 @@ def test_a_signal_at_any_moment_ends_it(name: str, tmp_path: Path, request: pyte
 INTERRUPTED = """
 import os, signal
 from urdf_ik.cli import interrupts
-from urdf_ik.maps.engine import store_folder
+from urdf_ik.maps.store import BlockStore
 interrupts.GRACE = 60.0  # on a busy machine the message takes its time
-keep = store_folder.Folder.keep
-def kept(self, chunk, files):
-    if chunk == 1:
+write = BlockStore.write
+def written(self, block, arrays):
+    if block == 1:
         os.kill(os.getpid(), signal.SIGINT)
-    keep(self, chunk, files)
-store_folder.Folder.keep = kept
+    write(self, block, arrays)
+BlockStore.write = written
 """
 
 
 def test_an_interrupted_store_says_how_much_it_keeps(tmp_path: Path) -> None:
-    """After the first chunk: the message names the chunks that are kept, and the same command goes on from there."""
-    words = ("dataset", ARM, "-n", "40000", "--store")
+    """After the first block: the message names the blocks that are kept, and the same command continues from there."""
+    words = ("workspace", ARM, "--voxel", "0.1", "--orientations", "100", "--store")
     child = start(*words, "cut.zarr", first=INTERRUPTED, cwd=tmp_path, preexec_fn=by_default)
     _, err = child.communicate(timeout=PATIENCE)
-    assert (child.returncode, b"1 of 3 chunks are kept" in err) == (130, True), err
+    assert (child.returncode, b"1 of " in err, b" blocks are kept" in err) == (130, True, True), err
     for store in ("cut.zarr", "whole.zarr"):
         succeed(*words, str(tmp_path / store))
-    files = sorted(path.relative_to(tmp_path / "whole.zarr") for path in (tmp_path / "whole.zarr/q").rglob("*"))
+    files = sorted(path.relative_to(tmp_path / "whole.zarr") for path in (tmp_path / "whole.zarr").rglob("c/*"))
     assert files
     for file in files:
         whole, cut = tmp_path / "whole.zarr" / file, tmp_path / "cut.zarr" / file

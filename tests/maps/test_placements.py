@@ -12,9 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.maps import placements
-from urdf_ik.maps.engine import free_space
-from urdf_ik.maps.engine.store_folder import finished
+from urdf_ik.maps import free_space, placements
 
 Array = NDArray[np.float64]
 
@@ -144,7 +142,7 @@ def test_a_store_is_gone_on_with(tmp_path: Path) -> None:
         if done > 0:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt, match="chunks are kept"):
+    with pytest.raises(KeyboardInterrupt, match="blocks are kept"):
         urdf_ik.maps.placement(arm, line, **options, store=path, progress=stop)
     with pytest.raises(urdf_ik.JobError, match="not complete"):
         placements.opened(path)
@@ -157,7 +155,6 @@ def test_a_store_is_gone_on_with(tmp_path: Path) -> None:
     np.testing.assert_allclose(plain.x.values, [-0.5, -0.25, 0.0, 0.25, 0.5], atol=1e-12)
     with pytest.raises(urdf_ik.JobError, match=r"targets\.count is 12 in the store and 11 now"):
         urdf_ik.maps.placement(arm, line[1:], **options, store=path)
-    assert len(finished(path)) > 1
 
 
 def test_a_picture_and_what_is_refused() -> None:

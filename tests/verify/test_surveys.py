@@ -91,32 +91,11 @@ def test_an_arm_that_is_not_pinocchios_fails(lab: Path, monkeypatch: pytest.Monk
     assert found.arms[0].words.startswith("forward kinematics, position: pose ")
 
 
-def test_a_run_goes_on_where_it_stopped(lab: Path, tmp_path: Path) -> None:
-    """Interrupted after two arms, it checks the two others; a file that changed meanwhile makes it another survey."""
-    store = tmp_path / "night"
-
-    def stop(done: int, total: int) -> None:
-        if done == 2:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt, match="2 of 4 chunks are kept"):
-        surveys.survey(lab, n=5, store=store, progress=stop)
-    seen: list[int] = []
-    found = surveys.survey(lab, n=5, store=store, progress=lambda done, total: seen.append(done))
-    assert seen == [2, 3, 4]
-    assert found == surveys.survey(lab, n=5)
-    (lab / "broken.urdf").write_text(BROKEN + "</robot>")
-    with pytest.raises(urdf_ik.JobError, match="files"):
-        surveys.survey(lab, n=5, store=store)
-
-
 def test_what_cannot_be_surveyed_is_refused(lab: Path, tmp_path: Path) -> None:
-    """A folder without a URDF, a client without a store, numbers that make no sense."""
+    """A folder without a URDF, numbers that make no sense."""
     (tmp_path / "empty").mkdir()
     with pytest.raises(urdf_ik.UrdfError, match=r"holds no file that ends in \.urdf or \.urdf\.gz"):
         surveys.survey(tmp_path / "empty")
-    with pytest.raises(urdf_ik.ArgumentError, match="give store='survey', too"):
-        surveys.survey(lab, client=object())
     with pytest.raises(urdf_ik.ArgumentError, match="n=0"):
         surveys.survey(lab, n=0)
     with pytest.raises(urdf_ik.ArgumentError, match="leave collision out"):

@@ -46,9 +46,9 @@ class StoreOptions:
         if self.workers is None and self.scheduler is None:
             yield None
             return
-        from urdf_ik.maps import engine
+        from urdf_ik.maps import cluster
 
-        client = interrupts.deaf_to_ctrl_c(lambda: engine.connect(self.scheduler, self.workers))
+        client = interrupts.deaf_to_ctrl_c(lambda: cluster.connect(self.scheduler, self.workers))
         try:
             yield client
         except KeyboardInterrupt:

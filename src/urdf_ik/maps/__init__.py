@@ -1,12 +1,16 @@
-"""Workspaces and base placements of an arm, and the stores in which large ones are computed on Dask."""
+"""Workspaces and base placements of an arm; large ones in Zarr stores, computed on Dask's workers."""
 
 from __future__ import annotations
 
 from urdf_ik.support.lazy import attributes
 
-__all__ = ["placement", "workspace"]
+__all__ = ["placement", "stored_workspace", "workspace"]
 
 __getattr__ = attributes(
     __name__,
-    {"placement": "placements.creation", "workspace": "workspaces.creation"},
+    {
+        "placement": "placements.creation",
+        "stored_workspace": "workspaces.creation",
+        "workspace": "workspaces.creation",
+    },
 )

@@ -162,7 +162,7 @@ def test_the_command_writes_a_page_with_a_map(arm: Arm, found: workspaces.Worksp
     found.save(tmp_path / "map.npz")
     plain = tmp_path / "plain.html"
     succeed("view", "zyyzyz_6r", "-o", str(plain))
-    stored = workspaces.workspace(arm, voxel=0.5, orientations=2, store=tmp_path / "map.zarr", block=60)
+    stored = workspaces.stored_workspace(arm, tmp_path / "map.zarr", voxel=0.5, orientations=2, block=60)
     for name in ("map.npz", "map.zarr"):
         page = tmp_path / f"{name}.html"
         succeed("view", "zyyzyz_6r", "--map", str(tmp_path / name), "--axis", "x", "--at", "0.3", "-o", str(page))

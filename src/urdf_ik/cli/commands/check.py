@@ -18,7 +18,7 @@ Examples:
     urdf-ik check ur5 --complete -n 80
     urdf-ik check ur5 --proof -n 10
     urdf-ik check my_arm.urdf --tip tool0 --no-collisions --json
-    urdf-ik check lab/ --complete -n 2 --store night --workers 2
+    urdf-ik check lab/ --complete -n 2
 """
 
 from __future__ import annotations
@@ -34,7 +34,6 @@ from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
-from urdf_ik.cli.store_options import StoreOptions
 from urdf_ik.verify import ProofCheck, completeness, crosscheck, surveys
 
 
@@ -55,7 +54,6 @@ def command(
     ] = False,
     collisions: options.Collisions = None,
     time_limit: options.TimeLimit = None,
-    work: StoreOptions,
     chosen: ArmOptions,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
@@ -64,7 +62,7 @@ def command(
     Raises:
         typer.BadParameter: options that exclude each other.
         typer.Exit: a check failed.
-        UrdfIkError: there is no such arm, the folder holds no URDF, or the store cannot be used.
+        UrdfIkError: there is no such arm, or the folder holds no URDF.
     """
     if complete and collisions is not None:
         raise console.usage("--complete compares solutions and nothing else", "--collisions")
@@ -74,10 +72,8 @@ def command(
     if Path(chosen.robot).is_dir():
         if proof:
             raise console.usage("proofs are checked one arm at a time, and this is a folder", "--proof")
-        report = _survey(chosen, n, seed, complete, collisions, work, time_limit)
+        report = _survey(chosen, n, seed, complete, collisions, time_limit)
     else:
-        if work != StoreOptions():
-            raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
         if proof:
             report = _proofs(chosen, n, seed, time_limit)
         else:
@@ -118,14 +114,12 @@ def _survey(
     seed: int,
     complete: bool,
     collisions: bool | None,
-    work: StoreOptions,
     time_limit: float | None,
 ) -> surveys.Survey:
     from urdf_ik.verify import surveys
 
-    work.check()
     chosen.require_only(("base", "tip", "mesh_root"), f"{chosen.robot} is a folder")
-    with work.client() as client, Progress("checking arms", "checking") as progress:
+    with Progress("checking arms", "checking") as progress:
         return surveys.survey(
             chosen.robot,
             n=n,
@@ -135,8 +129,6 @@ def _survey(
             base=chosen.base,
             tip=chosen.tip,
             mesh_roots=chosen.mesh_root or (),
-            store=work.store,
-            client=client,
             time_limit=time_limit,
             progress=progress.tick,
         )

@@ -11,8 +11,7 @@
 
 from __future__ import annotations
 
-from urdf_ik.maps.placements.creation import placement
+from urdf_ik.maps.placements.creation import BASES, BASES_OF_A_PATH, placement
 from urdf_ik.maps.placements.placement_map import SHOWN, Place, PlacementMap, opened
-from urdf_ik.maps.placements.scores import BASES, BASES_OF_A_PATH
 
 __all__ = ["BASES", "BASES_OF_A_PATH", "SHOWN", "Place", "PlacementMap", "opened", "placement"]

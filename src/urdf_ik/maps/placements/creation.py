@@ -2,32 +2,39 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps.engine import Folder, free_space, run, zarr_writer
-from urdf_ik.maps.engine.store_folder import checked_path, finished
-from urdf_ik.maps.placements.placement_map import FORMAT, VERSION, PlacementMap, opened
-from urdf_ik.maps.placements.scores import AXES, SCORES, Asked, Scoring, headings
-from urdf_ik.maps.workspaces import Grid
+from urdf_ik.errors import ArgumentError, JobError, UnsupportedArm
+from urdf_ik.maps import free_space
+from urdf_ik.maps.grid import Grid, Part
+from urdf_ik.maps.placements.placement_map import FORMAT, SCORES, PlacementMap, base_pose, opened
+from urdf_ik.maps.store import Coordinate, Pairs, Progress, Question, Variable, digest, fill
+from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
+from urdf_ik.support.angles import TURN
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
 from urdf_ik.typing import Array
 
 MOST_TURNS = 3600
 """Headings at each position."""
 MOST_POSITIONS = 10**9
-"""Of the base, at one heading."""
+"""Positions of the base, at one heading."""
+BASES = 64
+"""Base positions of a block where only poses are asked for."""
+BASES_OF_A_PATH = 8
+"""The same where a path is followed from each."""
+FREE_VALUES = 16
+"""Values of a redundancy parameter at which a target is solved; of a path all are searched."""
+_CHUNK = 4096  # poses that are solved at a time
 _ROUNDING = 1e-9  # share of a step by which the bounds may be off a whole number of steps
 
 
@@ -46,7 +53,7 @@ def placement(
     store: str | os.PathLike[str] | None = None,
     client: Any = None,
     threads: inputs.Threads = 1,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress | None = None,
 ) -> PlacementMap:
     """Score every base position on a grid by how the arm reaches targets from there: inverse reachability.
 
@@ -58,7 +65,7 @@ def placement(
         arm: the arm.
         T: (m, 4, 4) m, targets in the cell; the waypoints of a path in their order.
         bounds: (2, 3) m, lower and upper corner of the positions of the base link in the cell; equal numbers for an
-            axis stand for one position on it.
+            axis mean one position on it.
         step: m from one position to the next.
         turns: number of headings at each position, evenly spaced turns about the cell's z axis from zero on.
         mount: (3, 3) rotation of the base link in the cell at heading zero, such as that of an arm that hangs from the
@@ -67,19 +74,18 @@ def placement(
         world: obstacles, placed in the cell.
         margin: m that bodies must stay apart.
         collisions: whether collisions are looked for; default: where there is a world.
-        store: folder of a Zarr group to make the map in; it is gone on with after a kill. Default: in memory.
+        store: folder of a Zarr group to compute the map in; after a kill it is continued. Default: in memory.
         client: a ``distributed.Client`` whose workers fill the store; default: this process does.
         threads: number of threads that solve, or 'auto'.
-        progress: called with the number of positions behind us, and of all.
+        progress: called with the number of finished positions, and of all.
 
     Raises:
-        ArgumentError: bounds, a step, a number of turns or a mount that makes no sense; or a map that does not fit in
-            memory.
+        ArgumentError: invalid bounds, step, number of turns or mount; or a map that does not fit in memory.
         PoseError: a target is no pose.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are looked for.
-        JobError: the store is in use, is of another question, does not fit on the disk or cannot be written.
-        JobError: a scheduler or workers that cannot do the work.
+        JobError: the store is one of another question, does not fit on the disk or cannot be written; or the scheduler
+            or the workers cannot go on.
 
     Example:
         >>> import urdf_ik
@@ -92,69 +98,179 @@ def placement(
     inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    targets = as_pose_array(T).reshape(-1, 4, 4)
+    targets = np.ascontiguousarray(as_pose_array(T).reshape(-1, 4, 4))
     if not len(targets):
         raise ArgumentError("no targets given; one is the least")
-    turns, threads = inputs.whole(turns, "turns", low=1, high=MOST_TURNS), inputs.threads(threads)
-    margin, path = inputs.number(margin, "margin", low=0.0, unit="m"), inputs.flag(path, "path")
-    collisions = None if collisions is None else inputs.flag(collisions, "collisions")
-    if world is not None:
-        inputs.kind(world, "snapshot", "world", "a urdf_ik.World")
-    inputs.callback(progress, "progress")
     if store is None and client is not None:
         raise ArgumentError("client is for maps in a store; give store='bases.zarr', too")
     if world is not None and collisions is False:
         raise ArgumentError("a world is given with collisions=False; leave one of the two out")
-    asked = Asked(
-        arm, np.ascontiguousarray(targets), _positions(bounds, step), headings(turns), _mount(mount), path, world,
-        float(margin), world is not None if collisions is None else collisions, threads,
-    )  # fmt: skip
-    job, blocks = Scoring(asked), asked.blocks
-    each = sum(np.dtype(SCORES[name].kind).itemsize for name in asked.holds) * turns
-    what = f"{asked.grid.count:.4g} base positions x {turns} headings"
-    hint = "take a larger step, fewer turns or narrower bounds"
-    free_space.require_memory(each * asked.grid.count, what, hint)  # the map of a store is read when it is made
-
-    def tick(done: int, total: int) -> None:
-        if progress is not None:
-            progress(done * asked.grid.count // total, asked.grid.count)
-
-    if store is None:
-        shape = (*asked.grid.shape, turns)
-        arrays: dict[str, Any] = {name: np.empty(shape, SCORES[name].kind) for name in asked.holds}
-        for block, part in enumerate(blocks.parts()):
-            for name, values in job.arrays(block).items():
-                arrays[name][part] = values
-            tick(block + 1, blocks.count)
-        return PlacementMap(asked.described(), asked.grid, asked.headings, asked.mount, asked.targets, **arrays)
-    path_of_store = checked_path(store)
-    left = blocks.count - len(finished(path_of_store))
-    free_space.require_disk(path_of_store, each * math.prod(blocks.shape) * left, what, hint)
-    question = {**asked.described(), "format": FORMAT, "version": VERSION, "block": list(blocks.shape)}
-    about = {"format": FORMAT, "version": VERSION, "complete": False, **asked.described()}
-    files = zarr_writer.group_files(asked.plans, _coordinates(asked), about)
-    complete = zarr_writer.with_attributes(files, {"complete": True})
-    with Folder(path_of_store, question, blocks.count, files, complete) as kept:
-        run(job, kept, client=client, progress=tick)
-        kept.finish()
-    return opened(path_of_store)
-
-
-def _coordinates(asked: Asked) -> tuple[zarr_writer.Coordinate, ...]:
-    metres = {"units": "m"}
-    return (
-        *(zarr_writer.Coordinate(name, (name,), asked.grid.coordinates(k), metres) for k, name in enumerate(AXES[:3])),
-        zarr_writer.Coordinate("heading", ("heading",), asked.headings, {"units": "rad"}),
-        zarr_writer.Coordinate("targets", ("target", "row", "column"), asked.targets, metres),
+    collisions = world is not None if collisions is None else collisions
+    turns = inputs.whole(turns, "turns", low=1, high=MOST_TURNS)
+    without = (set() if collisions else {"clearance"}) | (set() if path else {"followed", "cost"})
+    question = PlacementQuestion(
+        arm=arm,
+        world=world,
+        grid=_positions(bounds, step),
+        names=tuple(name for name in SCORES if name not in without),
+        most=max(1, (BASES_OF_A_PATH if path else BASES) // turns),
+        threads=inputs.threads(threads),
+        targets=targets,
+        headings=TURN * np.arange(turns) / turns,
+        mount=_mount(mount),
+        is_path=path,
+        margin=inputs.number(margin, "margin", low=0.0, unit="m"),
+        collisions=collisions,
     )
+    count = question.grid.count
+    what = f"{count:.4g} base positions x {turns} headings"
+    hint = "take a larger step, fewer turns or narrower bounds"
+    free_space.require_memory(question.size(count), what, hint)  # the map of a store is read when it is complete
+    if store is not None:
+        fill(inputs.path(store, "store", JobError), question, client, progress, count, what)
+        return opened(store)
+    blocks = question.blocks
+    arrays: dict[str, Any] = {
+        name: np.empty(question.shape(name, question.grid.shape), SCORES[name].kind) for name in question.names
+    }
+    for block, part in enumerate(blocks.parts()):
+        for name, values in question.arrays(block).items():
+            arrays[name][part] = values
+        if progress is not None:
+            progress((block + 1) * count // blocks.count, count)
+    return PlacementMap(
+        question.described(), question.grid, question.headings, question.mount, question.targets, **arrays
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class PlacementQuestion(Question):
+    """All that the scores of base positions depend on.
+
+    Attributes:
+        targets: (m, 4, 4) m, poses of the tip in the cell.
+        headings: (h,) rad, turns of the base link about the cell's z axis.
+        mount: (3, 3) the base link's rotation at heading zero.
+        is_path: whether the targets are waypoints to be followed.
+        margin: m that bodies must stay apart.
+        collisions: whether collisions are looked for.
+    """
+
+    FORMAT: ClassVar[str] = FORMAT
+    VARIABLES: ClassVar[Mapping[str, Variable]] = SCORES
+
+    targets: Array
+    headings: Array
+    mount: Array
+    is_path: bool
+    margin: float
+    collisions: bool
+
+    @property
+    def lengths(self) -> dict[str, int]:
+        """Length of the last dimension."""
+        return {"heading": len(self.headings)}
+
+    @property
+    def pairs(self) -> Pairs | None:
+        """Pairs of links that are checked for collision; None where no collision is looked for."""
+        return self.arm.cell.collisions.checked_pairs if self.collisions else None
+
+    @property
+    def coordinates(self) -> dict[str, Coordinate]:
+        """The positions, the headings and the targets."""
+        return {
+            **super().coordinates,
+            "heading": (("heading",), self.headings, {"units": "rad"}),
+            "targets": (("target", "row", "column"), self.targets, {"units": "m"}),
+        }
+
+    def described(self) -> dict[str, Any]:
+        """The question in JSON."""
+        # The order of the command's output.
+        about = super().described()
+        grid, names = about.pop("grid"), about.pop("holds")
+        return {
+            **about,
+            "targets": {"count": len(self.targets), "sha256": digest(self.targets.tobytes())},
+            "grid": grid,
+            "headings": self.headings.tolist(),
+            "mount": self.mount.tolist(),
+            "is_path": self.is_path,
+            "margin": self.margin,
+            "holds": names,
+        }
+
+    def solved(self, part: Part) -> dict[str, NDArray[Any]]:
+        """The scores of a box of positions."""
+        world = None if self.world is None else World()
+        for name, shape, placed in self.world or ():
+            world.add(name, shape, placed)  # type: ignore[union-attr]
+        rows = [
+            self._scores(np.linalg.inv(base_pose(position, heading, self.mount)).astype(np.float64), world)
+            for position in self.grid.centres_in(part)
+            for heading in self.headings.tolist()
+        ]
+        sides = (*(side.stop - side.start for side in part), len(self.headings))
+        return {
+            name: np.array([row[name] for row in rows], dtype=SCORES[name].kind).reshape(sides) for name in self.names
+        }
+
+    def _scores(self, into_base: Array, world: World | None) -> dict[str, float]:
+        """The scores of one pose of the base; ``into_base`` is the cell's pose in it.
+
+        ``world`` has the obstacles, which are moved into the base: its shapes are built once.
+        """
+        found = {name: SCORES[name].fill for name in self.names}
+        in_base = into_base @ self.targets
+        for obstacle in self.world or ():
+            world.move(obstacle.name, into_base @ obstacle.pose)  # type: ignore[union-attr]
+        counts: list[Any] = []
+        margins, clearances, common = np.inf, np.inf, np.ones(len(self.arm.structure.branches), np.bool_)
+        for start in range(0, len(in_base), _CHUNK):
+            counting = self._counting(in_base[start : start + _CHUNK])
+            counting.keep_within_limits()
+            if self.collisions:
+                counting.keep_free(world, self.margin)
+            counts.append(counting.counts())
+            if counts[-1].all():
+                margins = min(margins, float(counting.greatest(counting.margin()).min()))
+                kept = counting.kept.reshape(len(counting.kept), -1, len(common))
+                common &= kept.any(axis=1).all(axis=0)
+                if self.collisions:
+                    clearances = min(clearances, float(counting.greatest(counting.clearance(world)).min()))
+        solutions = np.concatenate(counts)
+        found["reached"] = int((solutions > 0).sum())
+        if not solutions.all():
+            return found
+        found |= {"solutions": int(solutions.min()), "branches": int(common.sum()), "margin": margins}
+        if self.collisions:
+            found["clearance"] = clearances
+        if self.is_path:
+            plan = self.arm.follow(in_base, world=world, margin=self.margin, collisions=self.collisions)
+            found |= {"followed": int(plan.found), "cost": plan.cost if plan.found else float("nan")}
+        return found
+
+    def _counting(self, in_base: Array) -> Counting:
+        """The solutions of poses (k, 4, 4), at all values of the redundancy parameters."""
+        parameters = self.arm.solver.parameters
+        if not parameters:
+            solved = self.arm.ik(in_base, threads=self.threads)
+            return Counting(self.arm, solved.q, solved.valid)
+        spread = [np.linspace(*one.range, FREE_VALUES, endpoint=not one.round) for one in parameters]
+        values = spread[0]
+        if len(spread) > 1:
+            values = np.stack(np.meshgrid(*spread, indexing="ij"), axis=-1).reshape(-1, len(spread))
+        solved = self.arm.ik(in_base[:, None], redundancy=values, threads=self.threads)
+        count = len(in_base)
+        return Counting(self.arm, solved.q.reshape(count, -1, self.arm.dof), solved.valid.reshape(count, -1))
 
 
 def _positions(bounds: ArrayLike, step: float) -> Grid:
     """Positions from the lower corner to the upper one, as voxels around them."""
-    box = inputs.real(bounds, "bounds", "[[x, y, z], [x, y, z]] m")
-    if box.shape != (2, 3) or inputs.first_bad(box) is not None or (box[0] > box[1]).any():
-        needed = "[[x, y, z], [x, y, z]] m are needed, lower ones first"
-        raise ArgumentError(f"bounds {quoted(box.tolist())} given; {needed}")
+    box = np.array(bounds, dtype=np.float64)
+    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] > box[1]).any():
+        raise ArgumentError(f"bounds={box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
     step = inputs.number(step, "step", low=1.0 / LARGEST, unit="m")
     counts = np.floor((box[1] - box[0]) / step + _ROUNDING) + 1.0
     if not counts.prod() <= MOST_POSITIONS:
@@ -167,9 +283,7 @@ def _positions(bounds: ArrayLike, step: float) -> Grid:
 
 
 def _mount(mount: ArrayLike | None) -> Array:
-    if mount is None:
-        return np.eye(3)
-    R = inputs.real(mount, "mount", "a rotation matrix (3, 3)").copy()
+    R = np.eye(3) if mount is None else np.array(mount, dtype=np.float64)
     if R.shape != (3, 3) or np.abs(R @ R.T - np.eye(3)).max(initial=0.0) > DEFAULT.rotation or np.linalg.det(R) < 0.0:
         raise ArgumentError(
             f"mount={R.tolist()} given; a rotation matrix (3, 3) is needed, such as urdf_ik.pose(...)[:3, :3]"

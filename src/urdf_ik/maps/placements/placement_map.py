@@ -7,24 +7,28 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik.errors import ArgumentError, JobError, printable
-from urdf_ik.maps.engine import free_space
-from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reader import OpenedGroup
-from urdf_ik.maps.placements.scores import SCORES
-from urdf_ik.maps.workspaces import Grid
-from urdf_ik.maps.workspaces.store.blocks import Blocks
+from urdf_ik.errors import ArgumentError
+from urdf_ik.maps.grid import Grid
+from urdf_ik.maps.store import BlockStore, Variable
 from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
-from urdf_ik.support.files import name_of
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
-FORMAT, VERSION = "urdf-ik placements", 1
+FORMAT = "urdf-ik placements"
+SCORES = {
+    "reached": Variable(np.uint32, "heading", "number of targets that are reached"),
+    "solutions": Variable(np.uint16, "heading", "least number of solutions of any target"),
+    "branches": Variable(np.uint16, "heading", "number of branches that reach every target"),
+    "margin": Variable(np.float32, "heading", "least limit margin of any target, of its best solution"),
+    "clearance": Variable(np.float32, "heading", "least clearance of any target, of its best solution", "m"),
+    "followed": Variable(np.uint8, "heading", "1 where the path is followed without a jump"),
+    "cost": Variable(np.float32, "heading", "least cost of following the path"),
+}
+"""The scores of a base position; a score of all targets is 0, or NaN, where one of them is not reached."""
 SHOWN = {name: score.words for name, score in SCORES.items()}
-"""What a base position can be asked for, and what that is."""
+"""Names of the scores, with their descriptions."""
 
 
 class Place(NamedTuple):
@@ -69,13 +73,6 @@ class PlacementMap:
         clearance: (X, Y, Z, H) m, the same of the clearance; None where collisions were not looked for.
         followed: (X, Y, Z, H) 1 where the path is followed without a jump; None where the targets are no path.
         cost: (X, Y, Z, H) the cost of that, NaN where it is not followed; None where the targets are no path.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> found = urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5, turns=2)
-        >>> found.reached.shape, int(found.reached.max())
-        ((5, 5, 1, 2), 1)
     """
 
     about: dict[str, Any]
@@ -101,32 +98,17 @@ class PlacementMap:
 
         Raises:
             ArgumentError: there is no such score, or nobody asked for it.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> found = urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
-            >>> float(np.nanmax(found.values("solutions")))
-            8.0
         """
-        found = getattr(self, what) if isinstance(what, str) and what in SCORES else None
-        if found is None:
-            held = ", ".join(name for name in SCORES if getattr(self, name) is not None)
-            raise ArgumentError(f"the map holds no {quoted(what)}; it holds {held}")
+        scores = getattr(self, what) if what in SCORES else None
+        if scores is None:
+            names = ", ".join(name for name in SCORES if getattr(self, name) is not None)
+            raise ArgumentError(f"the map contains no {what!r}; it contains {names}")
         if what == "reached":
-            return np.asarray(found, dtype=np.float64)
-        return np.where(self.reached == len(self.targets), found, np.nan).astype(np.float64)
+            return np.asarray(scores, dtype=np.float64)
+        return np.where(self.reached == len(self.targets), scores, np.nan).astype(np.float64)
 
     def best(self) -> Place:
-        """The best place; see :meth:`places`.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> found = urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
-            >>> found.best().reached
-            1
-        """
+        """The best place; see :meth:`places`."""
         return self.places(1)[0]
 
     def places(self, count: int = 5) -> tuple[Place, ...]:
@@ -137,41 +119,28 @@ class PlacementMap:
 
         Raises:
             ArgumentError: fewer than one is asked for.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> found = urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
-            >>> [place.reached for place in found.places(2)]
-            [1, 1]
         """
         count = inputs.whole(count, "count", low=1)
-        keys = [self.reached, self._or_zero(self.followed), self._or_least(self.margin)]
-        keys += [-self._or_greatest(self.cost), self.branches.astype(np.float64), self._or_least(self.clearance)]
+        zeros = np.zeros(self.reached.shape)
+        keys: list[Any] = [
+            self.reached,
+            zeros if self.followed is None else self.followed,
+            np.where(np.isnan(self.margin), -np.inf, self.margin),
+            zeros if self.cost is None else -np.where(np.isnan(self.cost), np.inf, self.cost),
+            self.branches,
+            zeros if self.clearance is None else np.where(np.isnan(self.clearance), -np.inf, self.clearance),
+        ]
         order = np.lexsort([np.asarray(key, np.float64).ravel() for key in reversed(keys)])[::-1][:count]
-        return tuple(self._place(index) for index in np.array(np.unravel_index(order, self.reached.shape)).T)
+        return tuple(self._place(index) for index in np.array(np.unravel_index(order, self.reached.shape)).T.tolist())
 
     def base(self, index: tuple[int, int, int, int]) -> Array:
-        """(4, 4) m, pose of the base link in the cell at a position and heading of the map.
+        """(4, 4) m, pose of the base link in the cell at a position and heading of the map."""
+        *place, heading = index
+        position = [self.grid.coordinates(axis)[at] for axis, at in enumerate(place)]
+        return base_pose(position, float(self.headings[heading]), self.mount)
 
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> found = urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
-            >>> found.base((0, 1, 0, 0))[:3, 3].tolist()
-            [-1.0, -0.5, 0.0]
-        """
-        sizes = (*self.grid.shape, len(self.headings))
-        if not isinstance(index, tuple | list) or len(index) != len(sizes):
-            raise ArgumentError(f"index={quoted(index)} given; four whole numbers are needed")
-        x, y, z, heading = (inputs.whole(each, "index", high=size - 1) for each, size in zip(index, sizes, strict=True))
-        position = [self.grid.coordinates(axis)[at] for axis, at in enumerate((x, y, z))]
-        found = pose(position, rotvec=[0.0, 0.0, float(self.headings[heading])])
-        found[:3, :3] = found[:3, :3] @ self.mount
-        return found
-
-    def _place(self, index: Any) -> Place:
-        at = (int(index[0]), int(index[1]), int(index[2]), int(index[3]))
+    def _place(self, index: list[int]) -> Place:
+        at = (index[0], index[1], index[2], index[3])
         return Place(
             self.base(at),
             int(self.reached[at]),
@@ -183,58 +152,30 @@ class PlacementMap:
             float("nan") if self.cost is None else float(self.cost[at]),
         )
 
-    def _or_zero(self, scores: Any) -> Any:
-        return np.zeros(self.reached.shape) if scores is None else scores
-
-    def _or_least(self, scores: Any) -> Any:
-        return np.zeros(self.reached.shape) if scores is None else np.where(np.isnan(scores), -np.inf, scores)
-
-    def _or_greatest(self, scores: Any) -> Any:
-        return np.zeros(self.reached.shape) if scores is None else np.where(np.isnan(scores), np.inf, scores)
-
 
 def opened(path: str | os.PathLike[str]) -> PlacementMap:
-    """A map that ``urdf_ik.maps.placement(..., store=path)`` made, in memory.
+    """A map that ``urdf_ik.maps.placement(..., store=path)`` computed, in memory.
 
     Raises:
-        JobError: the folder is no such store, is not complete, or is damaged.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> made = urdf_ik.maps.placement(
-        ...     arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5, store="bases.zarr")
-        >>> bool((opened("bases.zarr").reached == made.reached).all())
-        True
+        JobError: the folder is no such store, or is not complete.
     """
-    folder = inputs.path(path, "path", JobError)
-    about = read_question(folder)
-    if about.get("format") != FORMAT or about.get("version") != VERSION:
-        raise JobError(f"{folder} holds no placements that this package reads, but {quoted(about.get('format'))}")
-    try:
-        grid = Grid.from_described(about["grid"])
-        blocks = Blocks.from_described(grid.shape, about["block"])
-        if (done := len(finished(folder))) < blocks.count:
-            raise JobError(
-                f"{folder} is not complete: {done} of {blocks.count} blocks are there; run what makes it again"
-            )
-        group, most = OpenedGroup(folder), free_space.available_memory()
-        if unknown := [name for name in about["holds"] if name not in SCORES]:
-            raise JobError(f"{name_of(folder)} is a damaged store: there is no score {quoted(unknown[0])}")
-        arrays: dict[str, Any] = {name: group.read(name, None, most) for name in about["holds"]}
-        shape = (*grid.shape, len(about["headings"]))
-        if wrong := [name for name, array in arrays.items() if array.shape != shape]:
-            raise JobError(f"{name_of(folder)} is a damaged store: {wrong[0]} is not of the grid's shape")
-        return PlacementMap(
-            {name: value for name, value in about.items() if name not in ("format", "version", "block")},
-            grid,
-            np.array(about["headings"], dtype=np.float64),
-            np.array(about["mount"], dtype=np.float64),
-            group.read("targets"),
-            **arrays,
-        )
-    except JobError:
-        raise
-    except Exception as error:  # whatever a question leads to that was not written by this package
-        reason = printable(f"{type(error).__name__} {error}", 200)
-        raise JobError(f"{name_of(folder)} is a damaged store: {reason}") from None
+    store = BlockStore(path, FORMAT)
+    about = {name: value for name, value in store.question.items() if name not in _STORE_KEYS}
+    return PlacementMap(
+        about,
+        store.grid,
+        np.array(about["headings"], dtype=np.float64),
+        np.array(about["mount"], dtype=np.float64),
+        np.asarray(store.group["targets"][...]),
+        **{name: store.array(name, store.grid.whole) for name in store.names},
+    )
+
+
+_STORE_KEYS = ("format", "version", "block", "complete")
+
+
+def base_pose(position: ArrayLike, heading: float, mount: Array) -> Array:
+    """(4, 4) pose of the base link in the cell."""
+    T = pose(position, rotvec=[0.0, 0.0, heading])
+    T[:3, :3] = T[:3, :3] @ mount
+    return T

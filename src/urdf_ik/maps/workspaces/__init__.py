@@ -7,48 +7,54 @@
 >>> len(found.branch_shares()), found.slice("z", 1.0).axes
 (8, ('x', 'y'))
 
-A map larger than memory is written to a store, ``workspace(..., store="map.zarr")``, by this process or by the workers
+A map larger than memory is written to a store, ``stored_workspace(arm, "map.zarr")``, by this process or by the workers
 of a Dask cluster.
 
-A map holds the answers of ``arm.ik`` for every voxel's centre in every sampled orientation. It says nothing about the
-poses between them.
+A map contains the answers of ``arm.ik`` for every voxel's centre in every sampled orientation, not those between them.
 """
 
 from __future__ import annotations
 
-from urdf_ik.maps.workspaces.arcs import Arc, Region
-from urdf_ik.maps.workspaces.creation import CHUNK, MAX_SAMPLES, workspace
-from urdf_ik.maps.workspaces.grid import Grid
-from urdf_ik.maps.workspaces.planar_regions import ELBOWS, PlanarWorkspace, planar
-from urdf_ik.maps.workspaces.store.combination import Differences, cut, differences, join
-from urdf_ik.maps.workspaces.store.stored_map import StoredMap, opened
-from urdf_ik.maps.workspaces.surface import Surface, boundary
-from urdf_ik.maps.workspaces.totals import BranchShare, Totals
-from urdf_ik.maps.workspaces.workspace_map import VALUES, About, MapSlice, WorkspaceMap, read
+from urdf_ik.maps.grid import Grid
+from urdf_ik.maps.workspaces.creation import CHUNK, MAX_SAMPLES, grid_of, stored_workspace, workspace
+from urdf_ik.maps.workspaces.planar_regions import ELBOWS, Arc, PlanarWorkspace, Region, planar
+from urdf_ik.maps.workspaces.workspace_map import (
+    VALUES,
+    VARIABLES,
+    About,
+    BranchShare,
+    MapSlice,
+    Surface,
+    Totals,
+    WorkspaceMap,
+    boundary,
+    opened,
+    read,
+    require_map_of,
+)
 
 __all__ = [
     "About",
     "Arc",
     "BranchShare",
     "CHUNK",
-    "Differences",
     "ELBOWS",
     "Grid",
     "MAX_SAMPLES",
     "MapSlice",
     "PlanarWorkspace",
     "Region",
-    "StoredMap",
     "Surface",
     "Totals",
     "VALUES",
+    "VARIABLES",
     "WorkspaceMap",
     "boundary",
-    "cut",
-    "differences",
-    "join",
+    "grid_of",
     "opened",
     "planar",
     "read",
+    "require_map_of",
+    "stored_workspace",
     "workspace",
 ]

@@ -1,11 +1,12 @@
-"""workspace(): creates a map in memory, or in a store block by block."""
+"""workspace() and stored_workspace(): the map of an arm in memory, or in a store block by block."""
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any, overload
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,74 +14,177 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps.workspaces.grid import grid_of, require_memory, require_room
-from urdf_ik.maps.workspaces.orientations import NOTHING, sampled, samples
-from urdf_ik.maps.workspaces.question import HELD, Question
-from urdf_ik.maps.workspaces.store.block_jobs import fill
-from urdf_ik.maps.workspaces.store.stored_map import StoredMap
-from urdf_ik.maps.workspaces.workspace_map import WorkspaceMap
+from urdf_ik.maps import free_space
+from urdf_ik.maps.cluster import versions
+from urdf_ik.maps.grid import Grid, Part, checked_bounds
+from urdf_ik.maps.store import Coordinate, Pairs, Progress, Question, Variable, digest, fill, urdf_digest
+from urdf_ik.maps.workspaces.orientations import NOTHING, Targets, sampled, samples
+from urdf_ik.maps.workspaces.solution_counts import Counting, sum_over_samples
+from urdf_ik.maps.workspaces.workspace_map import (
+    HINT,
+    STORE_FORMAT,
+    VARIABLES,
+    About,
+    WorkspaceMap,
+    opened,
+    require_memory,
+    sample_coordinates,
+    size_words,
+)
 from urdf_ik.support import inputs
+from urdf_ik.typing import Array
 
 CHUNK = 2**14
 """Poses that are solved at a time: so few that their answers stay in the processor's cache."""
 MAX_SAMPLES = 2**16 - 1
-"""Greatest number of orientations at a position: it is kept in 16 bits."""
-
-Progress = Callable[[int, int], object]
-
-
-@overload
-def workspace(
-    arm: Arm,
-    voxel: float = ...,
-    orientations: int = ...,
-    *,
-    bounds: ArrayLike | None = ...,
-    within_limits: bool = ...,
-    collision_free: bool = ...,
-    world: World | None = ...,
-    manipulability: bool = ...,
-    margin: bool = ...,
-    clearance: bool = ...,
-    redundancy: float | None = ...,
-    output: str | os.PathLike[str] | None = ...,
-    store: None = ...,
-    client: None = ...,
-    block: None = ...,
-    threads: inputs.Threads = ...,
-    chunk: int = ...,
-    progress: Progress | None = ...,
-) -> WorkspaceMap: ...
+"""Greatest number of orientations at a position: it is stored in 16 bits."""
+BLOCK = 2**20
+"""Poses of a block where each step of the solution is a quadratic: about a second's work."""
+BLOCK_OF_GENERAL_ARMS = 2**16
+"""The same for other arms, whose poses take tens of times as long."""
+BLOCK_WITH_COLLISIONS = 2**14
+"""The same where collisions are looked for."""
+_MOST_VOXELS = 2**53  # beyond it not even their number can be written
+_ROUNDING = 1e-9  # share of a voxel by which bounds may exceed a whole number of voxels
 
 
-@overload
-def workspace(
-    arm: Arm,
-    voxel: float = ...,
-    orientations: int = ...,
-    *,
-    bounds: ArrayLike | None = ...,
-    within_limits: bool = ...,
-    collision_free: bool = ...,
-    world: World | None = ...,
-    manipulability: bool = ...,
-    margin: bool = ...,
-    clearance: bool = ...,
-    redundancy: float | None = ...,
-    output: None = ...,
-    store: str | os.PathLike[str],
-    client: Any = ...,
-    block: int | None = ...,
-    threads: inputs.Threads = ...,
-    chunk: int = ...,
-    progress: Progress | None = ...,
-) -> StoredMap: ...
+class Options(TypedDict, total=False):
+    """The options that :func:`workspace` and :func:`stored_workspace` share; see there."""
+
+    bounds: ArrayLike | None
+    within_limits: bool
+    collision_free: bool
+    world: World | None
+    manipulability: bool
+    margin: bool
+    clearance: bool
+    redundancy: float | None
+    threads: inputs.Threads
+    chunk: int
 
 
 def workspace(
     arm: Arm,
     voxel: float = 0.1,
     orientations: int = 200,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+    **options: Unpack[Options],
+) -> WorkspaceMap:
+    """Solve every voxel's centre in well-spread orientations, and count.
+
+    The targets are those of ``arm.task``: poses; positions with directions, or positions alone, of arms with fewer
+    joints; points or poses in the plane of a planar arm, in the plane's coordinates.
+
+    Args:
+        arm: the arm.
+        voxel: m, edge of a voxel.
+        orientations: number of them at each position.
+        output: file to save the map to; that it fits is checked before any work.
+        progress: called with the number of solved poses, and of all.
+        **options: any of the following.
+
+            - bounds: (2, 3) m, lower and upper corner; default: all that the links' lengths allow.
+            - within_limits=True: count the solutions within the limits, too; they are the ones that then matter.
+            - collision_free=False: of these, count the ones free of collision, too; it takes far longer.
+            - world: obstacles that count for ``collision_free`` and ``clearance``; default: only the arm itself.
+            - manipulability=False: find the greatest one of each pose's solutions.
+            - margin=False: find the greatest limit margin of each pose's solutions, of their images nearest to zero.
+            - clearance=False: find the greatest clearance [m] of each pose's solutions; it takes far longer.
+            - redundancy: value of the parameter of an arm with seven joints; default: the arm's default.
+            - threads=1: number of threads that solve, or 'auto'.
+            - chunk: poses that are solved at a time; the map does not depend on it.
+
+    Raises:
+        ArgumentError: an invalid number, or a map that does not fit in memory.
+        UnsupportedArm: no solver takes this arm.
+        UrdfError: the URDF has no collision shapes, and collisions are asked for.
+        JobError: the map does not fit on the disk.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+        >>> found.grid.shape, round(float(found.reach([1, 0, 0])[-1, 1]), 3)
+        ((8, 8, 1), 0.2)
+    """
+    question = _question(arm, voxel, orientations, None, **options)
+    grid, count = question.grid, len(question.samples)
+    size = question.size(grid.count)
+    require_memory(grid, count, size + question.scratch())
+    if output is not None:
+        free_space.require_disk(inputs.path(output, "output"), size, size_words(grid, count), HINT)
+    arrays: dict[str, NDArray[Any]] = {
+        name: np.empty(question.shape(name, (grid.count,)), VARIABLES[name].kind) for name in question.names
+    }
+    targets = question.targets()
+    for start in range(0, grid.count, question.at_once):
+        part = slice(start, min(start + question.at_once, grid.count))
+        for name, values in question.answers(grid.centres(part), targets).items():
+            arrays[name][part] = values
+        if progress is not None:
+            progress(part.stop * count, grid.count * count)
+    arrays = {name: array.reshape(*grid.shape, -1) for name, array in arrays.items()}
+    for array in (*arrays.values(), question.samples):
+        array.setflags(write=False)
+    result = WorkspaceMap(question.about(), grid, question.samples, arrays)
+    if output is not None:
+        result.save(output)
+    return result
+
+
+def stored_workspace(
+    arm: Arm,
+    store: str | os.PathLike[str],
+    voxel: float = 0.1,
+    orientations: int = 200,
+    *,
+    client: Any = None,
+    block: int | None = None,
+    progress: Progress | None = None,
+    **options: Unpack[Options],
+) -> WorkspaceMap:
+    """The map of :func:`workspace` in a Zarr group, computed block by block; memory contains a few blocks.
+
+    Called again after a kill it continues with the missing blocks. The arrays are the same after any kill and with any
+    number of workers.
+
+    Args:
+        arm: the arm.
+        store: folder of the Zarr group.
+        voxel: m, edge of a voxel.
+        orientations: number of them at each position.
+        client: a ``distributed.Client`` whose workers compute the blocks; default: this process does.
+        block: greatest number of poses of a block; default: about a second's or a few seconds' work.
+        progress: called with the number of solved poses, and of all.
+        **options: those of :func:`workspace`.
+
+    Raises:
+        ArgumentError: an invalid number, or a block that does not fit in memory.
+        UnsupportedArm: no solver takes this arm.
+        UrdfError: the URDF has no collision shapes, and collisions are asked for.
+        MissingPackage: Zarr or Dask is not installed.
+        JobError: the map does not fit on the disk; the store is one of another question, or cannot be written; or the
+            scheduler or the workers cannot go on.
+
+    Example:
+        >>> import urdf_ik
+        >>> stored_workspace(urdf_ik.load("planar_2r"), "map.zarr", voxel=0.05, orientations=4).complete
+        True
+    """
+    question = _question(arm, voxel, orientations, block, **options)
+    grid, count = question.grid, len(question.samples)
+    require_memory(grid, count, question.size(math.prod(question.blocks.shape)) + question.scratch())
+    path = inputs.path(store, "store")
+    fill(path, question, client, progress, grid.count * count, size_words(grid, count))
+    return opened(path)
+
+
+def _question(
+    arm: Arm,
+    voxel: float,
+    orientations: int,
+    block: int | None,
     *,
     bounds: ArrayLike | None = None,
     within_limits: bool = True,
@@ -90,77 +194,16 @@ def workspace(
     margin: bool = False,
     clearance: bool = False,
     redundancy: float | None = None,
-    output: str | os.PathLike[str] | None = None,
-    store: str | os.PathLike[str] | None = None,
-    client: Any = None,
-    block: int | None = None,
     threads: inputs.Threads = 1,
     chunk: int = CHUNK,
-    progress: Progress | None = None,
-) -> WorkspaceMap | StoredMap:
-    """Solve every voxel's centre in well-spread orientations, and count.
-
-    The targets are those of ``arm.task``: poses; positions with directions, or positions alone, of arms with fewer
-    joints; points or poses in the plane of a planar arm, in the plane's coordinates.
-
-    With ``store`` the map is made block by block on the disk, and memory holds a few blocks. Called again after a kill
-    it continues: it checks the finished blocks, repeats those whose bytes have changed, and makes the missing ones. The
-    map has the same bytes after any kill and with any number of workers.
-
-    Args:
-        arm: the arm.
-        voxel: m, edge of a voxel.
-        orientations: number of them at each position.
-        bounds: (2, 3) m, lower and upper corner; default: all that the links' lengths allow.
-        within_limits: count the solutions that are inside the limits, too; they are the ones that then matter.
-        collision_free: of these, count the ones free of collision, too; it takes far longer.
-        world: obstacles that count for ``collision_free`` and ``clearance``; default: only the arm itself.
-        manipulability: find the greatest one of each pose's solutions.
-        margin: find the greatest limit margin of each pose's solutions, of their images nearest to zero turns.
-        clearance: find the greatest clearance [m] of each pose's solutions; it takes far longer.
-        redundancy: value of the parameter of an arm with seven joints; default: the arm's default.
-        output: file to save the map to; that it fits is checked before any work.
-        store: folder of a Zarr group to make the map in; see :class:`StoredMap`.
-        client: a ``distributed.Client`` whose workers make the blocks of a store; default: this process does.
-        block: poses of a block of a store, at most; default: about a second's or a few seconds' work.
-        threads: number of threads that solve, or 'auto'.
-        chunk: poses that are solved at a time; the map does not depend on it.
-        progress: called with the number of solved poses, and of all.
-
-    Raises:
-        ArgumentError: an invalid number, or a map that does not fit in memory.
-        UnsupportedArm: no solver takes this arm.
-        UrdfError: the URDF has no collision shapes, and collisions are asked for.
-        JobError: the map does not fit on the disk; the store is in use, is of another question, or cannot be written;
-            or the scheduler or the workers cannot go on.
-
-    Example:
-        >>> import urdf_ik
-        >>> found = workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-        >>> found.grid.shape, round(float(found.reach([1, 0, 0])[-1, 1]), 3)
-        ((8, 8, 1), 0.2)
-        >>> workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4, store="map.zarr").complete
-        True
-    """
+) -> WorkspaceQuestion:
     inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    orientations = inputs.whole(orientations, "orientations", low=1, high=MAX_SAMPLES)
-    inputs.callback(progress, "progress")
-    chunk, threads = inputs.whole(chunk, "chunk", low=1), inputs.threads(threads)
-    if store is None and (client is not None or block is not None):
-        raise ArgumentError("client and block are for maps in a store; give store='map.zarr', too")
-    if store is not None and output is not None:
-        raise ArgumentError("a store and an output are given; leave one of the two out")
     if world is not None and not (collision_free or clearance):
         raise ArgumentError("world= has no effect without collision_free=True or clearance=True")
-    within_limits, collision_free, manipulability, margin, clearance = (
-        inputs.flag(value, name)
-        for value, name in (
-            (within_limits, "within_limits"), (collision_free, "collision_free"), (manipulability, "manipulability"),
-            (margin, "margin"), (clearance, "clearance"),
-        )
-    )  # fmt: skip
+    orientations = inputs.whole(orientations, "orientations", low=1, high=MAX_SAMPLES)
+    count = 1 if sampled(arm) == NOTHING else orientations
     wanted = {
         "solutions": True,
         "within": within_limits or collision_free or clearance,
@@ -170,42 +213,162 @@ def workspace(
         "clearance": clearance,
         "branch_poses": True,
     }
-    count = 1 if sampled(arm) == NOTHING else orientations
-    asked = Question(
-        arm,
-        grid_of(arm, voxel, bounds),
-        samples(arm, count),
-        tuple(name for name, on in wanted.items() if on),
-        world,
-        redundancy,
-        threads,
-        max(1, chunk // count),
+    usual = BLOCK if arm.structure.by_quadratics else BLOCK_OF_GENERAL_ARMS
+    if collision_free or clearance:
+        usual = BLOCK_WITH_COLLISIONS
+    most = usual if block is None else inputs.whole(block, "block", low=1)
+    return WorkspaceQuestion(
+        arm=arm,
+        world=world,
+        grid=grid_of(arm, voxel, bounds),
+        names=tuple(name for name, on in wanted.items() if on),
+        most=max(1, most // count),
+        threads=inputs.threads(threads),
+        samples=samples(arm, count),
+        redundancy=redundancy,
+        at_once=max(1, inputs.whole(chunk, "chunk", low=1) // count),
     )
-    if store is not None:
-        return fill(asked, store, client, block, progress)
-    return _in_memory(asked, None if output is None else inputs.path(output, "output"), progress)
 
 
-def _in_memory(asked: Question, output: Path | None, progress: Progress | None) -> WorkspaceMap:
-    grid, count = asked.grid, len(asked.samples)
-    size = asked.size(grid.count)
-    require_memory(grid, count, size + asked.scratch())
-    if output is not None:
-        require_room(grid, count, size, output)
-    found: dict[str, NDArray[Any]] = {
-        name: np.empty(asked.shape(name, (grid.count,)), HELD[name].kind) for name in asked.holds
-    }
-    solver = asked.solver()
-    for start in range(0, grid.count, asked.at_once):
-        part = slice(start, min(start + asked.at_once, grid.count))
-        for name, values in solver.answers(grid.centres(part)).items():
-            found[name][part] = values
-        if progress is not None:
-            progress(part.stop * count, grid.count * count)
-    shaped: dict[str, Any] = {name: array.reshape(*grid.shape, -1) for name, array in found.items()}
-    for array in (*shaped.values(), asked.samples):
-        array.setflags(write=False)
-    made = WorkspaceMap(asked.about(), grid, asked.samples, **shaped)
-    if output is not None:
-        made.save(output)
-    return made
+@dataclass(frozen=True, eq=False)
+class WorkspaceQuestion(Question):
+    """All that a workspace map depends on.
+
+    Attributes:
+        samples: (S, ...) orientations, directions or angles at each position.
+        redundancy: value of the redundancy parameter, or None.
+        at_once: positions that are solved at a time.
+    """
+
+    FORMAT: ClassVar[str] = STORE_FORMAT
+    VARIABLES: ClassVar[Mapping[str, Variable]] = VARIABLES
+
+    samples: Array = field(repr=False)
+    redundancy: float | None
+    at_once: int
+
+    @property
+    def lengths(self) -> dict[str, int]:
+        """Lengths of the last dimensions."""
+        return {"orientation": len(self.samples), "branch": len(self.arm.for_task(self.arm.task).structure.branches)}
+
+    @property
+    def pairs(self) -> Pairs | None:
+        """Pairs of links that are checked for collision; None if no requested array needs collision."""
+        if "free" not in self.names and "clearance" not in self.names:
+            return None
+        return self.arm.cell.collisions.checked_pairs
+
+    @property
+    def coordinates(self) -> dict[str, Coordinate]:
+        """The voxels' centres and the samples."""
+        return {**super().coordinates, **sample_coordinates(self.about(), self.samples)}
+
+    def scratch(self) -> int:
+        """Memory that solving takes in addition to the arrays [bytes]."""
+        return self.at_once * len(self.samples) * (128 + 20 * self.lengths["branch"] * (self.arm.dof + 1) * 8)
+
+    def about(self) -> About:
+        """The description of the map."""
+        arm, free = self.arm, self.arm.redundancy
+        return About(
+            robot=arm.name,
+            urdf_sha256=urdf_digest(arm),
+            base=arm.base,
+            tip=arm.tip,
+            joints=arm.joint_names,
+            limits=tuple(
+                (None if np.isinf(lower) else lower, None if np.isinf(upper) else upper)
+                for lower, upper in arm.limits.tolist()
+            ),
+            locked=dict(arm.chain.locked),
+            task=arm.task,
+            sampled=sampled(arm),
+            branches=arm.for_task(arm.task).structure.branches,
+            # The last filter: its solutions count for branches, manipulability, margin and clearance.
+            counted=next(name for name in ("free", "within", "solutions") if name in self.names),
+            redundancy=None if free is None else float(free.default if self.redundancy is None else self.redundancy),
+            world=None if self.world is None else self.world.digest(),
+            made_by=versions()["urdf-ik"],
+        )
+
+    def described(self) -> dict[str, Any]:
+        """The question in JSON."""
+        drawn = {"count": len(self.samples), "sha256": digest(self.samples.tobytes())}
+        return {**super().described(), **asdict(self.about()), "drawn": drawn}
+
+    def targets(self) -> Targets:
+        """Memory for the targets of ``at_once`` positions; one thread at a time may use it."""
+        return Targets(self.arm.task, self.samples, self.at_once)
+
+    def solved(self, part: Part) -> dict[str, NDArray[Any]]:
+        """The arrays of a box of voxels."""
+        positions, targets = self.grid.centres_in(part), self.targets()
+        chunks = [
+            self.answers(positions[start : start + self.at_once], targets)
+            for start in range(0, len(positions), self.at_once)
+        ]
+        shape = tuple(side.stop - side.start for side in part)
+        return {name: np.concatenate([chunk[name] for chunk in chunks]).reshape(*shape, -1) for name in self.names}
+
+    def answers(self, positions: Array, targets: Targets) -> dict[str, NDArray[Any]]:
+        """Every array at positions (k, 3) m: (k, S), or (k, B) for counts by branch."""
+        arm, count, columns = self.arm, len(self.samples), {}
+        solved = arm.ik(targets.at(positions), task=arm.task, threads=self.threads, redundancy=self.redundancy)
+        counting = Counting(arm, solved.q, solved.valid)
+        columns["solutions"] = counting.counts()
+        if "within" in self.names:
+            counting.keep_within_limits()
+            columns["within"] = counting.counts()
+        if "free" in self.names:
+            counting.keep_free(self.world)
+            columns["free"] = counting.counts()
+        if "manipulability" in self.names:
+            columns["manipulability"] = counting.greatest(counting.manipulability())
+        if "margin" in self.names:
+            columns["margin"] = counting.greatest(counting.margin())
+        if "clearance" in self.names:
+            columns["clearance"] = counting.greatest(counting.clearance(self.world))
+        arrays = {name: values.reshape(-1, count).astype(VARIABLES[name].kind) for name, values in columns.items()}
+        return {**arrays, "branch_poses": sum_over_samples(counting.kept, count)}
+
+
+def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
+    """The voxels over all that an arm could reach without limits, or over ``bounds`` (2, 3) m.
+
+    Raises:
+        ArgumentError: the edge or the bounds are invalid.
+    """
+    voxel = inputs.number(voxel, "voxel", above=0.0, unit="m")
+    lower, upper = _reach_box(arm) if bounds is None else checked_bounds(bounds)
+    if arm.task.startswith("planar"):
+        lower[2], upper[2] = -0.5 * voxel, 0.5 * voxel
+    if not np.isfinite(upper - lower).all():
+        raise ArgumentError(f"{arm.name}: a joint slides without a limit; give bounds [[x, y, z], [x, y, z]] m")
+    with np.errstate(over="ignore"):
+        steps = (upper - lower) / voxel
+        if not float(np.prod(np.maximum(steps, 1.0))) <= _MOST_VOXELS:
+            raise ArgumentError(
+                f"voxels of {voxel:g} m over {' x '.join(f'{length:g}' for length in upper - lower)} m are too many; "
+                "take larger voxels, or narrower bounds"
+            )
+    counts = [max(1, math.ceil(float(step) - _ROUNDING)) for step in steps]
+    # Whole voxels, centred on the requested middle.
+    lower = 0.5 * (lower + upper) - 0.5 * voxel * np.array(counts, dtype=np.float64)
+    return Grid(lower, float(voxel), (counts[0], counts[1], counts[2]))
+
+
+def _reach_box(arm: Arm) -> tuple[Array, Array]:
+    """A box (3,), (3,) m around all positions of the tip, from the lengths of the links and slides."""
+    chain = arm.chain
+    middle, first = chain.P[0].copy(), chain.P[1].copy()
+    if not chain.prismatic[0]:
+        # Any point of the first axis will do; the one across from the second joint is nearest.
+        middle += (first @ chain.H[0]) * chain.H[0]
+        first -= (first @ chain.H[0]) * chain.H[0]
+    reach = float(np.linalg.norm(first) + np.linalg.norm(chain.P[2:], axis=1).sum())
+    reach += float(np.abs(chain.limits[chain.prismatic]).max(axis=1, initial=0.0).sum())
+    plane = arm.solver.control.plane
+    if plane is not None:
+        middle = np.append(plane.axes @ middle, 0.0)
+    return middle - reach, middle + reach

@@ -1,7 +1,11 @@
-"""The exact region that two turning joints with limits reach in their plane, for each elbow and for both."""
+"""The exact region that two turning joints with limits reach in their plane, for each elbow and for both.
+
+Regions of the plane are bounded by arcs of circles.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -12,25 +16,195 @@ from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits
 from urdf_ik.kinematics.chain.plane import Plane
-from urdf_ik.maps.workspaces.arcs import Circle, Region, region
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.read_only import Frozen
-from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 Mask = NDArray[np.bool_]
+Inside = Callable[[Array], Mask]
 
 ELBOWS = ("elbow left", "elbow right")
 """Left or right of the line from the first axis to the tip, as the plane's normal sees it; the solver's branches."""
 SHARP = 1e-14
 """rad: tolerance of the limits, and of the bend's cosine, where the sides of an arc are tested. The tolerance of the
 contract would widen a region beyond arcs that lie closer together."""
+NUDGE = 1e-6
+"""Greatest distance [share of the size] from a circle at which each of its sides is tested."""
+ROUNDING = 1e-13
+"""Least distance [share of the size] at which a side can be tested: nearer points round to the circle itself."""
+PROBES = 7
+"""Points of a piece of a circle that are candidates for the test of its sides."""
+SAME = 1e-7
+"""Two angles [rad], or radii and centres [share of the size], closer than this are one. Tangent circles meet in one
+point; rounding makes it two, the square root of double precision apart."""
 
 
 @dataclass(frozen=True, eq=False)
-class PlanarWorkspace(Frozen):
+class Arc:
+    """A part of a circle; the region lies on its left.
+
+    Attributes:
+        centre: (2,) m.
+        radius: m.
+        start: rad, angle of its first point as seen from the centre.
+        sweep: rad, positive counter-clockwise; +-2 pi for a whole circle.
+        name: the limit that bounds the region there.
+    """
+
+    centre: Array
+    radius: float
+    start: float
+    sweep: float
+    name: str = ""
+
+    @property
+    def length(self) -> float:
+        """Length [m]."""
+        return self.radius * abs(self.sweep)
+
+    def points(self, n: int = 64) -> Array:
+        """(n, 2) m, points from its start to its end, evenly spaced."""
+        angles = self.start + np.linspace(0.0, self.sweep, n)
+        return self.centre + self.radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A region by its boundary; empty where there are no arcs."""
+
+    arcs: tuple[Arc, ...]
+
+    @property
+    def area(self) -> float:
+        """Area [m^2], by Green's theorem: half the integral of x dy - y dx along the boundary."""
+        total = 0.0
+        for arc in self.arcs:
+            a, b, (x, y) = arc.start, arc.start + arc.sweep, arc.centre
+            total += arc.radius * (arc.radius * arc.sweep + x * (np.sin(b) - np.sin(a)) - y * (np.cos(b) - np.cos(a)))
+        return 0.5 * float(total)
+
+    def loops(self, n: int = 64) -> list[Array]:
+        """Closed outlines (k, 2) m, the arcs joined end to start; outer ones counter-clockwise, holes clockwise.
+
+        Args:
+            n: points of each arc.
+        """
+        left = [arc.points(n) for arc in self.arcs]
+        found: list[Array] = []
+        while left:
+            parts = [left.pop(0)]
+            while left:
+                gaps = [float(np.linalg.norm(other[0] - parts[-1][-1])) for other in left]
+                best = int(np.argmin(gaps))
+                if np.linalg.norm(parts[0][0] - parts[-1][-1]) <= gaps[best]:
+                    break
+                parts.append(left.pop(best))
+            found.append(np.concatenate(parts))
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Circle:
+    """A circle on which the boundary may lie, and angles [rad] at which it may begin or end there."""
+
+    centre: Array
+    radius: float
+    breaks: tuple[float, ...]
+    name: str
+
+
+def _region(inside: Inside, circles: Iterable[_Circle], size: float) -> Region:
+    """The region in which ``inside`` holds, whose boundary lies on some of the circles.
+
+    Every circle is cut where it meets another one. A piece belongs to the boundary when one of its sides is inside and
+    the other is not. The sides are tested where the piece is farthest from every other circle, and nearer to it than
+    to them, so that a sliver between two circles is never stepped over.
+
+    Args:
+        inside: points (k, 2) m to (k,) bool.
+        circles: all on which a boundary may lie.
+        size: m, what tolerances are relative to.
+    """
+    merged = _merged(circles, size)
+    arcs: list[Arc] = []
+    for circle in merged:
+        others = [other for other in merged if other is not circle]
+        cuts = [*circle.breaks, *(angle for other in others for angle in _crossings(circle, other, size))]
+        arcs += _kept(circle, _distinct(cuts), inside, others, size)
+    return Region(tuple(arcs))
+
+
+def _merged(circles: Iterable[_Circle], size: float) -> list[_Circle]:
+    """Each circle once, with all its breaks, without circles of radius zero."""
+    merged: list[_Circle] = []
+    for circle in circles:
+        if circle.radius < SAME * size:
+            continue
+        for k, other in enumerate(merged):
+            off = max(abs(circle.radius - other.radius), float(np.linalg.norm(circle.centre - other.centre)))
+            if off < SAME * size:
+                names = other.name if circle.name in other.name else f"{other.name}, {circle.name}"
+                merged[k] = _Circle(other.centre, other.radius, other.breaks + circle.breaks, names)
+                break
+        else:
+            merged.append(circle)
+    return merged
+
+
+def _crossings(circle: _Circle, other: _Circle, size: float) -> list[float]:
+    """Angles [rad] on ``circle`` at which ``other`` meets it."""
+    offset = other.centre - circle.centre
+    apart = float(np.linalg.norm(offset))
+    if apart < SAME * size:
+        return []
+    along = (apart**2 + circle.radius**2 - other.radius**2) / (2.0 * apart * circle.radius)
+    if abs(along) > 1.0 + SAME**2:
+        return []
+    towards, half = float(np.arctan2(offset[1], offset[0])), float(np.arccos(np.clip(along, -1.0, 1.0)))
+    return [towards - half, towards + half]
+
+
+def _distinct(cuts: list[float]) -> Array:
+    """The angles in [0, 2 pi), sorted, without duplicates; the first of several equal ones is kept."""
+    kept: list[float] = []
+    for cut in cuts:
+        angle = float(np.mod(cut, TURN))
+        if all(abs(np.mod(angle - other + np.pi, TURN) - np.pi) > SAME for other in kept):
+            kept.append(angle)
+    return np.array(sorted(kept) or [0.0])
+
+
+def _kept(circle: _Circle, cuts: Array, inside: Inside, others: list[_Circle], size: float) -> list[Arc]:
+    """The arcs of a circle that bound the region; consecutive arcs are joined."""
+    sweeps = np.diff(np.append(cuts, cuts[0] + TURN))
+    angles = cuts[:, None] + sweeps[:, None] * (np.arange(1, PROBES + 1) / (PROBES + 1))
+    outward = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    points = circle.centre + circle.radius * outward
+    gaps = [np.abs(np.linalg.norm(points - other.centre, axis=-1) - other.radius) for other in others]
+    free = np.min([np.full(angles.shape, circle.radius), *gaps], axis=0)
+    best = np.arange(len(cuts)), free.argmax(axis=1)
+    step = np.clip(0.5 * free[best], ROUNDING * size, NUDGE * size)[:, None] * outward[best]
+    sides = inside(points[best] - step).astype(int) - inside(points[best] + step).astype(int)
+    if (sides == sides[0]).all():
+        cuts, sweeps, sides = cuts[:1], np.array([TURN]), sides[:1]
+    else:
+        # Begin where the side changes, so that no run of pieces goes over the end.
+        first = int(np.flatnonzero(sides != np.roll(sides, 1))[0])
+        cuts, sweeps, sides = np.roll(cuts, -first), np.roll(sweeps, -first), np.roll(sides, -first)
+        starts = np.flatnonzero(sides != np.roll(sides, 1))
+        cuts, sweeps, sides = cuts[starts], np.add.reduceat(sweeps, starts), sides[starts]
+    arcs = []
+    for start, sweep, side in zip(cuts.tolist(), sweeps.tolist(), sides.tolist(), strict=True):
+        if side > 0:
+            arcs.append(Arc(circle.centre, circle.radius, start, sweep, circle.name))
+        elif side < 0:
+            arcs.append(Arc(circle.centre, circle.radius, start + sweep, -sweep, circle.name))
+    return arcs
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarWorkspace:
     """Where the tip of two turning joints can be, in the coordinates of ``arm.solver.control.plane``.
 
     Attributes:
@@ -44,12 +218,6 @@ class PlanarWorkspace(Frozen):
         regions: what each of ``ELBOWS`` reaches within the limits.
         boundary: what the arm reaches, with either elbow.
         overlap: what it reaches with both, in two ways.
-
-    Example:
-        >>> import urdf_ik
-        >>> region = urdf_ik.maps.workspaces.planar(urdf_ik.load("planar_2r"))
-        >>> region.lengths.round(6).tolist(), len(region.boundary.arcs) > 0
-        ([0.066, 0.13], True)
     """
 
     name: str
@@ -68,49 +236,24 @@ class PlanarWorkspace(Frozen):
         return f"<PlanarWorkspace of {self.name}: links of {links}, boundary of {len(self.boundary.arcs)} arcs>"
 
     def joints(self, points: ArrayLike, elbow: str) -> Array:
-        """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached.
-
-        Example:
-            >>> import urdf_ik
-            >>> region = urdf_ik.maps.workspaces.planar(urdf_ik.load("planar_2r"))
-            >>> q = region.joints([0.12, 0.1], "elbow left")
-            >>> region.tip(q).round(6).tolist()
-            [0.12, 0.1]
-        """
-        return _joints(self.centre, self.lengths, self.angles, self.signs, self.limits, _points(points), elbow)
+        """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached."""
+        return _joints(
+            self.centre, self.lengths, self.angles, self.signs, self.limits, _pairs(points, "points [m]"), elbow
+        )
 
     def reaches(self, points: ArrayLike, elbow: str | None = None) -> Mask:
-        """Whether points (..., 2) m are reached within the limits, with that elbow or with either.
-
-        Example:
-            >>> import urdf_ik
-            >>> region = urdf_ik.maps.workspaces.planar(urdf_ik.load("planar_2r"))
-            >>> region.reaches([[0.12, 0.1], [0.3, 0.0]]).tolist()
-            [True, False]
-        """
+        """Whether points (..., 2) m are reached within the limits, with that elbow or with either."""
         names = ELBOWS if elbow is None else (elbow,)
         return np.asarray(np.any([~np.isnan(self.joints(points, name)[..., 0]) for name in names], axis=0))
 
     def elbow(self, q: ArrayLike) -> Array:
-        """Position (..., 2) m of the second axis at joint vectors (..., 2) rad.
-
-        Example:
-            >>> import urdf_ik
-            >>> (urdf_ik.maps.workspaces.planar(urdf_ik.load("planar_2r")).elbow([0.0, 0.5]).round(6) + 0.0).tolist()
-            [0.066, 0.0]
-        """
-        turned = self.angles[0] + self.signs[0] * _vectors(q)[..., 0]
+        """Position (..., 2) m of the second axis at joint vectors (..., 2) rad."""
+        turned = self.angles[0] + self.signs[0] * _pairs(q, "joint vectors")[..., 0]
         return np.asarray(self.centre + self.lengths[0] * _unit(turned))
 
     def tip(self, q: ArrayLike) -> Array:
-        """Position (..., 2) m of the tip at joint vectors (..., 2) rad.
-
-        Example:
-            >>> import urdf_ik
-            >>> (urdf_ik.maps.workspaces.planar(urdf_ik.load("planar_2r")).tip([0.0, 0.0]).round(6) + 0.0).tolist()
-            [0.196, 0.0]
-        """
-        turned = (self.angles + self.signs * _vectors(q)).sum(axis=-1)
+        """Position (..., 2) m of the tip at joint vectors (..., 2) rad."""
+        turned = (self.angles + self.signs * _pairs(q, "joint vectors")).sum(axis=-1)
         return np.asarray(self.elbow(q) + self.lengths[1] * _unit(turned))
 
 
@@ -122,12 +265,6 @@ def planar(arm: Arm) -> PlanarWorkspace:
 
     Raises:
         ArgumentError: the arm is of another build.
-
-    Example:
-        >>> import urdf_ik
-        >>> region = planar(urdf_ik.load("planar_2r"))
-        >>> region.lengths.round(6).tolist(), sorted(region.regions)
-        ([0.066, 0.13], ['elbow left', 'elbow right'])
     """
     inputs.arm(arm)
     chain, plane = arm.chain, arm.solver.control.plane
@@ -166,15 +303,15 @@ def planar(arm: Arm) -> PlanarWorkspace:
         angles=angles,
         signs=signs,
         limits=bounds,
-        regions={name: region(partial(reaches, name=name), circles, size) for name in ELBOWS},
-        boundary=region(lambda at: reaches(at, ELBOWS[0]) | reaches(at, ELBOWS[1]), circles, size),
-        overlap=region(lambda at: reaches(at, ELBOWS[0]) & reaches(at, ELBOWS[1]), circles, size),
+        regions={name: _region(partial(reaches, name=name), circles, size) for name in ELBOWS},
+        boundary=_region(lambda at: reaches(at, ELBOWS[0]) | reaches(at, ELBOWS[1]), circles, size),
+        overlap=_region(lambda at: reaches(at, ELBOWS[0]) & reaches(at, ELBOWS[1]), circles, size),
     )
 
 
 def _circles(
     names: tuple[str, ...], centre: Array, lengths: Array, angles: Array, signs: Array, bounds: Array
-) -> list[Circle]:
+) -> list[_Circle]:
     """All circles that may bound the workspace, each with the angles at which the joints' limits end it."""
     turned = [sorted(angles[i] + signs[i] * bounds[i]) for i in range(2)]
     whole = [bool(hi - lo >= TURN - limits.LIMIT_TOLERANCE) for lo, hi in turned]
@@ -184,10 +321,10 @@ def _circles(
     for bend, name in (*bends, (0.0, "arm straight"), (np.pi, "arm folded")):
         tip = lengths[0] * _unit(np.float64(0.0)) + lengths[1] * _unit(np.float64(bend))
         breaks = tuple(float(np.arctan2(tip[1], tip[0]) + start) for start, _ in starts)
-        circles.append(Circle(centre, float(np.hypot(*tip)), breaks, name))
+        circles.append(_Circle(centre, float(np.hypot(*tip)), breaks, name))
     for start, name in starts:
         breaks = tuple(float(start + bend) for bend, _ in bends)
-        circles.append(Circle(centre + lengths[0] * _unit(np.float64(start)), float(lengths[1]), breaks, name))
+        circles.append(_Circle(centre + lengths[0] * _unit(np.float64(start)), float(lengths[1]), breaks, name))
     return circles
 
 
@@ -220,19 +357,10 @@ def _joints(
     return limits.nearest_image(q, bounds, np.ones(2, dtype=np.bool_), tolerance)[0]
 
 
-def _points(points: ArrayLike) -> Array:
-    array = inputs.real(points, "points", "an array of numbers (..., 2), m in the arm's plane")
-    if array.shape[-1:] != (2,):
-        raise ArgumentError(f"points of shape {array.shape} given; (..., 2) m in the arm's plane are needed")
-    if (bad := inputs.first_bad(array)) is not None:
-        raise ArgumentError(f"point {array[bad[:-1]].tolist()} given; {inputs.why_bad(array[bad])}")
-    return array
-
-
-def _vectors(q: ArrayLike) -> Array:
-    array = inputs.real(q, "a joint vector", "an array of numbers (..., 2)")
-    if array.shape[-1:] != (2,) or inputs.first_bad(array) is not None:
-        raise ArgumentError(f"joint vectors {quoted(q)} given; (..., 2) finite numbers [rad] are needed")
+def _pairs(values: ArrayLike, words: str) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape[-1:] != (2,) or not np.isfinite(array).all():
+        raise ArgumentError(f"{words} of shape {array.shape} given; (..., 2) finite numbers are needed")
     return array
 
 

@@ -1,35 +1,38 @@
-"""WorkspaceMap: the solution counts of the poses of a grid, with slices, shares and look-ups."""
+"""WorkspaceMap: the solution counts of the poses of a grid, in memory or in a store, with slices, sums and look-ups."""
 
 from __future__ import annotations
 
-import itertools
+import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik.errors import ArgumentError
-from urdf_ik.maps.workspaces import map_files
-from urdf_ik.maps.workspaces.cells import cells
-from urdf_ik.maps.workspaces.grid import AXES, Grid
-from urdf_ik.maps.workspaces.totals import BranchShare, Totals
-from urdf_ik.support import inputs
-from urdf_ik.support.read_only import Frozen
-from urdf_ik.support.text import quoted
+from urdf_ik.arm import Arm
+from urdf_ik.errors import ArgumentError, JobError
+from urdf_ik.maps import cluster, free_space
+from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
+from urdf_ik.maps.store import BlockStore, Coordinate, Variable, urdf_digest
+from urdf_ik.maps.workspaces.orientations import cells
+from urdf_ik.support import files, inputs
 from urdf_ik.typing import Array
 
-Counts = NDArray[np.uint8]
-
-# Arrays of a file: those of every map, the requested ones, and the types other than uint8.
-_ALWAYS = ("samples", "solutions", "branch_poses")
-_PERHAPS = ("within", "free", "manipulability", "margin", "clearance")
-_MEASURED = ("manipulability", "margin", "clearance")
-_TYPES = {"samples": np.float64, "branch_poses": np.uint16} | dict.fromkeys(_MEASURED, np.float32)
-_TEXTS = ("robot", "urdf_sha256", "base", "tip", "task", "sampled", "counted", "made_by")
-_COUNTED = ("solutions", "within", "free")
+VARIABLES = {
+    "solutions": Variable(np.uint8, "orientation", "number of solutions"),
+    "within": Variable(np.uint8, "orientation", "number of solutions within the limits"),
+    "free": Variable(np.uint8, "orientation", "number of solutions within the limits and free of collision"),
+    "manipulability": Variable(np.float32, "orientation", "greatest manipulability of the solutions that count"),
+    "margin": Variable(np.float32, "orientation", "greatest limit margin of the solutions that count"),
+    "clearance": Variable(np.float32, "orientation", "greatest clearance of the solutions that count", "m"),
+    "branch_poses": Variable(
+        np.uint16, "branch", "number of orientations in which a branch has a solution that counts"
+    ),
+}
+"""The arrays that a map can contain."""
 VALUES = {
     "reach": "share of the orientations that are reached",
     "solutions": "mean number of solutions",
@@ -38,6 +41,9 @@ VALUES = {
     "clearance": "greatest clearance [m]",
 }
 """Values of a voxel, by name, with their descriptions."""
+FORMAT, VERSION = "urdf-ik workspace map", 2
+STORE_FORMAT = "urdf-ik workspace map in Zarr"
+HINT = "take larger voxels, fewer orientations or narrower bounds"
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class About:
         tip: link whose positions they are.
         joints: names, base to tip.
         limits: (lower, upper) of each joint [rad or m], None where there is no limit.
-        locked: joints that are held, with their values [rad or m].
+        locked: joints that do not move, with their values [rad or m].
         task: what the arm controls, see ``arm.task``.
         sampled: the kind of samples at each position, in words.
         branches: names of the family's branches.
@@ -77,51 +83,60 @@ class About:
     made_by: str
 
     def cell(self, voxel: float) -> float:
-        """Volume [m^3] of a voxel; area [m^2] for a planar arm.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> round(found.about.cell(0.05), 6)
-            0.0025
-        """
+        """Volume [m^3] of a voxel; area [m^2] for a planar arm."""
         return float(voxel ** (2 if self.task.startswith("planar") else 3))
 
     @classmethod
-    def read(cls, header: Mapping[str, Any]) -> About:
-        """From the fields as JSON holds them.
+    def from_json(cls, header: Mapping[str, Any]) -> About:
+        """The inverse of ``dataclasses.asdict``; further keys are ignored."""
+        named = {each.name: header[each.name] for each in fields(cls)}
+        named |= {name: tuple(named[name]) for name in ("joints", "branches")}
+        return cls(**{**named, "limits": tuple(tuple(pair) for pair in named["limits"])})
 
-        Raises:
-            ArgumentError: a field is missing or invalid.
 
-        Example:
-            >>> from dataclasses import asdict
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> About.read(asdict(found.about)) == found.about
-            True
-        """
-        inputs.mapping(header, "header", "the fields of a map")
-        if missing := [name for name in cls.__dataclass_fields__ if name not in header]:
-            raise ArgumentError(f"there is no {quoted(missing[0])} in it")
-        named = {name: header[name] for name in cls.__dataclass_fields__}
-        for name in ("joints", "branches"):
-            named[name] = inputs.items(named[name], name, "names")
-        named["limits"] = tuple(
-            inputs.items(pair, "limits", "pairs of numbers")
-            for pair in inputs.items(named["limits"], "limits", "pairs of numbers")
-        )
-        texts = [*named["joints"], *named["branches"], *(named[name] for name in _TEXTS)]
-        numbers = [*itertools.chain(*named["limits"]), named["redundancy"]]
-        locked = inputs.mapping(named["locked"], "locked", "values by joint")
-        if (
-            any(len(pair) != 2 for pair in named["limits"])
-            or not all(isinstance(each, str) for each in (*texts, *locked, named["world"] or ""))
-            or not all(inputs.is_real(each) for each in (*(x for x in numbers if x is not None), *locked.values()))
-            or named["counted"] not in _COUNTED
-        ):
-            raise ArgumentError("its fields are of other kinds than names and numbers")
-        return cls(**named)
+class BranchShare(NamedTuple):
+    """How much of the workspace one branch covers.
+
+    Attributes:
+        voxels: share of the voxels that are reached.
+        poses: share of the poses that are reached.
+    """
+
+    voxels: float
+    poses: float
+
+
+class Totals(NamedTuple):
+    """Sums over a whole map.
+
+    Attributes:
+        poses: number of poses.
+        reached_poses: number of poses that are reached.
+        voxels: number of voxels.
+        reached_voxels: number of voxels that are reached in any orientation.
+        dexterous_voxels: number of voxels that are reached in every orientation.
+        solutions: the sum of each count that the map contains.
+        branch_voxels: number of voxels that each branch reaches in any orientation, by name.
+        branch_poses: number of poses that each branch reaches, by name.
+    """
+
+    poses: int
+    reached_poses: int
+    voxels: int
+    reached_voxels: int
+    dexterous_voxels: int
+    solutions: dict[str, int]
+    branch_voxels: dict[str, int]
+    branch_poses: dict[str, int]
+
+    @property
+    def branch_shares(self) -> dict[str, BranchShare]:
+        """How much of the reached region each branch covers, by name; zeros where nothing is reached."""
+        voxels, poses = max(1, self.reached_voxels), max(1, self.reached_poses)
+        return {
+            name: BranchShare(self.branch_voxels[name] / voxels, self.branch_poses[name] / poses)
+            for name in self.branch_poses
+        }
 
 
 class MapSlice(NamedTuple):
@@ -145,21 +160,18 @@ class MapSlice(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class WorkspaceMap(Frozen):
-    """Positions x orientations of an arm's tip, with what they have as solutions.
+class WorkspaceMap:
+    """Positions x orientations of an arm's tip, with their numbers of solutions.
+
+    A map in a store is read block by block, and only as far as a question needs it. Any Zarr reader reads the store,
+    such as ``xarray.open_zarr(path)``.
 
     Attributes:
         about: the arm and the question.
         grid: the voxels (X, Y, Z).
-        samples: (S, ...) what was sampled at each position: rotation matrices, directions or angles.
-        solutions: (X, Y, Z, S) number of solutions.
-        branch_poses: (X, Y, Z, B) number of orientations in which a branch has a solution that counts.
-        within: (X, Y, Z, S) number within the limits, or None.
-        free: (X, Y, Z, S) number within the limits that are free of collision, or None.
-        manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached; or None.
-        margin: (X, Y, Z, S) greatest limit margin: the least of all joints' distances to their limits, as shares of
-            half their ranges, 0 at a limit and 1 in the middle of all; NaN where nothing is reached; or None.
-        clearance: (X, Y, Z, S) m, greatest one of the solutions that count; NaN where nothing is reached; or None.
+        samples: (S, ...) orientations at each position: rotation matrices, directions or angles.
+        arrays: the arrays by name, see ``VARIABLES``; None for a map in a store.
+        store: the store; None for a map in memory.
 
     Example:
         >>> import urdf_ik
@@ -173,38 +185,127 @@ class WorkspaceMap(Frozen):
     about: About
     grid: Grid
     samples: Array = field(repr=False)
-    solutions: Counts = field(repr=False)
-    branch_poses: NDArray[np.uint16] = field(repr=False)
-    within: Counts | None = field(repr=False, default=None)
-    free: Counts | None = field(repr=False, default=None)
-    manipulability: NDArray[np.float32] | None = field(repr=False, default=None)
-    margin: NDArray[np.float32] | None = field(repr=False, default=None)
-    clearance: NDArray[np.float32] | None = field(repr=False, default=None)
+    arrays: Mapping[str, NDArray[Any]] | None = field(repr=False, default=None)
+    store: BlockStore | None = field(repr=False, default=None)
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.grid.shape))
+        state = f"in {self.path}" if self.complete else f"in {self.path}, not complete"
+        if self.store is None:
+            state = f"{int((self.counts > 0).sum())} poses reached"
         voxels = f"{shape} voxels of {self.grid.voxel:g} m x {len(self.samples)}"
-        return f"<WorkspaceMap of {self.about.robot}: {voxels}, {int((self.counts > 0).sum())} poses reached>"
+        return f"<WorkspaceMap of {self.about.robot}: {voxels}, {state}>"
 
     @property
-    def counts(self) -> Counts:
+    def path(self) -> Path | None:
+        """The store's folder; None for a map in memory."""
+        return None if self.store is None else self.store.path
+
+    @property
+    def complete(self) -> bool:
+        """Whether all blocks are there; if not, ``stored_workspace`` with the same store continues it."""
+        return self.store is None or not self.store.pending()
+
+    @property
+    def blocks(self) -> Blocks:
+        """The division of the grid; one block for a map in memory."""
+        return Blocks(self.grid.shape, self.grid.shape) if self.store is None else self.store.blocks
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the arrays that the map contains."""
+        return tuple(self.arrays or ()) if self.store is None else self.store.names
+
+    def array(self, name: str, part: Part | None = None) -> NDArray[Any]:
+        """One array (X, Y, Z, S) or (X, Y, Z, B), or a box of it.
+
+        Raises:
+            ArgumentError: the map does not contain this, or it does not fit in memory.
+            JobError: a block is missing or damaged.
+        """
+        if name not in self.names:
+            raise ArgumentError(f"the map contains no {name!r}; it contains {', '.join(self.names)}")
+        if self.store is None:
+            whole = (self.arrays or {})[name]
+            return whole if part is None else whole[part]
+        part = self.grid.whole if part is None else part
+        count = self.grid.cut(part).count * len(self.samples)
+        require_memory(self.grid, len(self.samples), count * np.dtype(VARIABLES[name].kind).itemsize)
+        return self.store.array(name, part)
+
+    def _perhaps(self, name: str) -> NDArray[Any] | None:
+        return self.array(name) if name in self.names else None
+
+    @property
+    def solutions(self) -> NDArray[np.uint8]:
+        """(X, Y, Z, S) number of solutions."""
+        return self.array("solutions")
+
+    @property
+    def branch_poses(self) -> NDArray[np.uint16]:
+        """(X, Y, Z, B) number of orientations in which a branch has a solution that counts."""
+        return self.array("branch_poses")
+
+    @property
+    def within(self) -> NDArray[np.uint8] | None:
+        """(X, Y, Z, S) number of solutions within the limits, or None."""
+        return self._perhaps("within")
+
+    @property
+    def free(self) -> NDArray[np.uint8] | None:
+        """(X, Y, Z, S) number of solutions within the limits that are free of collision, or None."""
+        return self._perhaps("free")
+
+    @property
+    def manipulability(self) -> NDArray[np.float32] | None:
+        """(X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached; or None."""
+        return self._perhaps("manipulability")
+
+    @property
+    def margin(self) -> NDArray[np.float32] | None:
+        """(X, Y, Z, S) greatest limit margin of the solutions that count, NaN where nothing is reached; or None.
+
+        The margin is the least distance of any joint to a limit as a share of half its range: 0 at a limit, 1 in the
+        middle of all.
+        """
+        return self._perhaps("margin")
+
+    @property
+    def clearance(self) -> NDArray[np.float32] | None:
+        """(X, Y, Z, S) m, greatest one of the solutions that count, NaN where nothing is reached; or None."""
+        return self._perhaps("clearance")
+
+    @property
+    def counts(self) -> NDArray[np.uint8]:
         """(X, Y, Z, S) number of the solutions that count, see ``about.counted``."""
-        return {"solutions": self.solutions, "within": self.within, "free": self.free}[self.about.counted]  # type: ignore[return-value]
+        return self.array(self.about.counted)
 
     @property
     def reached(self) -> NDArray[np.bool_]:
         """(X, Y, Z) whether a voxel's centre is reached in any orientation."""
-        return np.asarray(self.counts.any(axis=-1))
+        return ~np.isnan(self.values())
 
     @property
     def volume(self) -> float:
         """Volume [m^3] of the voxels that are reached; area [m^2] for a planar arm."""
-        return float(self.reached.sum()) * self.about.cell(self.grid.voxel)
+        return self.totals().reached_voxels * self.about.cell(self.grid.voxel)
 
     @property
     def dexterous_volume(self) -> float:
-        """The same of the voxels that are reached in every orientation that was sampled."""
-        return float((self.counts > 0).all(axis=-1).sum()) * self.about.cell(self.grid.voxel)
+        """The same of the voxels that are reached in every sampled orientation."""
+        return self.totals().dexterous_voxels * self.about.cell(self.grid.voxel)
+
+    def read(self, bounds: ArrayLike | None = None) -> WorkspaceMap:
+        """The map in memory, or its voxels whose centres are inside bounds (2, 3) m.
+
+        Raises:
+            ArgumentError: invalid bounds, or the map does not fit in memory.
+            JobError: a block is missing or damaged.
+        """
+        part = self.grid.whole if bounds is None else self.grid.part(bounds)
+        return WorkspaceMap(
+            self.about, self.grid.cut(part), self.samples, {name: self.array(name, part) for name in self.names}
+        )
 
     def values(self, what: str = "reach") -> Array:
         """One number a voxel (X, Y, Z), NaN where nothing is reached; ``what`` is a key of ``VALUES``.
@@ -221,35 +322,38 @@ class WorkspaceMap(Frozen):
             >>> float(np.nanmax(found.values("reach")))
             1.0
         """
-        if not isinstance(what, str) or what not in VALUES:
-            raise ArgumentError(f"no value is called {quoted(what)}; there are {', '.join(VALUES)}")
-        if what in ("reach", "solutions"):
-            counts = self.counts if what == "solutions" else self.counts > 0
+        found = np.empty(self.grid.shape)
+        for part in self.blocks.parts():
+            found[part] = self._values(what, part)
+        return found
+
+    def _values(self, what: str, part: Part) -> Array:
+        if what not in VALUES:
+            raise ArgumentError(f"no value is called {what!r}; there are {', '.join(VALUES)}")
+        counts = self.array(self.about.counted, part)
+        if what == "reach":
+            values = (counts > 0).mean(axis=-1, dtype=np.float64)
+        elif what == "solutions":
             values = counts.mean(axis=-1, dtype=np.float64)
+        elif what in self.names:
+            measured = self.array(what, part)
+            values = np.where(np.isnan(measured), -np.inf, measured).max(axis=-1).astype(np.float64)
         else:
-            stored: NDArray[np.float32] | None = getattr(self, what)
-            if stored is None:
-                raise ArgumentError(f"the map holds no {what}; compute it with {what}=True")
-            values = np.where(np.isnan(stored), -np.inf, stored).max(axis=-1).astype(np.float64)
-        return np.where(self.reached, values, np.nan)
+            raise ArgumentError(f"the map contains no {what}; compute it with {what}=True")
+        return np.where(counts.any(axis=-1), values, np.nan)
 
     def slice(self, axis: str = "z", at: float = 0.0, what: str = "reach") -> MapSlice:
-        """The layer of voxels across an axis that holds the coordinate ``at`` [m].
+        """The layer of voxels across an axis that contains the coordinate ``at`` [m]; only its blocks are read.
 
         Raises:
             ArgumentError: there is no such axis or value, or the coordinate is outside the grid.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> found.slice().axes, found.slice().values.shape
-            (('x', 'y'), (8, 8))
         """
         k, layer = self.grid.layer(axis, at)
         one, two = (i for i in range(3) if i != k)
+        x, y, z = (slice(layer, layer + 1) if i == k else slice(0, count) for i, count in enumerate(self.grid.shape))
         edges = [float(edge[i]) for i in (one, two) for edge in (self.grid.lower, self.grid.upper)]
         return MapSlice(
-            np.take(self.values(what), layer, axis=k),
+            np.take(self._values(what, (x, y, z)), 0, axis=k),
             (AXES[one], AXES[two]),
             (edges[0], edges[1], edges[2], edges[3]),
             axis,
@@ -268,7 +372,7 @@ class WorkspaceMap(Frozen):
             (k, 2) m from the origin, each stretch's beginning and end; the last number is how far the arm reaches.
 
         Raises:
-            ArgumentError: the direction or the origin is invalid.
+            ArgumentError: the direction is zero, or not three numbers.
 
         Example:
             >>> import urdf_ik
@@ -276,41 +380,33 @@ class WorkspaceMap(Frozen):
             >>> found.reach([1, 0, 0]).round(3).tolist()
             [[0.1, 0.2]]
         """
-        ray, start = (
-            inputs.real(value, name, "three numbers")
-            for name, value in (("direction", direction), ("origin", origin))
-        )
-        good = start.shape == ray.shape == (3,) and inputs.first_bad(start) is inputs.first_bad(ray) is None
-        length = float(np.linalg.norm(ray)) if good else 0.0
-        if length == 0.0:
-            raise ArgumentError(
-                f"direction {quoted(direction)} from {quoted(origin)}: three numbers each, not all zero, are needed"
-            )
-        ray = ray / length
+        ray, start = np.asarray(direction, dtype=np.float64), np.asarray(origin, dtype=np.float64)
+        if ray.shape != (3,) or not ray.any() or not np.isfinite([*ray, *start]).all():
+            raise ArgumentError(f"direction={direction!r} given; three numbers, not all zero, are needed")
+        ray = ray / np.linalg.norm(ray)
         edges = [self.grid.lower[i] + self.grid.voxel * np.arange(self.grid.shape[i] + 1) for i in range(3)]
         crossings = [(edges[i] - start[i]) / ray[i] for i in range(3) if ray[i] != 0.0]
         cuts = np.unique(np.concatenate([[0.0], *crossings]))
         cuts = cuts[cuts >= 0.0]
         middles = start + 0.5 * (cuts[:-1] + cuts[1:])[:, None] * ray
-        places = np.floor((middles - self.grid.lower) / self.grid.voxel).astype(int)
-        inside = ((places >= 0) & (places < self.grid.shape)).all(axis=1)
+        places, inside = self.grid.places(middles)
         hit = np.zeros(len(places) + 2, dtype=np.int8)
         hit[1:-1][inside] = self.reached[tuple(places[inside].T)]
         change = np.diff(hit)
         return np.stack([cuts[change[: len(cuts)] > 0], cuts[change[: len(cuts)] < 0]], axis=-1)
 
     def look_up(self, targets: Any, what: str | None = None) -> NDArray[Any]:
-        """Values of an array in the cells of targets: nearest voxel and nearest orientation.
+        """Values of an array in the cells of targets: nearest voxel and nearest orientation. Each block is read once.
 
         Args:
             targets: (m, ...) of the map's task, ``about.task``, as ``arm.ik`` takes them.
             what: name of the array; default: the number of solutions that count.
 
         Returns:
-            (m,); zero, or NaN for what is measured, outside the grid.
+            (m,); zero, or NaN for measured values, outside the grid.
 
         Raises:
-            ArgumentError: the targets are of another shape, or the map does not hold this.
+            ArgumentError: the targets are of another shape, or the map does not contain this.
 
         Example:
             >>> import urdf_ik
@@ -319,71 +415,78 @@ class WorkspaceMap(Frozen):
             [1, 0]
         """
         name = self.about.counted if what is None else what
-        values = getattr(self, name) if isinstance(name, str) and name in _PERHAPS + ("solutions",) else None
-        if values is None:
-            raise ArgumentError(f"the map holds no {quoted(name)} for each pose")
-        at = cells(self.grid, self.samples, self.about.task, targets)
-        found = values[(*at.voxels.T, at.samples)]
-        found[~at.inside] = np.nan if found.dtype.kind == "f" else 0
-        return np.asarray(found)
+        if name not in self.names or VARIABLES[name].last != "orientation":
+            raise ArgumentError(f"the map contains no {name!r} for each pose")
+        voxels, samples, inside = cells(self.grid, self.samples, self.about.task, targets)
+        found = np.full(len(voxels), VARIABLES[name].fill, VARIABLES[name].kind)
+        blocks = np.ravel_multi_index(tuple((voxels // self.blocks.shape).T), self.blocks.along)
+        for block in np.unique(blocks[inside]):
+            part, mine = self.blocks.part(int(block)), inside & (blocks == block)
+            places = voxels[mine] - [side.start for side in part]
+            found[mine] = self.array(name, part)[(*places.T, samples[mine])]
+        return found
 
     def branch_shares(self) -> dict[str, BranchShare]:
-        """How much of what is reached each branch covers, by name; zeros where nothing is reached.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> sorted(found.branch_shares())
-            ['elbow left', 'elbow right']
-        """
+        """How much of the reached region each branch covers, by name; zeros where nothing is reached."""
         return self.totals().branch_shares
 
     def totals(self) -> Totals:
-        """Sums over the whole map.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> found.totals().reached_voxels == int(found.reached.sum())
-            True
-        """
-        reached, branches = self.counts > 0, self.about.branches
-        flat = self.branch_poses.reshape(-1, len(branches))
-        counted = {name: getattr(self, name) for name in ("solutions", "within", "free")}
+        """Sums over the whole map."""
+        counted: dict[str, int] = {name: 0 for name in ("solutions", "within", "free") if name in self.names}
+        branches = np.zeros((2, len(self.about.branches)), dtype=np.int64)
+        reached = np.zeros(3, dtype=np.int64)
+        for part in self.blocks.parts():
+            hit = self.array(self.about.counted, part) > 0
+            reached += [hit.sum(), hit.any(axis=-1).sum(), hit.all(axis=-1).sum()]
+            for name in counted:
+                counted[name] += int(self.array(name, part).sum(dtype=np.int64))
+            poses = self.array("branch_poses", part).reshape(-1, branches.shape[1])
+            branches += [(poses > 0).sum(axis=0), poses.sum(axis=0, dtype=np.int64)]
+        in_voxels, in_poses = (dict(zip(self.about.branches, row, strict=True)) for row in branches.tolist())
+        count = self.grid.count
         return Totals(
-            reached.size,
-            int(reached.sum()),
-            self.grid.count,
-            int(reached.any(axis=-1).sum()),
-            int(reached.all(axis=-1).sum()),
-            {name: int(stored.sum(dtype=np.int64)) for name, stored in counted.items() if stored is not None},
-            dict(zip(branches, (flat > 0).sum(axis=0).tolist(), strict=True)),
-            dict(zip(branches, flat.sum(axis=0, dtype=np.int64).tolist(), strict=True)),
+            count * len(self.samples),
+            int(reached[0]),
+            count,
+            int(reached[1]),
+            int(reached[2]),
+            counted,
+            in_voxels,
+            in_poses,
         )
 
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` with the dimensions x, y, z, orientation and branch; that of a store is lazy.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+        """
+        xarray = cluster.package("xarray")
+        if self.store is not None:
+            return xarray.open_zarr(self.store.path)
+        arrays: dict[str, Any] = {
+            name: ((*AXES, VARIABLES[name].last), self.array(name), VARIABLES[name].attributes) for name in self.names
+        }
+        arrays |= {name: (name, self.grid.coordinates(k), {"units": "m"}) for k, name in enumerate(AXES)}
+        return xarray.Dataset({**arrays, **sample_coordinates(self.about, self.samples)}, attrs=asdict(self.about))
+
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a compressed ``.npz`` file, which :func:`read` reads: see :mod:`urdf_ik.maps.workspaces.map_files`.
+        """Write a compressed ``.npz`` file, which :func:`read` reads.
+
+        Its array ``header`` is JSON: format, version, the fields of ``about`` and the grid. The other arrays have the
+        names of ``VARIABLES``.
 
         Raises:
             ArgumentError: the file cannot be written.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> found.save("map.npz")
-            >>> urdf_ik.maps.workspaces.read("map.npz").about.robot
-            'planar_2r'
         """
-        arrays = {name: getattr(self, name) for name in _ALWAYS + _PERHAPS if getattr(self, name) is not None}
-        map_files.write(path, {**asdict(self.about), "grid": self.grid.described()}, arrays)
+        about = {"format": FORMAT, "version": VERSION, **asdict(self.about), "grid": self.grid.described()}
+        arrays: dict[str, Any] = {name: self.array(name) for name in self.names}
+        arrays |= {"header": np.array(json.dumps(about)), "samples": self.samples}
+        files.write(path, lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
 
 
-def read(path: str | os.PathLike[str], *, most: int = map_files.MAX_BYTES) -> WorkspaceMap:
+def read(path: str | os.PathLike[str]) -> WorkspaceMap:
     """Read a map that :meth:`WorkspaceMap.save` wrote.
-
-    Args:
-        path: the file.
-        most: bytes that it may unpack to: a file of a few MiB may hold a thousand times as much.
 
     Raises:
         ArgumentError: the file cannot be read, or is no such map; the message says why.
@@ -394,24 +497,130 @@ def read(path: str | os.PathLike[str], *, most: int = map_files.MAX_BYTES) -> Wo
         >>> urdf_ik.maps.workspaces.read("map.npz").grid.shape
         (8, 8, 1)
     """
-    return map_files.read(path, _built, inputs.whole(most, "most", high=2**63))
+    try:
+        with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        header = json.loads(str(arrays.pop("header")))
+        if (header["format"], header["version"]) != (FORMAT, VERSION):
+            raise ValueError(f"it is {header['format']!r}, version {header['version']}; {VERSION} is read")
+        about, grid, samples = About.from_json(header), Grid.from_described(header["grid"]), arrays.pop("samples")
+        last = {"orientation": len(samples), "branch": len(about.branches)}
+        for name in {"solutions", "branch_poses", about.counted, *arrays}:
+            shape, kind = (*grid.shape, last[VARIABLES[name].last]), np.dtype(VARIABLES[name].kind)
+            if (arrays[name].shape, arrays[name].dtype) != (shape, kind):
+                raise ValueError(f"{name} is of shape {arrays[name].shape} and type {arrays[name].dtype}")
+            arrays[name].setflags(write=False)
+    except OSError as error:
+        raise ArgumentError(f"cannot read {path}: {error.strerror or error}") from None
+    except Exception as error:  # zip, zlib, NumPy and JSON each have their own errors for damaged bytes
+        raise ArgumentError(f"{path} is no workspace map, or a damaged one: {type(error).__name__} {error}") from None
+    return WorkspaceMap(about, grid, samples, {name: arrays[name] for name in VARIABLES if name in arrays})
 
 
-def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> WorkspaceMap:
-    about, voxels = About.read(header), Grid.from_described(header["grid"])
-    for name in _ALWAYS:
-        if name not in arrays:
-            raise ValueError(f"the array {quoted(name)} is missing")
-    if about.counted != "solutions" and about.counted not in arrays:
-        raise ValueError(f"the array {quoted(about.counted)} is missing")
-    arrays = {name: array for name, array in arrays.items() if name in _ALWAYS + _PERHAPS}
-    for name, array in arrays.items():
-        last = len(about.branches) if name == "branch_poses" else len(arrays["samples"])
-        shape = array.shape if name == "samples" else (*voxels.shape, last)
-        kind = _TYPES.get(name, np.uint8)
-        if array.shape != shape or array.dtype != kind:
-            raise ValueError(
-                f"{name} is of shape {array.shape} and type {array.dtype}, not {shape} and {kind.__name__}"
-            )
-        array.setflags(write=False)
-    return WorkspaceMap(about, voxels, **arrays)
+def opened(path: str | os.PathLike[str]) -> WorkspaceMap:
+    """A map in a store, or in a file that :meth:`WorkspaceMap.save` wrote.
+
+    Raises:
+        JobError: the folder is no store of a map.
+        ArgumentError: the file cannot be read, or is no map.
+
+    Example:
+        >>> import urdf_ik
+        >>> _ = urdf_ik.maps.stored_workspace(urdf_ik.load("planar_2r"), "map.zarr", 0.05, 4)
+        >>> opened("map.zarr").complete
+        True
+    """
+    if not os.path.isdir(path):
+        return read(path)
+    store = BlockStore(path, STORE_FORMAT)
+    try:
+        return WorkspaceMap(
+            About.from_json(store.question), store.grid, np.asarray(store.group["samples"][...]), store=store
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise JobError(f"{path} is a damaged store: {error}") from None
+
+
+def sample_coordinates(about: About, samples: Array) -> dict[str, Coordinate]:
+    """The coordinates of the dimension 'orientation'."""
+    words = {"long_name": about.sampled, "units": "rad" if samples.shape[1:] == (1,) else "1"}
+    return {
+        "orientation": (("orientation",), np.arange(len(samples)), {}),
+        "samples": (("orientation", *("row", "column")[: samples.ndim - 1]), samples, words),
+    }
+
+
+def require_memory(grid: Grid, samples: int, needed: int) -> None:
+    """Refuse a map of ``needed`` bytes that does not fit in memory, by an ArgumentError, before any work."""
+    free_space.require_memory(needed, size_words(grid, samples), HINT)
+
+
+def size_words(grid: Grid, samples: int) -> str:
+    """The numbers of voxels and orientations of a map, in words."""
+    voxels = f"{' x '.join(map(str, grid.shape))} voxels of {grid.voxel:g} m"
+    return f"{voxels} x {samples} orientations = {grid.count * samples:.4g} poses"
+
+
+def require_map_of(about: About, arm: Arm) -> None:
+    """Refuse the map of another arm.
+
+    Raises:
+        ArgumentError: it was computed for another URDF, other frames, or other values of the locked joints.
+    """
+    if (about.base, about.tip) != (arm.base, arm.tip):
+        raise ArgumentError(
+            f"the map is one of {about.robot!r} from {about.base} to {about.tip}, and the arm is one from "
+            f"{arm.base} to {arm.tip}; give the same base and tip"
+        )
+    if about.urdf_sha256 != urdf_digest(arm) or about.locked != dict(arm.chain.locked):
+        raise ArgumentError(
+            f"the map is one of another URDF of {about.robot!r}, or with other locked joints, than the arm "
+            f"{arm.name!r}; compute it anew: urdf-ik workspace"
+        )
+
+
+class Surface(NamedTuple):
+    """A closed mesh of triangles.
+
+    Attributes:
+        vertices: (v, 3) m.
+        faces: (f, 3) numbers of vertices, counter-clockwise as seen from outside.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.intp]
+
+
+# Corners of the face of a unit cube at the far end of each axis, counter-clockwise as seen from outside.
+_FACES = (
+    ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)),
+    ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)),
+    ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+)
+
+
+def boundary(found: WorkspaceMap, least: float = 0.0) -> Surface:
+    """The boundary of the voxels that are reached in more than a share ``least`` of the orientations.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = urdf_ik.maps.workspace(urdf_ik.load("zyyzyz_6r"), voxel=0.5, orientations=4)
+        >>> bool(np.ptp(boundary(found).vertices[:, 0]) > 1.0)
+        True
+    """
+    inside = np.nan_to_num(found.values("reach")) > inputs.number(least, "least")
+    padded = np.pad(inside, 1)
+    quads = []
+    for axis, face in enumerate(_FACES):
+        corners = np.array(face)
+        low = corners.copy()
+        low[:, axis] = 0
+        beyond = np.roll(padded, -1, axis)[1:-1, 1:-1, 1:-1]
+        before = np.roll(padded, 1, axis)[1:-1, 1:-1, 1:-1]
+        quads.append(np.argwhere(inside & ~beyond)[:, None] + corners)
+        quads.append(np.argwhere(inside & ~before)[:, None] + low[::-1])
+    points = np.concatenate(quads)
+    places, which = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
+    corner = which.reshape(-1, 4)
+    faces = np.concatenate([corner[:, [0, 1, 2]], corner[:, [0, 2, 3]]]).astype(np.intp)
+    return Surface(np.asarray(found.grid.lower + found.grid.voxel * places), faces)

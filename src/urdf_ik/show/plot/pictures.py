@@ -15,7 +15,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.maps.placements import PlacementMap
-from urdf_ik.maps.workspaces import PlanarWorkspace, StoredMap, WorkspaceMap
+from urdf_ik.maps.workspaces import PlanarWorkspace, WorkspaceMap
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.show.plot import figures
 from urdf_ik.support import files, inputs
@@ -164,7 +164,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     return figure
 
 
-def workspace_slice(found: WorkspaceMap | StoredMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
+def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
     """One layer of a workspace map; see :meth:`urdf_ik.maps.workspaces.WorkspaceMap.slice`.
 
     Raises:

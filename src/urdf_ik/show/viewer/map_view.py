@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, UrdfIkError
-from urdf_ik.maps.workspaces import VALUES, StoredMap, Surface, WorkspaceMap, boundary
-from urdf_ik.maps.workspaces.grid import AXES
-from urdf_ik.maps.workspaces.question import require_map_of
+from urdf_ik.maps.grid import AXES
+from urdf_ik.maps.workspaces import VALUES, Surface, WorkspaceMap, boundary, require_map_of
 from urdf_ik.show.viewer.arm_panel import on_change, plain, slider_of, turn_to
 from urdf_ik.support import palette
 from urdf_ik.support.text import quoted
@@ -62,16 +61,11 @@ class Voxels:
         JobError: the map is in a store that is not complete, or damaged.
     """
 
-    def __init__(self, found: WorkspaceMap | StoredMap, arm: Arm) -> None:
+    def __init__(self, found: WorkspaceMap, arm: Arm) -> None:
         require_map_of(found.about, arm)
         self.found, self.arm = found, arm
-        held = getattr(found, "holds", None)
-        self.holds = tuple(
-            name
-            for name in VALUES
-            if name in ("reach", "solutions")
-            or (name in held if held is not None else getattr(found, name) is not None)
-        )
+        held = found.names
+        self.holds = tuple(name for name in VALUES if name in ("reach", "solutions") or name in held)
         self.across = min(reversed(AXES), key=lambda name: found.grid.shape[AXES.index(name)])
         self._values: dict[str, NDArray[np.float32]] = {}
         plane = arm.solver.control.plane

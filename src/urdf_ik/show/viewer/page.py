@@ -17,7 +17,7 @@ from urdf_ik import export
 from urdf_ik.arm import Arm, load
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
-from urdf_ik.maps.workspaces import StoredMap, WorkspaceMap
+from urdf_ik.maps.workspaces import WorkspaceMap
 from urdf_ik.model.poses import pose
 from urdf_ik.paths import Plan
 from urdf_ik.paths.planned_motion import Stop
@@ -69,7 +69,7 @@ class Viewer:
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
         plan: Plan | None = None,
         world: World | None = None,
-        workspace: WorkspaceMap | StoredMap | None = None,
+        workspace: WorkspaceMap | None = None,
         dark: bool = False,
     ) -> None:
         """Start the server.
@@ -228,7 +228,7 @@ class Viewer:
 
     def show_workspace(
         self,
-        found: WorkspaceMap | StoredMap | None,
+        found: WorkspaceMap | None,
         what: str = "reach",
         axis: str | None = None,
         at: float | None = None,

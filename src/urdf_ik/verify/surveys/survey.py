@@ -1,23 +1,21 @@
-"""survey(): checks many arms in this process or on a cluster's workers; a store lets a stopped run go on."""
+"""survey(): checks many arms."""
 
 from __future__ import annotations
 
 import hashlib
-import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from urdf_ik.arm import Arm, load
 from urdf_ik.arm.loading import read
-from urdf_ik.errors import ArgumentError, ChainError, JobError, UnsupportedArm, UrdfError, UrdfIkError, printable
-from urdf_ik.maps.engine import Folder, run, versions
+from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, UrdfError, UrdfIkError
+from urdf_ik.maps.cluster import versions
 from urdf_ik.support import files as files_guard
 from urdf_ik.support import inputs
-from urdf_ik.support.text import json_text
-from urdf_ik.support.watch import TimeIsUp, Watch
+from urdf_ik.support.watch import Watch
 from urdf_ik.verify.completeness import Completeness, compare
 from urdf_ik.verify.crosscheck import Report, check
 from urdf_ik.verify.surveys.report import (
@@ -35,8 +33,6 @@ FORMAT, VERSION = "urdf-ik survey", 1
 ENDINGS = (".urdf", ".urdf.gz")
 """Endings of the files that are taken from a folder."""
 
-MAX_REPORT = 2**26
-"""Bytes of a kept report at most."""
 
 Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
@@ -77,8 +73,6 @@ def survey(
     base: str | None = None,
     tip: str | None = None,
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
-    store: str | os.PathLike[str] | None = None,
-    client: Any = None,
     time_limit: float | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Survey:
@@ -96,17 +90,12 @@ def survey(
         base: base link of all; default: chosen for each, as ``urdf_ik.load`` does.
         tip: tip link of all; likewise.
         mesh_roots: folders in which meshes and ROS packages are looked for.
-        store: folder to keep each arm's report in: killed, the same call goes on where it stopped.
-        client: a ``distributed.Client`` whose workers check the arms of a store, one a task; they read the same paths.
-        time_limit: s after which no more is checked; what was left out did not pass. With a store every arm is checked
-            to its end, and the same call goes on.
+        time_limit: s after which no more is checked; what was left out did not pass.
         progress: called with the number of arms behind us, and of all.
 
     Raises:
-        ArgumentError: a number that makes no sense, or a client without a store.
+        ArgumentError: a number that makes no sense.
         UrdfError: the folder holds no URDF.
-        JobError: the store is in use, is of another question, or cannot be written.
-        JobError: a scheduler or workers that cannot do the work.
 
     Example:
         >>> from urdf_ik.model import catalogue
@@ -132,8 +121,6 @@ def survey(
     inputs.whole(seed, "seed", high=2**64)
     if complete and collision is not None:
         raise ArgumentError("complete=True compares solutions and nothing else; leave collision out")
-    if store is None and client is not None:
-        raise ArgumentError("client is for surveys in a store; give store='survey', too")
     if not paths:
         raise ArgumentError("no file given; one or more are needed")
     names = tuple(str(path if root is None else path.relative_to(root)) for path in paths)
@@ -142,29 +129,11 @@ def survey(
         tuple(map(os.path.abspath, folders)),
     )  # fmt: skip
     question = job.described()
-    if store is None:
-        arms: list[Checked] = []
-        while len(arms) < len(paths) and not watch.is_over:
-            arms.append(job.checked(len(arms), watch.left))
-            watch.step(len(arms), len(paths))
-        return Survey(question, tuple(arms), _left_out(len(arms), len(paths), watch))
-
-    def tick(done: int, total: int) -> None:
-        watch.step(done, total)
-        if done < total:
-            watch.check()
-
-    with Folder(store, question, len(paths)) as kept:
-        try:
-            run(job, kept, client=client, progress=tick)
-        except TimeIsUp:
-            done = sorted(set(range(len(paths))) - set(kept.pending()))
-        else:
-            kept.finish()
-            done = list(range(len(paths)))
-    folder = Path(store)
-    checked = tuple(_kept(folder / _place(chunk)) for chunk in done)
-    return Survey(question, checked, _left_out(len(checked), len(paths), watch))
+    arms: list[Checked] = []
+    while len(arms) < len(paths) and not watch.is_over:
+        arms.append(job.checked(len(arms), watch.left))
+        watch.step(len(arms), len(paths))
+    return Survey(question, tuple(arms), _left_out(len(arms), len(paths), watch))
 
 
 @dataclass(frozen=True)
@@ -193,12 +162,8 @@ class Checking:
     tip: str | None
     mesh_roots: tuple[str, ...]
 
-    def __call__(self, chunk: int) -> Mapping[str, bytes]:
-        """The file of an arm."""
-        return {_place(chunk): json_text(asdict(self.checked(chunk))).encode()}
-
     def described(self) -> dict[str, Any]:
-        """All that the reports depend on, but for the meshes, for a store."""
+        """All that the reports depend on, but for the meshes."""
         asked = {name: value for name, value in asdict(self).items() if name not in ("paths", "names", "mesh_roots")}
         return {
             "format": FORMAT,
@@ -266,18 +231,6 @@ def _worst(found: Report) -> str:
         if row.name == "solutions, position":
             return f"{row.worst:.1e} {row.unit}"
     return ""
-
-
-def _place(chunk: int) -> str:
-    return f"arms/{chunk:06}.json"
-
-
-def _kept(file: Path) -> Checked:
-    """A report that stands in a store."""
-    try:
-        return Checked(**json.loads(files_guard.read(file, JobError)))
-    except (TypeError, ValueError) as error:
-        raise JobError(f"{files_guard.name_of(file)} is damaged: {printable(error, 200)}") from None
 
 
 def _digest(path: str) -> str | None:

@@ -110,10 +110,9 @@ def command(
         region = workspaces.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles_of(arm, degrees)), None)
         return
-    found: workspaces.WorkspaceMap | workspaces.StoredMap
     with work.client() as client, Progress("solving poses", "solving") as progress:
         if work.store is not None:
-            found = workspaces.workspace(arm, **given, store=work.store, client=client, progress=progress.tick)
+            found = workspaces.stored_workspace(arm, work.store, **given, client=client, progress=progress.tick)
         else:
             found = workspaces.workspace(arm, **given, output=output, progress=progress.tick)
     console.write(_map_json(found) if as_json else _map_text(found, output or work.store), None)
@@ -173,7 +172,7 @@ def _region_json(region: workspaces.PlanarWorkspace) -> str:
     )
 
 
-def _map_text(found: workspaces.WorkspaceMap | workspaces.StoredMap, place: Path | None) -> str:
+def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
     about, unit = found.about, "m2" if found.about.task.startswith("planar") else "m3"
     totals, cell = found.totals(), found.about.cell(found.grid.voxel)
     volume, dexterous = totals.reached_voxels * cell, totals.dexterous_voxels * cell
@@ -196,7 +195,7 @@ def _map_text(found: workspaces.WorkspaceMap | workspaces.StoredMap, place: Path
     return tables.render(*lines, "", table)
 
 
-def _map_json(found: workspaces.WorkspaceMap | workspaces.StoredMap) -> str:
+def _map_json(found: workspaces.WorkspaceMap) -> str:
     about, totals, cell = found.about, found.totals(), found.about.cell(found.grid.voxel)
     return console.json_text(
         {

@@ -147,20 +147,19 @@ def _of_pose(arm: Arm, target: Target, picture: Picture, shapes: bool, degrees: 
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, layer: Layer) -> Figure:
     from urdf_ik.maps import workspaces
-    from urdf_ik.maps.workspaces.grid import AXES, grid_of
-    from urdf_ik.maps.workspaces.question import require_map_of
+    from urdf_ik.maps.grid import AXES
     from urdf_ik.show import plot
     from urdf_ik.show.plot.slider_panel import is_two_links
 
     if layer.map is not None:
         found = workspaces.opened(layer.map)
-        require_map_of(found.about, arm)
+        workspaces.require_map_of(found.about, arm)
         return plot.workspace_slice(found, layer.axis, layer.at, layer.show.value)
     if is_two_links(arm):
         return plot.planar_workspace(workspaces.planar(arm), q)
     if layer.axis not in tuple(AXES):
         raise console.usage(f"no axis is called {quoted(layer.axis)}; there are x, y and z", "--axis")
-    grid = grid_of(arm, arm.chain.size / 30.0, None)
+    grid = workspaces.grid_of(arm, arm.chain.size / 30.0, None)
     k = AXES.index(layer.axis)
     if not grid.lower[k] <= layer.at <= grid.upper[k]:
         raise console.usage(
