@@ -55,25 +55,25 @@ class ArmShapes:
     def __init__(self, reference: Reference, chain: Chain, shapes: Any) -> None:
         self.reference, self.geometry = reference, shapes
         frames, objects = reference.pin_model.frames, shapes.geometryObjects
-        self.links = [frames[each.parentFrame].name for each in objects]
+        self.links = [frames[body.parentFrame].name for body in objects]
         # Pinocchio's placement of a shape is relative to the movable joint that carries the link.
-        self.offsets = [frames[each.parentFrame].placement.actInv(each.placement) for each in objects]
-        self.solids = [coal_shapes.solid(each.geometry) for each in objects]
-        one = [coal_shapes.one_ball(each.geometry) for each in objects]
-        several = [coal_shapes.covering_balls(each.geometry) for each in objects]
+        self.offsets = [frames[body.parentFrame].placement.actInv(body.placement) for body in objects]
+        self.solids = [coal_shapes.solid(body.geometry) for body in objects]
+        single = [coal_shapes.one_ball(body.geometry) for body in objects]
+        several = [coal_shapes.covering_balls(body.geometry) for body in objects]
         self.ball_centres = np.array(
-            [offset.act(centre) for offset, (centre, _) in zip(self.offsets, one, strict=True)]
+            [offset.act(centre) for offset, (centre, _) in zip(self.offsets, single, strict=True)]
         )
         covering = [[offset.act(c) for c in balls] for offset, (balls, _) in zip(self.offsets, several, strict=True)]
         self.bodies = Bodies(
             chain,
             self.links,
-            (self.ball_centres, np.array([radius for _, radius in one])),
+            (self.ball_centres, np.array([radius for _, radius in single])),
             (np.array(covering), np.array([radii for _, radii in several])),
         )
 
 
-class Placing(NamedTuple):
+class _Placing(NamedTuple):
     """Where everything is.
 
     Attributes:
@@ -156,14 +156,14 @@ class LinkCheck:
         self._work = _Work(arm.reference.pin_model, shapes)
         self._base = arm.reference.pin_model.frames[arm.reference.base_frame]
 
-    def place(self, q: Array) -> Placing:
+    def place(self, q: Array) -> _Placing:
         """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
         work, reference = self._work, self.arm.reference
         configuration = reference.configuration(q)
         pin.updateGeometryPlacements(reference.pin_model, work.data, self._model, work.geometry, configuration)
-        return Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement, {}, {})
+        return _Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement, {}, {})
 
-    def place_at(self, link_poses: Mapping[str, Array]) -> Placing:
+    def place_at(self, link_poses: Mapping[str, Array]) -> _Placing:
         """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
         shapes = self._work.geometry
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
@@ -171,7 +171,7 @@ class LinkCheck:
             shapes.oMg[i] = se3[link] * offset
         for i, hull in self._hull_of:
             shapes.oMg[hull] = shapes.oMg[i]
-        return Placing(shapes, se3.get(self.arm.reference.base), {}, {})
+        return _Placing(shapes, se3.get(self.arm.reference.base), {}, {})
 
     @property
     def request(self) -> Any:
@@ -182,7 +182,7 @@ class LinkCheck:
         """Whether one of the shapes of a pair has a hull."""
         return self._hulls[pair] >= 0
 
-    def touches(self, placing: Placing, pair: int, margin: float = 0.0) -> bool:
+    def touches(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
         """Whether the distance of a pair of links is within a margin [m]; its convex hulls are checked first."""
         request, hulls = self._work.request, self._hulls[pair]
         request.security_margin = margin
@@ -190,7 +190,7 @@ class LinkCheck:
             return False
         return bool(pin.computeCollision(self._model, placing.shapes, pair, request))
 
-    def distance(self, placing: Placing, pair: int, hulls: bool) -> float:
+    def distance(self, placing: _Placing, pair: int, hulls: bool) -> float:
         """Distance of a pair of links [m], or of its hulls, which is a lower bound; zero or less in collision."""
         number = self._hulls[pair] if hulls else pair
         return float(pin.computeDistance(self._model, placing.shapes, number).min_distance)
@@ -247,7 +247,7 @@ class CoalCheck:
         shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
         return shape, self.index.standing(slot).serial, slot
 
-    def touches(self, placing: Placing, pair: int, margin: float = 0.0) -> bool:
+    def touches(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
         """Whether the distance of a pair is within a margin [m]; its convex hulls are checked first."""
         if pair < self.bounds.among_links:
             return self.links.touches(placing, pair, margin)
@@ -258,7 +258,7 @@ class CoalCheck:
                 return False
         return True
 
-    def distance(self, placing: Placing, pair: int, hulls: bool = False) -> float:
+    def distance(self, placing: _Placing, pair: int, hulls: bool = False) -> float:
         """Distance of a pair [m], or of its hulls, which is a lower bound; zero or less in collision."""
         if pair < self.bounds.among_links:
             return self.links.distance(placing, pair, hulls)
@@ -276,7 +276,7 @@ class CoalCheck:
 
     def nearest(
         self,
-        placing: Placing,
+        placing: _Placing,
         pairs: Sequence[int],
         least: Sequence[float],
         known: dict[tuple[int, bool], float] | None = None,
@@ -307,8 +307,8 @@ class CoalCheck:
                 break
             if not of_hulls and self.has_hulls(pair):
                 heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, rank, pair))
-            elif (found := max(distance(pair, False), 0.0)) < best:
-                best, nearest = found, pair
+            elif (distance_of_pair := max(distance(pair, False), 0.0)) < best:
+                best, nearest = distance_of_pair, pair
         return nearest, best
 
     def nearest_of_each(self, q: Array) -> Iterator[tuple[int | None, float]]:
@@ -348,7 +348,7 @@ class CoalCheck:
             limits = [*among_links.tolist(), *least[own].tolist()]
             yield self.nearest(self.links.place(q[i]), pairs, limits, known[i])
 
-    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], Placing]:
+    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], _Placing]:
         """Pairs that may touch, or may be the nearest, with every link at a given pose (4, 4).
 
         Returns:
@@ -365,9 +365,9 @@ class CoalCheck:
             if not touching:
                 _, likely = self._likely(centres)
                 limit = self.nearest(placing, [*pairs, *likely.tolist()], [*least, *[-np.inf] * len(likely)])[1]
-            row, found, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
-            pairs += found.tolist()
-            least += (bounds.least(centres, row, found) - QUERY_ERROR).tolist()
+            row, near_pairs, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
+            pairs += near_pairs.tolist()
+            least += (bounds.least(centres, row, near_pairs) - QUERY_ERROR).tolist()
         return pairs, least, placing
 
     def _likely(self, centres: Array) -> tuple[Indices, Indices]:
@@ -381,22 +381,25 @@ class CoalCheck:
             lost = np.setdiff1d(np.arange(len(centres)), row)
             if not len(lost):
                 break
-            more, found, _ = self.bounds.near(centres[lost], np.full((len(lost), centres.shape[1]), reach))
-            row, pair = np.concatenate([row, lost[more]]), np.concatenate([pair, found])
+            more, near_pairs, _ = self.bounds.near(centres[lost], np.full((len(lost), centres.shape[1]), reach))
+            row, pair = np.concatenate([row, lost[more]]), np.concatenate([pair, near_pairs])
             reach *= 4.0
         return row, pair
 
-    def _solids(self, placing: Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
+    def _solids(self, placing: _Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
         """Coal's geometries of a link and an obstacle, the obstacle's inflation [m], and the poses of both.
 
         The convex hulls come first, if there are any, then the shapes.
         """
         shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
-        one, other = self.links.arm.solids[shape], self.index.solid(slot)
+        link_solid, obstacle_solid = self.links.arm.solids[shape], self.index.solid(slot)
         obstacle = self.index.standing(slot)
         transforms = placing.link(shape), placing.obstacle(obstacle)
         grown = obstacle.shape.inflation
-        if one.hull is not None or other.hull is not None:
-            hulls = one.exact if one.hull is None else one.hull, other.exact if other.hull is None else other.hull
+        if link_solid.hull is not None or obstacle_solid.hull is not None:
+            hulls = (
+                link_solid.exact if link_solid.hull is None else link_solid.hull,
+                obstacle_solid.exact if obstacle_solid.hull is None else obstacle_solid.hull,
+            )
             yield *hulls, grown, transforms
-        yield one.exact, other.exact, grown, transforms
+        yield link_solid.exact, obstacle_solid.exact, grown, transforms

@@ -38,7 +38,7 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     Raises:
         UrdfError: there is no collision shape, or not all of them can be read: a check would call free what is not.
     """
-    if broken := [each.error for each in model.warnings if each.collides]:
+    if broken := [warning.error for warning in model.warnings if warning.collides]:
         raise broken[0]
     tree = etree.fromstring(model.xml)
     for mesh in tree.iterfind("link/collision/geometry/mesh"):
@@ -74,7 +74,7 @@ def why_unreadable(model: UrdfModel) -> str:
             missing.add(mesh.get("filename"))
     if missing:
         return f"{len(missing)} mesh{'es' if len(missing) > 1 else ''} missing"
-    bare = tree.find("link/collision") is None and not any(each.collides for each in model.warnings)
+    bare = tree.find("link/collision") is None and not any(warning.collides for warning in model.warnings)
     return "no collision shapes" if bare else "a collision shape cannot be read"
 
 
@@ -107,12 +107,12 @@ def covering_balls(geometry: Any) -> tuple[Array, Array]:
     middle = corners.mean(axis=1)[:, side]
     slices = np.clip(((middle - low[side]) / ((high - low)[side] or 1.0) * BALLS).astype(int), 0, BALLS - 1)
     for i in range(BALLS):
-        held = corners[slices == i].reshape(-1, 3)
-        if not len(held):
+        slice_corners = corners[slices == i].reshape(-1, 3)
+        if not len(slice_corners):
             centres[i], radii[i] = centres[0], radii[0]
             continue
-        centres[i] = 0.5 * (held.min(axis=0) + held.max(axis=0))
-        radii[i] = np.linalg.norm(held - centres[i], axis=1).max()
+        centres[i] = 0.5 * (slice_corners.min(axis=0) + slice_corners.max(axis=0))
+        radii[i] = np.linalg.norm(slice_corners - centres[i], axis=1).max()
     return centres, radii
 
 
@@ -124,15 +124,15 @@ def hull(geometry: Any) -> Any:
 
     vertices = np.array(geometry.vertices())
     try:
-        found = spatial.ConvexHull(vertices, qhull_options="Qt Pp")
+        convex = spatial.ConvexHull(vertices, qhull_options="Qt Pp")
     except spatial.QhullError:
         return None
-    corners = vertices[found.vertices]
+    corners = vertices[convex.vertices]
     place = np.zeros(len(vertices), dtype=np.intp)
-    place[found.vertices] = np.arange(len(corners))
-    faces = place[found.simplices]
+    place[convex.vertices] = np.arange(len(corners))
+    faces = place[convex.simplices]
     a, b, c = (corners[faces[:, i]] for i in range(3))
-    inwards = np.einsum("ti,ti->t", np.cross(b - a, c - a), found.equations[:, :3]) < 0.0
+    inwards = np.einsum("ti,ti->t", np.cross(b - a, c - a), convex.equations[:, :3]) < 0.0
     faces[inwards] = faces[inwards, ::-1]
     points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     for corner in corners:
@@ -159,7 +159,7 @@ def solid(exact: Any) -> Solid:
     return Solid(exact, hull(exact))
 
 
-class RoundedBox(NamedTuple):
+class _RoundedBox(NamedTuple):
     """All points within ``radius`` of a box, which may be infinite on some sides: holds a shape, closely or exactly.
 
     Attributes:
@@ -175,27 +175,27 @@ class RoundedBox(NamedTuple):
     radius: float
 
 
-def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
+def rounded_box(shape: Shape, geometry: Any) -> _RoundedBox:
     """The rounded box that encloses a shape: exact for boxes, spheres, capsules and half-spaces."""
     match shape:
         case Sphere(radius):
-            return RoundedBox(np.eye(4), np.zeros(3), np.zeros(3), radius)
+            return _RoundedBox(np.eye(4), np.zeros(3), np.zeros(3), radius)
         case Capsule(radius, length):
             end = np.array([0.0, 0.0, 0.5 * length])
-            return RoundedBox(np.eye(4), -end, end, radius)
+            return _RoundedBox(np.eye(4), -end, end, radius)
         case HalfSpace(normal, offset):
             frame = np.eye(4)
             # Any orthonormal axes whose z is the normal.
             frame[:3, :3] = np.roll(np.linalg.svd(np.array(normal)[:, None])[0], -1, axis=1)
             frame[:3, 2] = normal
             infinite = np.full(3, np.inf)
-            return RoundedBox(frame, -infinite, np.array([np.inf, np.inf, offset]), 0.0)
+            return _RoundedBox(frame, -infinite, np.array([np.inf, np.inf, offset]), 0.0)
     geometry.computeLocalAABB()
     box = geometry.aabb_local
-    return RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
+    return _RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
 
 
-class Pieces:
+class _Pieces:
     """A shape of a world, cut into pieces where it is a large cloud or mesh. Coal's trees are made when needed.
 
     Attributes:
@@ -267,14 +267,14 @@ def surface(vertices: Array, triangles: NDArray[np.intp]) -> Any:
 
 def _triangles(mesh: Any) -> NDArray[np.intp]:
     """(t, 3) vertices of the triangles of a mesh of coal's."""
-    numbers = (each[corner] for each in map(mesh.tri_indices, range(mesh.num_tris)) for corner in range(3))
+    numbers = (triangle[corner] for triangle in map(mesh.tri_indices, range(mesh.num_tris)) for corner in range(3))
     return np.fromiter(numbers, np.intp, 3 * mesh.num_tris).reshape(-1, 3)
 
 
-_PIECES: dict[int, tuple[weakref.ref[Shape], Pieces]] = {}
+_PIECES: dict[int, tuple[weakref.ref[Shape], _Pieces]] = {}
 
 
-def pieces_of(shape: Shape) -> Pieces:
+def pieces_of(shape: Shape) -> _Pieces:
     """The pieces of a shape, made once and kept as long as the shape is.
 
     Raises:
@@ -282,7 +282,7 @@ def pieces_of(shape: Shape) -> Pieces:
     """
     key = id(shape)
     if key not in _PIECES:
-        pieces = Pieces(shape)
+        pieces = _Pieces(shape)
         _PIECES[key] = weakref.ref(shape, lambda _: _PIECES.pop(key, None)), pieces
         return pieces
     return _PIECES[key][1]

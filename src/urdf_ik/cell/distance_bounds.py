@@ -224,8 +224,8 @@ class DistanceBounds:
         self._first, self._second = pairs[:, 0], pairs[:, 1]
         self.among_links = len(pairs)
         self._moving = np.array(moving, dtype=np.intp)
-        self._excepted = np.array(sorted(self.number(*each) for each in excepted), dtype=np.intp)
-        self._added = np.array(sorted(self.number(*each) for each in added), dtype=np.intp)
+        self._excepted = np.array(sorted(self.number(*pair) for pair in excepted), dtype=np.intp)
+        self._added = np.array(sorted(self.number(*pair) for pair in added), dtype=np.intp)
         ones, others = bodies.path[self._first], bodies.path[self._second]
         # Joints (A, J) that move a pair's first shape against its second, and its second against its first.
         self._moves_first = (ones & ~others).astype(np.float64)
@@ -303,7 +303,7 @@ class DistanceBounds:
         return out
 
     def links_in_reach(
-        self, placed: Placed, reaches: Array, margin: float, asked: NDArray[np.bool_]
+        self, placed: Placed, reaches: Array, margin: float, wanted: NDArray[np.bool_]
     ) -> tuple[NDArray[np.bool_], Array]:
         """Which links may come within a margin on a motion through the poses ``placed``, and how much closer at most.
 
@@ -315,7 +315,7 @@ class DistanceBounds:
             placed: the bodies in the middle of k motions.
             reaches: (k, S, m, J) m; see :meth:`Bodies.reaches`.
             margin: m.
-            asked: (k, A) pairs to look at.
+            wanted: (k, A) pairs to look at.
 
         Returns:
             (k, A) which pairs; (k, A) m, by which the parts of them that are in question come closer at most.
@@ -323,7 +323,7 @@ class DistanceBounds:
         most = reaches.max(axis=2)
         closer: Array = np.einsum("kpj,pj->kp", most[:, self._first], self._moves_first)
         closer += np.einsum("kpj,pj->kp", most[:, self._second], self._moves_second)
-        out: NDArray[np.bool_] = (self.links_least(placed) <= margin + closer) & asked
+        out: NDArray[np.bool_] = (self.links_least(placed) <= margin + closer) & wanted
         rows, pairs = np.nonzero(out)
         ones = reaches[rows, self._first[pairs]] @ self._moves_first[pairs][..., None]
         others = reaches[rows, self._second[pairs]] @ self._moves_second[pairs][..., None]
@@ -354,11 +354,11 @@ class DistanceBounds:
         if len(moving) and self._index.count:
             of_row = np.repeat(np.arange(k), len(moving))
             radii = np.maximum(self._bodies.ball_radii[moving] + extra[:, moving], 0.0).reshape(-1)
-            found = self._index.near(centres[:, moving].reshape(-1, 3), radii, of_row, most)
+            near_pieces = self._index.near(centres[:, moving].reshape(-1, 3), radii, of_row, most)
             if most is not None:
-                crowded = found.crowded
-            at, shape = np.divmod(found.point, len(moving))
-            row, pair = at, self.among_links + moving[shape] * self._index.count + found.box
+                crowded = near_pieces.crowded
+            near_row, shape = np.divmod(near_pieces.point, len(moving))
+            row, pair = near_row, self.among_links + moving[shape] * self._index.count + near_pieces.box
             kept = ~crowded[row]
             if len(self._excepted):
                 kept &= ~np.isin(pair, self._excepted)
@@ -411,7 +411,7 @@ class DistanceBounds:
         placed: Placed,
         reaches: Array,
         margin: float,
-        given: tuple[Indices, Indices],
+        listed_pairs: tuple[Indices, Indices],
         listed: NDArray[np.bool_],
         may_be_crowded: float,
     ) -> Open:
@@ -421,7 +421,7 @@ class DistanceBounds:
             placed: the bodies in the middle of k motions.
             reaches: (k, S, m, J) m.
             margin: m.
-            given: rows and pairs to look at, in rows that are listed.
+            listed_pairs: rows and pairs to look at, in rows that are listed.
             listed: (k,) bool: of the other rows all pairs are looked at.
             may_be_crowded: m; rows that may come closer by more may be left crowded.
         """
@@ -430,7 +430,7 @@ class DistanceBounds:
             return Open(none, none, np.zeros(0), np.zeros(len(listed), dtype=np.bool_))
         both = reaches.sum(axis=3)  # (k, S, m): obstacles stand still, and only joints before the shape count
         most = both.max(axis=2)
-        rows, pairs = given
+        rows, pairs = listed_pairs
         shapes, _ = self.split(pairs)
         kept = self.least(placed.centres, rows, pairs) <= margin + most[rows, shapes]
         rows, pairs = rows[kept], pairs[kept]

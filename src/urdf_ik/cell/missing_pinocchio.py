@@ -30,7 +30,7 @@ def needed(what: str) -> MissingPackage:
 
 
 class _Unchecked:
-    """What stands for the collision model: it has no shapes, and anything asked of it is an error."""
+    """Replaces the collision model: it has no shapes, and every query raises MissingPackage."""
 
     has_geometry, is_changed, missing, unchecked = False, False, UNCHECKED, UNCHECKED
 
@@ -47,5 +47,5 @@ class _Unchecked:
 
 
 def unchecked() -> Any:
-    """What stands for the collision model of an arm."""
+    """A replacement of an arm's collision model."""
     return _Unchecked()

@@ -49,7 +49,7 @@ obstacles of its part of the index.
 
 
 class Standing(NamedTuple):
-    """An obstacle as it stands.
+    """An obstacle in its present place.
 
     Attributes:
         name: unique in its world.
@@ -114,8 +114,8 @@ class ObstacleIndex:
             names: each of these obstacles as it is now; None: it was removed.
             every: all obstacles as they are now, looked at where a new tree is due.
         """
-        now = [each for each in names.values() if each is not None]
-        stay = [each for each in self._loose.entries if each.name not in names]
+        now = [obstacle for obstacle in names.values() if obstacle is not None]
+        stay = [obstacle for obstacle in self._loose.entries if obstacle.name not in names]
         most = max(FEW, 4 * math.isqrt(len(self._fixed.holds)))
         gone = [self._fixed.slots[name] for name in names if name in self._fixed.slots]
         absent = int(np.count_nonzero(~self._present)) + sum(end - first for first, end in gone)
@@ -152,13 +152,13 @@ class ObstacleIndex:
 
     def solid(self, slot: int) -> Any:
         """Coal's geometry of the piece in a slot."""
-        found = self._solids.get(slot)
-        if found is None:
+        solid = self._solids.get(slot)
+        if solid is None:
             from urdf_ik.cell.coal_shapes import pieces_of
 
             part, at = self._at(slot)
-            found = self._solids[slot] = pieces_of(self.standing(slot).shape).solid(int(part.holds["piece"][at]))
-        return found
+            solid = self._solids[slot] = pieces_of(self.standing(slot).shape).solid(int(part.holds["piece"][at]))
+        return solid
 
     @cached_property
     def clouds(self) -> list[tuple[Standing, range, DistanceField]]:
@@ -166,11 +166,12 @@ class ObstacleIndex:
         from urdf_ik.cell.coal_shapes import pieces_of
 
         # One that was moved is in the list, and still in the tree where it stood.
-        there = [each for each in self._fixed.clouds if self._present[self._fixed.slots[each.name][0]]]
-        found = [
-            (each, self.slots_of(each.name), pieces_of(each.shape).field) for each in (*there, *self._loose.clouds)
+        there = [obstacle for obstacle in self._fixed.clouds if self._present[self._fixed.slots[obstacle.name][0]]]
+        clouds = [
+            (obstacle, self.slots_of(obstacle.name), pieces_of(obstacle.shape).field)
+            for obstacle in (*there, *self._loose.clouds)
         ]
-        return [(each, slots, field) for each, slots, field in found if field is not None]
+        return [(obstacle, slots, field) for obstacle, slots, field in clouds if field is not None]
 
     def slots_of(self, name: str) -> range:
         """The slots of an obstacle's pieces, empty where there is no such obstacle."""
@@ -184,7 +185,9 @@ class ObstacleIndex:
     def names(self) -> list[str]:
         """Names of all obstacles, in the order of their addition."""
         there = [self._fixed.entries[e] for e in np.unique(self._fixed.holds["entry"][self._present])]
-        return [each.name for each in sorted([*there, *self._loose.entries], key=lambda each: each.serial)]
+        return [
+            obstacle.name for obstacle in sorted([*there, *self._loose.entries], key=lambda obstacle: obstacle.serial)
+        ]
 
     def near(self, points: Array, radii: Array, row: Indices, most: Indices | None = None) -> Found:
         """Slots of the pieces whose axis-aligned boxes lie within ``radii`` (p,) m of points (p, 3).
@@ -199,9 +202,9 @@ class ObstacleIndex:
         crowded = np.zeros(0 if most is None else len(most), dtype=np.bool_)
         point = slot = np.zeros(0, dtype=np.intp)
         if self._tree is not None:
-            found = self._tree.within(points, radii, row, most)
-            there = self._present[found.box]
-            point, slot, crowded = found.point[there], found.box[there], found.crowded
+            near_boxes = self._tree.within(points, radii, row, most)
+            there = self._present[near_boxes.box]
+            point, slot, crowded = near_boxes.point[there], near_boxes.box[there], near_boxes.crowded
         if len(self._loose.holds):
             gaps = self._loose_gaps(points)
             near = radii + SLACK * (1.0 + radii + np.abs(points).max(axis=1, initial=0.0))
@@ -211,13 +214,13 @@ class ObstacleIndex:
 
     def nearby(self, points: Array) -> tuple[Indices, Indices]:
         """Pairs of a point and a slot near it, mostly the nearest: at most two for each of the points (p, 3)."""
-        each = np.arange(len(points))
+        rows = np.arange(len(points))
         point = slot = np.zeros(0, dtype=np.intp)
         if self._tree is not None:
             slot = self._tree.nearby(points, self._present)
-            point, slot = each[slot >= 0], slot[slot >= 0]
+            point, slot = rows[slot >= 0], slot[slot >= 0]
         if len(self._loose.holds):
-            point = np.concatenate([point, each])
+            point = np.concatenate([point, rows])
             slot = np.concatenate([slot, self._loose_gaps(points).argmin(axis=1) + len(self._fixed.holds)])
         return point, slot
 
@@ -253,7 +256,7 @@ def index_of(every: Iterable[Standing]) -> ObstacleIndex:
     finite = np.isfinite(whole.holds["box_low"]).all(axis=1) & np.isfinite(whole.holds["box_high"]).all(axis=1)
     if not finite.all():
         infinite = set(whole.holds["entry"][~finite].tolist())
-        rest = [each for e, each in enumerate(whole.entries) if e not in infinite]
+        rest = [obstacle for e, obstacle in enumerate(whole.entries) if e not in infinite]
         none = _part([whole.entries[e] for e in sorted(infinite)])
         whole = _numbered(rest, whole.holds[finite])
         if not len(whole.holds):
@@ -268,9 +271,9 @@ def _part(entries: list[Standing]) -> _Part:
 
     out = np.empty(len(entries), dtype=HOLD)
     if entries:
-        out["serial"] = [each.serial for each in entries]
+        out["serial"] = [obstacle.serial for obstacle in entries]
     out["entry"], out["piece"] = np.arange(len(entries)), 0
-    shapes = [each.shape for each in entries]
+    shapes = [obstacle.shape for obstacle in entries]
     own: dict[int, Any] = {}
     half = np.zeros((len(entries), 3))
     radius = np.zeros(len(entries))
@@ -288,7 +291,7 @@ def _part(entries: list[Standing]) -> _Part:
                 own[i] = pieces_of(shape)
     half *= 0.5
     out["low"], out["high"], out["radius"] = -half, half, radius
-    poses = np.array([each.pose for each in entries]).reshape(-1, 4, 4)
+    poses = np.array([obstacle.pose for obstacle in entries]).reshape(-1, 4, 4)
     if own:
         counts = np.ones(len(entries), dtype=np.intp)
         counts[list(own)] = [pieces.count for pieces in own.values()]
@@ -301,7 +304,7 @@ def _part(entries: list[Standing]) -> _Part:
             poses[piece] = poses[piece] @ pieces.frame
     _place(out, poses)
     if not own:
-        return _Part(entries, out, {each.name: (i, i + 1) for i, each in enumerate(entries)}, [])
+        return _Part(entries, out, {obstacle.name: (i, i + 1) for i, obstacle in enumerate(entries)}, [])
     return _numbered(entries, out)
 
 
@@ -325,9 +328,9 @@ def _numbered(entries: list[Standing], holds: NDArray[np.void]) -> _Part:
     _, number = np.unique(holds["entry"], return_inverse=True)
     holds["entry"] = number
     first = np.searchsorted(number, np.arange(len(entries) + 1)).tolist()
-    names = [each.name for each in entries]
+    names = [obstacle.name for obstacle in entries]
     slots = dict(zip(names, zip(first[:-1], first[1:], strict=True), strict=True))
-    return _Part(entries, holds, slots, [each for each in entries if isinstance(each.shape, Points)])
+    return _Part(entries, holds, slots, [obstacle for obstacle in entries if isinstance(obstacle.shape, Points)])
 
 
 def _joined(one: _Part, other: _Part) -> _Part:

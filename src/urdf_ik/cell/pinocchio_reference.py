@@ -104,9 +104,9 @@ class Reference:
 
         by_name = {joint.name: joint for joint in model.joints}
         followed = {name: _followed(by_name, joint) for name, joint in by_name.items()}
-        path, held = self._path(), dict(locked or {})
+        path, locked_values = self._path(), dict(locked or {})
         drivers = dict.fromkeys(followed[name][0] for name in path if abs(followed[name][1]) > STILL)
-        self.joint_names = tuple(name for name in drivers if name not in held)
+        self.joint_names = tuple(name for name in drivers if name not in locked_values)
         for name in self.joint_names:
             joint = self._joint(name)
             if joint.nv != 1:
@@ -117,7 +117,7 @@ class Reference:
         for name in self.pin_model.names[1:]:
             joint = self._joint(name)
             driver, multiplier, offset = followed[name]
-            offset += multiplier * held.get(driver, 0.0)
+            offset += multiplier * locked_values.get(driver, 0.0)
             # A joint that Pinocchio treats as a mimic has no own entry in the configuration.
             if joint.nq and joint.nv == 1 and (driver in column or offset):
                 place = column.get(driver)
@@ -131,8 +131,9 @@ class Reference:
         self.prismatic = np.array([kind.startswith("JointModelP") for kind in kinds], dtype=np.bool_)
         self.limits = self._limits()
         for row, name in zip(self.limits, self.joint_names, strict=True):
-            _tighten(row, [(each, *followed[each.name][1:]) for each in model.joints
-                           if each.name in path and each.name != name and followed[each.name][0] == name])  # fmt: skip
+            others = [joint for joint in model.joints if joint.name in path and joint.name != name]
+            followers = [joint for joint in others if followed[joint.name][0] == name]
+            _tighten(row, [(joint, *followed[joint.name][1:]) for joint in followers])
         self.ranges = self._ranges()
         self.size = self._size()
         for array in (self._spread, self.prismatic, self.limits, self.ranges):

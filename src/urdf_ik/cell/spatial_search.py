@@ -102,7 +102,7 @@ class BoxTree:
     def nearby(self, points: Array, present: NDArray[np.bool_]) -> Indices:
         """(p,) a ``present`` (n,) box near each point (p, 3), mostly the nearest; -1 where none was found."""
         node = np.zeros(len(points), dtype=np.intp)
-        each = np.arange(len(points))
+        rows = np.arange(len(points))
         for low, high in reversed(self._levels[1:]):
             gaps = _squared_gaps(points, low[node], high[node])
             node = node * FANOUT + gaps.argmin(axis=1)
@@ -110,7 +110,7 @@ class BoxTree:
         boxes = self._order[np.minimum(node[:, None] * FANOUT + np.arange(FANOUT), self.size - 1)]
         gaps[~present[boxes]] = np.inf
         best = gaps.argmin(axis=1)
-        return np.where(np.isfinite(gaps[each, best]), boxes[each, best], -1)
+        return np.where(np.isfinite(gaps[rows, best]), boxes[rows, best], -1)
 
 
 def _squared_gaps(points: Array, low: Array, high: Array) -> Array:

@@ -71,8 +71,8 @@ class Motions:
         """These motions at ``places`` (k,), and between them motions that are not free."""
         free, share = np.zeros(len(places), dtype=np.bool_), np.full(len(places), np.nan)
         free[places], share[places] = self.free, self.share
-        each = iter(self.pairs)
-        return Motions(free, share, [next(each) if there else None for there in places])
+        remaining = iter(self.pairs)
+        return Motions(free, share, [next(remaining) if there else None for there in places])
 
     def __bool__(self) -> bool:
         if self.free.ndim:
@@ -170,23 +170,23 @@ def _halved(
     q = q0[motion] + middle[:, None] * way
     travel = half[:, None] * np.abs(way)
     rest = np.zeros(len(motion), dtype=np.bool_)
-    found: list[tuple[NDArray[np.intp], NDArray[np.intp]]] = []
+    open_pairs: list[tuple[NDArray[np.intp], NDArray[np.intp]]] = []
     for part, placed in check.bounds.chunks(q):
         reaches = check.bounds.reaches(placed, travel[part])
         links, links_closer = check.bounds.links_in_reach(placed, reaches, margin, pieces.links[part])
         mine = slice(*np.searchsorted(pieces.piece, [part.start, part.start + len(links)]))
-        given = pieces.piece[mine] - part.start, pieces.pair[mine]
-        world = check.bounds.in_reach(placed, reaches, margin, given, pieces.listed[part], STRIDE)
+        listed_pairs = pieces.piece[mine] - part.start, pieces.pair[mine]
+        world = check.bounds.in_reach(placed, reaches, margin, listed_pairs, pieces.listed[part], STRIDE)
         farthest = np.where(links, links_closer, 0.0).max(axis=1, initial=0.0)
         np.maximum.at(farthest, world.row, world.closer)
         farthest[world.crowded] = np.inf
         rest[part] = links.any(axis=1) | world.crowded
         rest[part.start + world.row] = True
         still = np.ones(len(world.row), dtype=np.bool_)
-        asked = rest[part] & (farthest <= STRIDE)
+        checked = rest[part] & (farthest <= STRIDE)
         order = np.argsort(world.row, kind="stable")
         ends = np.searchsorted(world.row[order], np.arange(len(links) + 1)).tolist()
-        for row in np.flatnonzero(asked).tolist():
+        for row in np.flatnonzero(checked).tolist():
             i = part.start + row
             if middle[i] >= first[motion[i]]:
                 continue
@@ -200,16 +200,18 @@ def _halved(
         rest[part] = links.any(axis=1) | world.crowded
         rest[part.start + world.row[still]] = True
         # After the first coal query the open pairs are listed, so that pairs proven free stay closed.
-        pieces.listed[part] |= asked
+        pieces.listed[part] |= checked
         kept = still & pieces.listed[part][world.row]
-        found.append((part.start + world.row[kept], world.pair[kept]))
-    piece, open_pair = (np.concatenate(each) for each in zip(*found, strict=True)) if found else (motion, motion)
+        open_pairs.append((part.start + world.row[kept], world.pair[kept]))
+    piece, open_pair = (
+        (np.concatenate(parts) for parts in zip(*open_pairs, strict=True)) if open_pairs else (motion, motion)
+    )
     order = np.lexsort((open_pair, piece))
     pieces = pieces._replace(piece=piece[order], pair=open_pair[order])
     left = pieces._replace(end=middle).some(rest & (start < first[motion]))
     right = pieces._replace(start=middle).some(rest & (middle < first[motion]))
     right = right._replace(piece=right.piece + len(left.motion))
-    return _Pieces._make(np.concatenate(each) for each in zip(left, right, strict=True))
+    return _Pieces._make(np.concatenate(parts) for parts in zip(left, right, strict=True))
 
 
 class _Contact(NamedTuple):
@@ -245,12 +247,12 @@ def _contact(
         A pair in contact, if there is one.
     """
     placing = check.links.place(q)
-    asked = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
-    ranked = sorted(own.tolist(), key=lambda each: check.rank(int(world.pair[each])))
-    asked += [(int(world.pair[each]), each, still, float(world.closer[each])) for each in ranked]
-    for pair, at, is_open, closer in asked:
+    candidates = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
+    ranked = sorted(own.tolist(), key=lambda k: check.rank(int(world.pair[k])))
+    candidates += [(int(world.pair[k]), k, still, float(world.closer[k])) for k in ranked]
+    for pair, k, is_open, closer in candidates:
         if not check.touches(placing, pair, margin + closer + QUERY_ERROR):
-            is_open[at] = False
+            is_open[k] = False
         elif check.touches(placing, pair, margin + TOUCH):
             return _Contact(pair, closer)
     return None

@@ -102,7 +102,7 @@ class World:
                 f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
                 'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
             )
-        if broken := [each.error for each in model.warnings if each.collides]:
+        if broken := [warning.error for warning in model.warnings if warning.collides]:
             raise broken[0]
         placed = _link_poses(model)
         world, shapes = cls(), Counter[str]()
@@ -129,7 +129,7 @@ class World:
         return len(self._standing)
 
     def __iter__(self) -> Iterator[Obstacle]:
-        return iter([Obstacle(*each[:3]) for each in tuple(self._standing.values())])
+        return iter([Obstacle(*obstacle[:3]) for obstacle in tuple(self._standing.values())])
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and name in self._standing
@@ -138,7 +138,7 @@ class World:
         return Obstacle(*self._standing[self._known(name)][:3])
 
     def __repr__(self) -> str:
-        shown = [f"{each.name}: {type(each.shape).__name__}" for each in self][:SHOWN]
+        shown = [f"{obstacle.name}: {type(obstacle.shape).__name__}" for obstacle in self][:SHOWN]
         more = [f"and {len(self) - SHOWN} more"] if len(self) > SHOWN else []
         return f"World({', '.join(shown + more)})"
 
@@ -219,8 +219,8 @@ class World:
             if isinstance(shape, Mesh):
                 digest.update(files.read(shape.file()) + repr(shape.scale).encode())
             else:
-                for each in fields(shape):  # type: ignore[arg-type]
-                    value = getattr(shape, each.name)
+                for field in fields(shape):  # type: ignore[arg-type]
+                    value = getattr(shape, field.name)
                     digest.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
             digest.update(pose.tobytes())
         return digest.hexdigest()
@@ -246,13 +246,13 @@ class World:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__()  # type: ignore[misc]
-        for each in state["obstacles"]:
-            self._standing[each.name] = Standing(each.name, each.shape, frozen(each.pose), self._added)
+        for obstacle in state["obstacles"]:
+            self._standing[obstacle.name] = Standing(obstacle.name, obstacle.shape, frozen(obstacle.pose), self._added)
             self._added += 1
         self._version = state["version"]
 
     def _put(self, name: str, standing: Standing) -> None:
-        """Keep an obstacle as it stands now; the lock is held."""
+        """Store an obstacle; the caller holds the lock."""
         self._standing[name] = standing
         self._stale.add(name)
         self._version += 1

@@ -42,7 +42,7 @@ class PathSettings:
         "choice",
         "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time it takes (time).",
     )
-    weights: Any = _setting(None, "per joint", "Factor on |dq| of each joint, on dq^2 for l2; by default 1.")
+    weights: Any = _setting(None, "per joint", "Factor on |dq| of setting joint, on dq^2 for l2; by default 1.")
     limit_cost: float = _setting(
         0.0,
         "number",
@@ -67,7 +67,7 @@ class PathSettings:
 
 def options() -> dict[str, Field[Any]]:
     """The settings that are options of the command, by name."""
-    return {each.name: each for each in fields(PathSettings) if "kind" in each.metadata}
+    return {setting.name: setting for setting in fields(PathSettings) if "kind" in setting.metadata}
 
 
 def takes_settings(function: _Function) -> _Function:
@@ -86,9 +86,9 @@ def takes_settings(function: _Function) -> _Function:
 def described() -> str:
     """A line a setting: its name, a sentence, the unit."""
     lines = []
-    for each in fields(PathSettings):
-        unit = f" [{each.metadata['unit']}]" if each.metadata.get("unit") else ""
-        lines.append(f"{each.name}: {each.metadata['help'].removesuffix('.')}{unit}.")
+    for setting in fields(PathSettings):
+        unit = f" [{setting.metadata['unit']}]" if setting.metadata.get("unit") else ""
+        lines.append(f"{setting.name}: {setting.metadata['help'].removesuffix('.')}{unit}.")
     return "\n".join(lines)
 
 

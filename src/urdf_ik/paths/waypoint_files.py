@@ -29,7 +29,7 @@ ACCEPTED = (
     "[rad, axis times angle], or with 16 numbers a line (4x4, row by row); JSON, .npy or .npz with matrices (m, 4, 4)"
 )
 LENGTH = 0.02
-"""By what a quaternion's length may differ from 1: more is no rounding, but another order of columns or a mistake."""
+"""Largest difference of a quaternion's length from 1; a larger one is a mistake or another order of columns."""
 POSE_COLUMNS = (*POSITION, "qx", "qy", "qz", "qw")
 """What seven numbers without a header are, where a caller says that they are a pose."""
 
@@ -115,8 +115,8 @@ def _from_rows(rows: Table, degrees: bool, bare: bool) -> Array:
         values[:, 3:] = np.deg2rad(values[:, 3:])
     elif kind != "quat_wxyz" and (most := float(np.abs(values[:, 3:]).max())) > 2.0 * np.pi:
         turns = f"{most:g} is {most / (2.0 * np.pi):.1f} turns"
-        told = f"{rows.name}: angles are read in rad, and {turns}; degrees=True (--degrees) reads degrees"
-        warnings.warn(told, stacklevel=4)
+        hint = f"{rows.name}: angles are read in rad, and {turns}; degrees=True (--degrees) reads degrees"
+        warnings.warn(hint, stacklevel=4)
     return _posed(kind, values, lambda k: f"{rows.name}, line {rows.lines[k]}")
 
 

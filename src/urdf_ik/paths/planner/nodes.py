@@ -46,7 +46,7 @@ class Joints:
     Attributes:
         chain: the arm's joints.
         turn: (n,) rad between images (values a whole turn apart), 0 for a joint that slides.
-        counted: (n,) uint8, whether the joint's images are told apart.
+        counted: (n,) uint8, whether the joint's images are distinct states.
         digits: (states, n) uint8, number of each joint's image in each state.
         strides: (n,) difference of the state's number between neighbouring images of a joint.
         core: the compiled functions.
