@@ -25,6 +25,7 @@ from urdf_ik.model import catalogue
 
 ROOT = Path(__file__).resolve().parents[2]
 OWN = tuple(catalogue.BUNDLED)
+pytestmark = pytest.mark.slow
 
 
 @dataclass(frozen=True)
