@@ -10,16 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.cell.coal_check import CoalCheck
 from urdf_ik.cell.distance_bounds import QUERY_ERROR, Open
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
+
+if TYPE_CHECKING:  # coal and Pinocchio are imported where a motion is checked
+    from urdf_ik.cell.coal_check import CoalCheck
 
 Pair = tuple[str, str]
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.swept_motions import TOUCH
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.nearest import nearest as nearest_solution
@@ -22,6 +21,9 @@ from urdf_ik.support.angles import largest_apart
 from urdf_ik.support.text import quoted
 from urdf_ik.support.watch import Watch
 from urdf_ik.typing import Array
+
+if TYPE_CHECKING:
+    from urdf_ik.cell import CollisionModel
 
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|: the numbering of the compiled core."""
