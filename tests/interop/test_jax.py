@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError
+from urdf_ik.interop.autograd.solving import Differentiable
 
 jax = pytest.importorskip("jax", reason="jax is not installed: pip install 'urdf-ik[jax]'")
 
@@ -42,6 +44,30 @@ def test_jit_vmap_and_the_urdf() -> None:
     np.testing.assert_allclose(J[..., :3, 3], s.dq_dT()[0, ..., :3], atol=1e-9)
     G = jax.jacrev(lambda g: urdf_ik.jax.ik(SIX, T, geometry=g).q)(urdf_ik.jax.geometry(SIX))
     np.testing.assert_allclose(G, s.dq_dgeometry()[0], atol=1e-9)
+
+
+def test_vmap_is_one_call_for_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Poses, angles and geometries under vmap, one of them or together, nested, beside a batch: those of each."""
+    arm = urdf_ik.load("srs_7r")
+    poses = arm.fk(np.random.default_rng(0).uniform(-1.0, 1.0, (3, 2, 7)))
+    angles, numbers = np.array([0.1, 0.2, 0.3]), urdf_ik.jax.geometry(arm)
+
+    def ik(T: Any, at: Any, g: Any = None) -> Any:
+        return urdf_ik.jax.ik(arm, T, redundancy=at, geometry=g).q
+
+    expected = np.stack([ik(T, at) for T, at in zip(poses, angles, strict=True)])
+    calls: list[int] = []
+    answers = Differentiable.answers
+    monkeypatch.setattr(Differentiable, "answers", lambda *given: calls.append(1) or answers(*given))
+    np.testing.assert_array_equal(jax.vmap(ik)(poses, angles), expected)
+    np.testing.assert_array_equal(jax.vmap(jax.vmap(ik, (0, None)))(poses, angles), expected)
+    np.testing.assert_array_equal(jax.vmap(ik, (None, 0))(poses[0], angles)[0], expected[0])
+    np.testing.assert_array_equal(jax.vmap(ik, (0, None))(poses[:, 0], angles)[1, 1], ik(poses[1, 0], 0.2))
+    assert len(calls) == 5
+    several = numbers + np.array([[0.0], [1e-4]])
+    found = jax.vmap(ik, (None, None, 0))(poses[0], 0.1, several)
+    np.testing.assert_array_equal(found[0], expected[0])
+    np.testing.assert_array_equal(found[1], ik(poses[0], 0.1, several[1]))
 
 
 def test_a_swivel_angle_is_an_input() -> None:

@@ -57,9 +57,7 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
     given = None if others is None else inputs.real(others, "others", "a position for each name")
     kept = np.full(len(names), np.nan) if given is None else given
     if kept.shape != (len(names),):
-        raise ArgumentError(
-            f"others has the shape {kept.shape}; one position for each of {len(names)} names is needed"
-        )
+        raise ArgumentError(f"others has the shape {kept.shape}; one position for each of {len(names)} names is needed")
     out = np.tile(kept, (*Q.shape[:-1], 1))
     for column, name in enumerate(arm.joint_names):
         if name in place:
@@ -88,9 +86,7 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
     inputs.arm(arm)
     given, place = inputs.real(positions, "positions", "joint positions"), _places(names)
     if given.shape[-1:] != (len(names),):
-        raise ArgumentError(
-            f"positions of shape {given.shape} for {len(names)} names; (..., {len(names)}) is needed"
-        )
+        raise ArgumentError(f"positions of shape {given.shape} for {len(names)} names; (..., {len(names)}) is needed")
     if missing := [name for name in arm.joint_names if name not in place]:
         raise ArgumentError(f"the message lacks {', '.join(missing)}; it has {', '.join(names)}")
     out: Array = given[..., [place[name] for name in arm.joint_names]]
