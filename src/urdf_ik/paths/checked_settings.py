@@ -13,7 +13,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.nearest import nearest as nearest_solution
 from urdf_ik.ik.solver import Solver
 from urdf_ik.paths import path_settings
-from urdf_ik.paths.path_settings import PathSettings
+from urdf_ik.paths.path_settings import PathSettings, per_joint, velocities
 from urdf_ik.paths.planner.nodes import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
 from urdf_ik.support import inputs
@@ -148,39 +148,6 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
         watch=Watch(settings.time_limit, settings.progress),
         whole=(solver, obstacles),
     )
-
-
-def velocities(solver: Solver) -> Array:
-    """(n,) rad/s or m/s, the velocity limits of the URDF.
-
-    Raises:
-        ArgumentError: a joint has no velocity limit.
-    """
-    limits = solver.velocity_limits
-    if missing := [name for name, limit in zip(solver.joint_names, limits, strict=True) if np.isinf(limit)]:
-        raise ArgumentError(
-            f"{solver.name} has no velocity limit for {', '.join(missing)}: give them, or write "
-            '<limit velocity="..."/> in the URDF'
-        )
-    return limits
-
-
-def per_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
-    """Numbers (n,), one for each joint, from one number or from n.
-
-    They lie between 1e-15 and 1e15, so that their squares and inverses neither overflow nor vanish; or they are
-    infinite, or with ``zero`` zero instead.
-
-    Raises:
-        ArgumentError: ``value`` is neither one number nor n, or a number is out of range.
-    """
-    numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
-    fits = numbers.shape in ((), (1,), (len(names),))
-    numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
-    if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
-        valid = f"{'zero, or ' if zero else ''}a number {inputs.USABLE}"
-        raise ArgumentError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {', '.join(names)}")
-    return numbers
 
 
 def _tolerance(value: Any) -> Tolerance:

@@ -1,13 +1,22 @@
-"""The settings of a path: the one place that declares them."""
+"""The settings of a path: the one place that declares them, and the numbers per joint that they take."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
 from dataclasses import Field, dataclass, field, fields
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from urdf_ik.cell import World
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solver import Solver
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
+
+if TYPE_CHECKING:
+    from urdf_ik.cell import World  # brings lxml and the obstacles
 
 COSTS = ("l1", "l2", "max", "time")
 
@@ -93,3 +102,36 @@ def described() -> str:
 
 
 PathSettings.__doc__ = f"{PathSettings.__doc__}\n\nAttributes:\n    " + described().replace("\n", "\n    ")
+
+
+def velocities(solver: Solver) -> Array:
+    """(n,) rad/s or m/s, the velocity limits of the URDF.
+
+    Raises:
+        ArgumentError: a joint has no velocity limit.
+    """
+    limits = solver.velocity_limits
+    if missing := [name for name, limit in zip(solver.joint_names, limits, strict=True) if np.isinf(limit)]:
+        raise ArgumentError(
+            f"{solver.name} has no velocity limit for {', '.join(missing)}: give them, or write "
+            '<limit velocity="..."/> in the URDF'
+        )
+    return limits
+
+
+def per_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
+    """Numbers (n,), one for each joint, from one number or from n.
+
+    They lie between 1e-15 and 1e15, so that their squares and inverses neither overflow nor vanish; or they are
+    infinite, or with ``zero`` zero instead.
+
+    Raises:
+        ArgumentError: ``value`` is neither one number nor n, or a number is out of range.
+    """
+    numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
+    fits = numbers.shape in ((), (1,), (len(names),))
+    numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
+    if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
+        valid = f"{'zero, or ' if zero else ''}a number {inputs.USABLE}"
+        raise ArgumentError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {', '.join(names)}")
+    return numbers

@@ -26,7 +26,7 @@ from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import CoupledChain
 from urdf_ik.model.poses import check_poses
-from urdf_ik.paths.checked_settings import per_joint
+from urdf_ik.paths.path_settings import per_joint
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.paths.checked_settings import per_joint, velocities
+from urdf_ik.paths.path_settings import per_joint, velocities
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import json_text
 from urdf_ik.typing import Array
