@@ -44,9 +44,9 @@ def test_configurations_of_pinocchio_are_those_of_its_own_model(name: str) -> No
 def test_invalid_configurations_are_refused(shape: tuple[int, ...]) -> None:
     """A configuration has nq numbers, all of them finite."""
     arm = from_catalogue("zyyzyz_6r").arm
-    with pytest.raises(urdf_ik.ArgumentError, match="finite numbers are needed"):
+    with pytest.raises(urdf_ik.ArgumentError, match="finite number"):
         arm.from_pinocchio(np.zeros(shape))
-    with pytest.raises(urdf_ik.ArgumentError, match="finite numbers are needed"):
+    with pytest.raises(urdf_ik.ArgumentError, match="finite number"):
         arm.from_pinocchio(np.full(6, np.nan))
 
 
