@@ -66,8 +66,7 @@ struct Divider {
         return is_in_region(q, each.along, each.rest);
     }
 
-    Surroundings& keep_region(const Local& at, const Valley& valley, double across, double low, double high) {
-        Surroundings& to = region[regions++ % REGIONS];
+    static void region_at(const Local& at, const Valley& valley, double across, double low, double high, Surroundings& to) {
         for (int k = 0; k < 6; ++k) {
             to.q[k] = wrap(wrap(at.q[k].re));
             for (int j = 0; j < 6; ++j) to.direction[k][j] = at.J.right[k][j].re;
@@ -75,7 +74,6 @@ struct Divider {
         to.across = across, to.low = low, to.high = high, to.valley = valley;
         const double along = max(-low, high);
         to.farthest = INFLATED * (along + across + valley.height(along));
-        return to;
     }
     // Whether joint vectors lie in a region; its roots are known.
     bool is_in_region(const double (&q)[6], const double (&along)[6] = {}, const double (&rest)[6] = {}) const {
@@ -118,10 +116,11 @@ struct Divider {
         if (!step_across_to(start, 1, at)) return false;
         follow_valley(at, true, valley);
         if (!reduce<1>(at, norms_of(at, 1), valley, bounds) || !crossings_of(valley, bounds, at.rounding, found)) return false;
-        const Surroundings& all = keep_region(at, valley, bounds.across, found.low, found.high);
-        if (has_roots(all, found, branch)) return true;
-        --regions;
-        return false;
+        Surroundings all;
+        region_at(at, valley, bounds.across, found.low, found.high, all);
+        if (!has_roots(all, found, branch)) return false;
+        region[regions++ % REGIONS] = all;
+        return true;
     }
     // The same about a surface, where two ranks are lost, at least as wide as `least` to either side.
     bool on_surface(const double (&start)[6], double least, int branch) {
