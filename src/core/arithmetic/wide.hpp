@@ -1,0 +1,209 @@
+// Numbers of L 64-bit limbs, where the digits of doubles, or twice as many, do not suffice. Integers only: the same bits everywhere.
+//
+// A number is zero, or +-0.m 2^exponent, with m in [1/2, 1) as limbs, the lowest first. Results are cut off: a product, quotient or
+// root is off by less than WIDE_UNIT<L> of its size, a sum or difference by less than WIDE_UNIT<L> of its larger operand.
+#pragma once
+
+#include <cstdint>
+
+#include "arithmetic/vectors.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+struct Product64 {
+    std::uint64_t low, high;
+};
+STEP Product64 product64(std::uint64_t a, std::uint64_t b) {
+#if defined(__SIZEOF_INT128__)
+    const auto p = static_cast<unsigned __int128>(a) * b;
+    return {std::uint64_t(p), std::uint64_t(p >> 64)};
+#else
+    const std::uint64_t half = 0xffffffffu, al = a & half, ah = a >> 32, bl = b & half, bh = b >> 32;
+    const std::uint64_t low = al * bl, middle = ah * bl + (low >> 32), other = al * bh + (middle & half);
+    return {(other << 32) | (low & half), ah * bh + (middle >> 32) + (other >> 32)};
+#endif
+}
+
+// 2^exponent, for results that doubles can hold; 0 below.
+STEP double power_of_two(int exponent) {
+    if (exponent < -1022) return 0.0;
+    const std::uint64_t bits = std::uint64_t(exponent + 1023) << 52;
+    double x;
+    __builtin_memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+constexpr double wide_unit(int limbs) {
+    double unit = 4.0;
+    for (int i = 0; i < limbs; ++i) unit /= 18446744073709551616.0;
+    return unit;
+}
+template <int L> inline constexpr double WIDE_UNIT = wide_unit(L);
+
+template <int L> struct Wide {
+    std::uint64_t m[L];
+    int exponent;
+    bool negative;
+
+    Wide() = default;
+    PART Wide(double x) : m{}, exponent(0), negative(x < 0.0) {
+        std::uint64_t bits;
+        __builtin_memcpy(&bits, &x, sizeof x);
+        const int e = int(bits >> 52 & 2047);
+        if (!e) return;  // zero; smaller than any number that is used
+        m[L - 1] = (bits << 11) | (std::uint64_t(1) << 63), exponent = e - 1022;
+    }
+
+    STEP bool is_zero() const { return !m[L - 1]; }
+    // The first 53 digits; numbers beyond the range of doubles become zero.
+    PART double leading() const {
+        if (is_zero()) return 0.0;
+        const double x = double(m[L - 1] >> 11) * power_of_two(exponent - 53);
+        return negative ? -x : x;
+    }
+    STEP Wide times_power(int k) const {
+        Wide out = *this;
+        out.exponent += k;
+        return out;
+    }
+
+    friend STEP Wide operator-(const Wide& a) {
+        Wide out = a;
+        out.negative = !a.negative;
+        return out;
+    }
+    friend PART Wide operator*(const Wide& a, const Wide& b) {
+        if (a.is_zero() || b.is_zero()) return Wide(0.0);
+        std::uint64_t p[2 * L] = {};
+        for (int i = 0; i < L; ++i) {
+            std::uint64_t carry = 0;
+#pragma GCC unroll 8
+            for (int j = 0; j < L; ++j) {
+                const Product64 each = product64(a.m[i], b.m[j]);
+                std::uint64_t low = each.low + carry;
+                carry = each.high + (low < each.low);
+                low += p[i + j], carry += low < p[i + j];
+                p[i + j] = low;
+            }
+            p[i + L] = carry;
+        }
+        Wide out;
+        const bool top = p[2 * L - 1] >> 63;
+        for (int i = 0; i < L; ++i) out.m[i] = top ? p[L + i] : p[L + i] << 1 | p[L + i - 1] >> 63;
+        out.exponent = a.exponent + b.exponent - !top, out.negative = a.negative != b.negative;
+        return out;
+    }
+    friend STEP Wide operator+(const Wide& a, const Wide& b) { return sum(a, b, b.negative); }
+    friend STEP Wide operator-(const Wide& a, const Wide& b) { return sum(a, b, !b.negative); }
+    STEP Wide& operator+=(const Wide& b) { return *this = *this + b; }
+    STEP Wide& operator-=(const Wide& b) { return *this = *this - b; }
+
+    // Whether |a| < |b|.
+    static STEP bool is_less(const Wide& a, const Wide& b) {
+        if (a.is_zero() || b.is_zero()) return a.is_zero() && !b.is_zero();
+        if (a.exponent != b.exponent) return a.exponent < b.exponent;
+        for (int i = L; i-- > 0;) {
+            if (a.m[i] != b.m[i]) return a.m[i] < b.m[i];
+        }
+        return false;
+    }
+
+    // a, and b with this sign.
+    static PART Wide sum(const Wide& a, const Wide& b, bool sign) {
+        if (b.is_zero()) return a;
+        const bool swapped = is_less(a, b);
+        const Wide &big = swapped ? b : a, &small = swapped ? a : b;
+        Wide out = big;
+        out.negative = swapped ? sign : a.negative;
+        const int shift = big.exponent - small.exponent;
+        if (small.is_zero() || shift >= 64 * L) return out;
+        const int words = shift / 64, rest = shift % 64;
+        std::uint64_t t[L + 1] = {}, shifted[L];
+        for (int i = 0; i + words < L; ++i) t[i] = small.m[i + words];
+        for (int i = 0; i < L; ++i) shifted[i] = rest ? t[i] >> rest | t[i + 1] << (64 - rest) : t[i];
+        if (a.negative == sign) {
+            std::uint64_t carry = 0;
+            for (int i = 0; i < L; ++i) {
+                const std::uint64_t x = out.m[i] + carry;
+                carry = x < carry, out.m[i] = x + shifted[i], carry += out.m[i] < x;
+            }
+            if (!carry) return out;
+            for (int i = 0; i < L; ++i) out.m[i] = out.m[i] >> 1 | (i + 1 < L ? out.m[i + 1] << 63 : std::uint64_t(1) << 63);
+            ++out.exponent;
+            return out;
+        }
+        std::uint64_t borrow = 0;
+        for (int i = 0; i < L; ++i) {
+            const std::uint64_t x = out.m[i] - shifted[i], less = out.m[i] < shifted[i];
+            out.m[i] = x - borrow, borrow = less + (x < borrow);
+        }
+        return out.normalised();
+    }
+    STEP Wide normalised() const {
+        int top = L - 1;
+        while (top >= 0 && !m[top]) --top;
+        if (top < 0) return Wide(0.0);
+        const int zeros = __builtin_clzll(m[top]), words = L - 1 - top;
+        Wide out = *this;
+        for (int i = L - 1; i >= 0; --i) {
+            const std::uint64_t high = i >= words ? m[i - words] : 0, low = i > words ? m[i - words - 1] : 0;
+            out.m[i] = zeros ? high << zeros | low >> (64 - zeros) : high;
+        }
+        out.exponent -= 64 * words + zeros;
+        return out;
+    }
+};
+
+template <int L> STEP double leading(const Wide<L>& a) { return a.leading(); }
+template <int L> STEP Wide<L> half(const Wide<L>& a) { return a.is_zero() ? a : a.times_power(-1); }
+
+// 1 / a for a != 0: Newton's method doubles the digits of the quotient in doubles.
+template <int L> PART Wide<L> inverse(const Wide<L>& a) {
+    Wide<L> n = a, one = 1.0;
+    n.exponent = 0, n.negative = false;
+    Wide<L> x = 1.0 / n.leading();
+    for (int bits = 50; bits < 64 * L; bits *= 2) x += x * (one - n * x);
+    x.exponent -= a.exponent, x.negative = a.negative;
+    return x;
+}
+template <int L> STEP Wide<L> operator/(const Wide<L>& a, const Wide<L>& b) { return a * inverse(b); }
+
+// The root of a > 0.
+template <int L> PART Wide<L> sqrt(const Wide<L>& a) {
+    if (a.is_zero()) return a;
+    const int even = a.exponent - (a.exponent & 1);
+    Wide<L> n = a, one = 1.0;
+    n.exponent -= even;
+    Wide<L> x = 1.0 / sqrt(n.leading());
+    for (int bits = 50; bits < 64 * L; bits *= 2) x += half(x * (one - n * x * x));
+    return (n * x).times_power(even / 2);
+}
+
+// A complex number.
+template <int L> struct WideComplex {
+    Wide<L> re, im;
+    WideComplex() = default;
+    WideComplex(double x) : re(x), im(0.0) {}
+    WideComplex(const Wide<L>& x, const Wide<L>& y) : re(x), im(y) {}
+
+    friend STEP WideComplex operator+(const WideComplex& a, const WideComplex& b) { return {a.re + b.re, a.im + b.im}; }
+    friend STEP WideComplex operator-(const WideComplex& a, const WideComplex& b) { return {a.re - b.re, a.im - b.im}; }
+    friend STEP WideComplex operator*(const WideComplex& a, const WideComplex& b) {
+        return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+    }
+    STEP WideComplex& operator+=(const WideComplex& b) { return *this = *this + b; }
+    STEP WideComplex& operator-=(const WideComplex& b) { return *this = *this - b; }
+};
+template <int L> STEP WideComplex<L> operator*(const Wide<L>& f, const WideComplex<L>& a) { return {f * a.re, f * a.im}; }
+// A real number as a complex one, where V is complex.
+template <class V, int L> STEP V lifted(const Wide<L>& a) {
+    if constexpr (std::is_same_v<V, Wide<L>>) return a;
+    else return {a, Wide<L>(0.0)};
+}
+template <int L> STEP WideComplex<L> half(const WideComplex<L>& a) { return {half(a.re), half(a.im)}; }
+template <int L> STEP WideComplex<L> inverse(const WideComplex<L>& a) {
+    const Wide<L> w = inverse(a.re * a.re + a.im * a.im);
+    return {a.re * w, -(a.im * w)};
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

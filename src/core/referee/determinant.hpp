@@ -1,0 +1,366 @@
+// The determinant of the equations (equations.hpp) as a polynomial in the tangent of half the hidden angle, its sixteen roots, and
+// the other joints at each.
+#pragma once
+
+#include "arithmetic/polynomials.hpp"
+#include "certificate/circle.hpp"
+#include "referee/equations.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+inline constexpr int HARMONIC = 8, ROOTS = 16, WIDE_SAMPLES = 17;
+
+// A real polynomial in x = tan((angle - centre) / 2). error: of its value, as a share of (1 + |x|)^16.
+template <int L> struct HalfTangent {
+    Wide<L> a[ROOTS + 1];
+    Turn<Wide<L>> centre;
+    double error;
+    Complex rounded[ROOTS + 1];  // in e^(i angle), in doubles
+};
+
+// e^(2 pi i k / 17): Newton's method from doubles.
+template <int L> struct Seventeenths {
+    WideComplex<L> at[WIDE_SAMPLES];
+    Seventeenths() {
+        const Turn<double> start = cos_sin(2.0 * PI / WIDE_SAMPLES);
+        WideComplex<L> z = {start.c, start.s};
+        const WideComplex<L> seventeenth = inverse(WideComplex<L>(double(WIDE_SAMPLES)));
+        for (int bits = 50; bits < 64 * L; bits *= 2) {
+            WideComplex<L> p = z;
+            for (int k = 0; k < 4; ++k) p = p * p;  // z^16
+            z -= seventeenth * (z - inverse(p));
+        }
+        at[0] = 1.0;
+        for (int k = 1; k < WIDE_SAMPLES; ++k) at[k] = at[k - 1] * z;
+    }
+};
+
+// The determinant by elimination with row pivots, and a bound on its error: with M^-1 and the change E of M in maximum norms,
+// det(M + E) = det M det(1 + M^-1 E), and |det(1 + X) - 1| <= (1 + |X|)^12 - 1. `off`: of each entry. Infinite where it vanishes.
+template <int L> PART Wide<L> determinant(Wide<L> (&M)[UNKNOWNS][UNKNOWNS], double off, double& error) {
+    Wide<L> product = 1.0;
+    error = __builtin_inf();
+    for (int k = 0; k < UNKNOWNS; ++k) {
+        int r = k;
+        for (int i = k + 1; i < UNKNOWNS; ++i) {
+            if (Wide<L>::is_less(M[r][k], M[i][k])) r = i;
+        }
+        if (M[r][k].is_zero()) return 0.0;
+        if (r != k) {
+            product = -product;
+            for (int j = 0; j < UNKNOWNS; ++j) std::swap(M[k][j], M[r][j]);
+        }
+        product = product * M[k][k];
+        const Wide<L> over = inverse(M[k][k]);
+        for (int i = k + 1; i < UNKNOWNS; ++i) {
+            if (M[i][k].is_zero()) continue;
+            M[i][k] = M[i][k] * over;
+            for (int j = k + 1; j < UNKNOWNS; ++j) M[i][j] -= M[i][k] * M[k][j];
+        }
+    }
+    double rounded[UNKNOWNS][UNKNOWNS];
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        for (int j = 0; j < UNKNOWNS; ++j) rounded[i][j] = M[i][j].leading();
+    }
+    const FactorBounds bounds = bounds_of(rounded);
+    const double x = bounds.inverse * (UNKNOWNS * off + ROUNDINGS * WIDE_UNIT<L> * bounds.product);
+    if (x < 0.01) error = 14.0 * x * abs(product.leading());
+    return product;
+}
+
+// Seventeen samples of the determinant, to coefficients. Returns whether it is known at all.
+template <int L> PART bool half_tangent_polynomial(const WideEquations<L>& of, HalfTangent<L>& out) {
+    using W = Wide<L>;
+    const Seventeenths<L> wave;
+    W D[WIDE_SAMPLES], re[HARMONIC + 1], im[HARMONIC + 1];
+    int largest = 0;
+    double lost = 0.0;
+    for (int k = 0; k < WIDE_SAMPLES; ++k) {
+        W M[UNKNOWNS][UNKNOWNS];
+        double error;
+        matrix_at(of, Turn<W>{wave.at[k].re, wave.at[k].im}, M);
+        D[k] = determinant(M, 3.0 * of.error, error);
+        lost += error;
+        if (W::is_less(D[largest], D[k])) largest = k;
+    }
+    if (!(lost < __builtin_inf())) return false;
+    // To numbers of order one.
+    const int exponent = D[largest].exponent;
+    const double scale = power_of_two(-exponent);
+    for (W& each : D) each.exponent -= exponent;
+    out.error = 17.0 * (scale * lost + ROUNDINGS * WIDE_UNIT<L>);
+    for (int h = 0; h <= HARMONIC; ++h) {
+        re[h] = im[h] = 0.0;
+        for (int k = 0; k < WIDE_SAMPLES; ++k) {
+            const WideComplex<L>& w = wave.at[h * k % WIDE_SAMPLES];
+            re[h] += D[k] * w.re, im[h] -= D[k] * w.im;
+        }
+        out.rounded[HARMONIC + h] = {re[h].leading(), im[h].leading()};
+        out.rounded[HARMONIC - h] = {re[h].leading(), -im[h].leading()};
+    }
+    // The centre is opposite to the largest sample: no root is far out.
+    const WideComplex<L> turn = WideComplex<L>(0.0) - wave.at[largest];
+    out.centre = {turn.re, turn.im};
+    WideComplex<L> power = 1.0;
+    for (int j = 0; j <= ROOTS; ++j) {
+        out.a[j] = 0.0;
+        if (j % 2 == 0) out.a[j] = W(j % 4 ? -KRAWTCHOUK.at[8][j] : KRAWTCHOUK.at[8][j]) * re[0];
+    }
+    for (int k = 1; k <= HARMONIC; ++k) {
+        power = power * turn;
+        const WideComplex<L> c = W(2.0) * (power * WideComplex<L>(re[k], im[k]));
+        const W part[4] = {c.re, -c.im, -c.re, c.im};
+        for (int j = 0; j <= ROOTS; ++j) out.a[j] += W(KRAWTCHOUK.at[8 + k][j]) * part[j % 4];
+    }
+    return true;
+}
+
+// A root, and a disc that holds as many roots together with those that it meets as there are discs.
+template <int L> struct WideRoot {
+    WideComplex<L> x;
+    double radius;
+    int together;  // discs in its group
+    // Distances from the real axis, at the middle and at the nearest point of the disc, as imaginary parts of the angle.
+    double off, least;
+};
+
+STEP double size_of(const Complex& a) { return sqrt(a.re * a.re + a.im * a.im); }
+STEP Complex quotient(const Complex& a, const Complex& b) {
+    const double w = 1.0 / (b.re * b.re + b.im * b.im);
+    return {(a.re * b.re + a.im * b.im) * w, (a.im * b.re - a.re * b.im) * w};
+}
+template <int L> STEP Complex leading(const WideComplex<L>& a) { return {a.re.leading(), a.im.leading()}; }
+
+// p and its derivative at x, rounded: divided by (t - x) (t - conj(x)) twice, with real numbers alone.
+template <int L> PART void value_at(const HalfTangent<L>& p, const WideComplex<L>& x, Complex& value, Complex& slope) {
+    using W = Wide<L>;
+    const W r = x.re + x.re, s = x.re * x.re + x.im * x.im;
+    W b[2] = {0.0, 0.0}, c[2] = {0.0, 0.0};  // the last two of p's quotient and of the quotient's own
+    for (int k = ROOTS; k >= 0; --k) {
+        const W next = p.a[k] + r * b[0] - s * b[1];
+        b[1] = b[0], b[0] = next;
+        if (k < 2) continue;
+        const W other = next + r * c[0] - s * c[1];
+        c[1] = c[0], c[0] = other;
+    }
+    const WideComplex<L> rest = {x.re - r, x.im};
+    value = leading(WideComplex<L>(b[0], 0.0) + b[1] * rest);
+    const WideComplex<L> Q = WideComplex<L>(c[0], 0.0) + c[1] * rest;
+    slope = leading(WideComplex<L>(b[1], 0.0) + WideComplex<L>(0.0, x.im + x.im) * Q);
+}
+
+// Rounds of Aberth's iteration; each adds the digits of doubles once a root stands apart from the others. A root far from real is
+// known well enough at ROUGHLY, relative to its size.
+inline constexpr int MOST_ROUNDS = 80;
+inline constexpr double ROUGHLY = 1e-20, NEAR_REAL = 0.01;
+
+// How far from real an angle is whose half has the tangent x, or twice as much where it is far.
+STEP double imaginary_part(const Complex& x, double im) { return 2.0 * abs(im) / (1.0 + x.re * x.re + x.im * x.im); }
+
+template <int L> PART void start_roots(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
+    Complex z[ROOTS];
+    self_inversive_roots<ROOTS>(p.rounded, z);
+    const double c = p.centre.c.leading(), s = p.centre.s.leading();
+    for (int i = 0; i < ROOTS; ++i) {
+        // x = -i (w - 1) / (w + 1), w = z / e^(i centre)
+        const Complex w = {z[i].re * c + z[i].im * s, z[i].im * c - z[i].re * s};
+        const Complex x = quotient({w.im, 1.0 - w.re}, {w.re + 1.0, w.im});
+        const bool good = size_of(x) < 1e6;
+        root[i].x = {good ? x.re : 0.01 * i, good ? x.im : (i % 2 ? 0.9 : -0.9)};
+    }
+}
+
+template <int L> PART void improve_roots(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
+    unsigned moves = (1u << ROOTS) - 1;
+    for (int round = 0; round < MOST_ROUNDS && moves; ++round) {
+        for (int i = 0; i < ROOTS; ++i) {
+            if (!(moves >> i & 1)) continue;
+            Complex value, slope, sum = {0.0, 0.0};
+            value_at(p, root[i].x, value, slope);
+            const Complex at = leading(root[i].x);
+            const double size = 1.0 + size_of(at);
+            double powers = size;
+            for (int k = 0; k < 4; ++k) powers *= powers;
+            if (!(size_of(value) > ROUNDINGS * WIDE_UNIT<L> * powers)) {
+                moves &= ~(1u << i);
+                continue;
+            }
+            for (int j = 0; j < ROOTS; ++j) {
+                const Complex apart = leading(root[i].x - root[j].x);
+                if (j != i && (apart.re != 0.0 || apart.im != 0.0)) sum += quotient(Complex(1.0), apart);
+            }
+            const Complex newton = quotient(value, slope), step = quotient(newton, Complex(1.0) - newton * sum);
+            if (!(size_of(step) < 1e3)) {
+                root[i].x += WideComplex<L>(0.01 * size, 0.013 * size);
+                continue;
+            }
+            root[i].x -= WideComplex<L>(step.re, step.im);
+            if (size_of(step) < ROUGHLY * size && imaginary_part(at, at.im) > 2.0 * NEAR_REAL) moves &= ~(1u << i);
+        }
+    }
+}
+
+// All roots, with discs that hold them (Smith 1970, see root_discs).
+template <int L> PART void roots_of(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
+    start_roots(p, root);
+    improve_roots(p, root);
+    int group[ROOTS];
+    Complex at[ROOTS];
+    for (int i = 0; i < ROOTS; ++i) {
+        Complex value, slope;
+        value_at(p, root[i].x, value, slope);
+        at[i] = leading(root[i].x);
+        const double leading_size = abs(p.a[ROOTS].leading()) - p.error;
+        double powers = 1.0 + size_of(at[i]), apart = 1.0;
+        for (int k = 0; k < 4; ++k) powers *= powers;
+        for (int j = 0; j < ROOTS; ++j) {
+            if (j != i) apart *= size_of(leading(root[i].x - root[j].x));
+        }
+        const double above = SLACK_OF_SUMS * ROOTS * (size_of(value) * SLACK_OF_SUMS + p.error * powers);
+        root[i].radius = leading_size > 0.0 && apart > 0.0 ? above / (leading_size * apart) : __builtin_inf();
+        group[i] = i;
+    }
+    for (int i = 0; i < ROOTS; ++i) {
+        for (int j = 0; j < i; ++j) {
+            if (size_of(leading(root[i].x - root[j].x)) > SLACK_OF_SUMS * (root[i].radius + root[j].radius)) continue;
+            const int from = group[i], to = group[j];
+            for (int& each : group) each = each == from ? to : each;
+        }
+    }
+    for (int i = 0; i < ROOTS; ++i) {
+        root[i].together = 0;
+        for (const int each : group) root[i].together += each == group[i];
+        root[i].off = imaginary_part(at[i], at[i].im);
+        const bool wide = !(root[i].radius < 1.0);
+        root[i].least = wide ? 0.0 : imaginary_part(at[i], max(abs(at[i].im) - root[i].radius, 0.0));
+    }
+}
+
+// ---- the other joints ----------------------------------------------------------------------------------------------------
+
+template <int L> STEP double square_of(const Wide<L>& a) {
+    const double x = a.leading();
+    return x * x;
+}
+template <int L> STEP double square_of(const WideComplex<L>& a) { return square_of(a.re) + square_of(a.im); }
+
+// A null vector by elimination with complete pivoting: the last pivot is what rounding leaves of zero, and all others are larger.
+template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKNOWNS]) {
+    constexpr int N = UNKNOWNS;
+    int column[N];
+    double last = 0.0;
+    for (int j = 0; j < N; ++j) column[j] = j;
+    for (int k = 0; k < N - 1; ++k) {
+        int r = k, c = k;
+        double most = -1.0;
+        for (int i = k; i < N; ++i) {
+            for (int j = k; j < N; ++j) {
+                const double size = square_of(M[i][j]);
+                if (size > most) most = size, r = i, c = j;
+            }
+        }
+        last = most;
+        if (!(most > 0.0)) return false;
+        if (r != k) {
+            for (int j = k; j < N; ++j) std::swap(M[k][j], M[r][j]);
+        }
+        if (c != k) {
+            std::swap(column[k], column[c]);
+            for (int i = 0; i < N; ++i) std::swap(M[i][k], M[i][c]);
+        }
+        const V over = inverse(M[k][k]);
+        for (int i = k + 1; i < N; ++i) {
+            const V f = M[i][k] * over;
+            for (int j = k + 1; j < N; ++j) M[i][j] -= f * M[k][j];
+        }
+    }
+    // Squares: the null vector has ten digits at least.
+    if (!(square_of(M[N - 1][N - 1]) < 1e-20 * last)) return false;
+    x[column[N - 1]] = 1.0;
+    for (int k = N - 2; k >= 0; --k) {
+        V sum = 0.0;
+        for (int j = k + 1; j < N; ++j) sum += M[k][j] * x[column[j]];
+        x[column[k]] = (V(0.0) - sum) * inverse(M[k][k]);
+    }
+    return true;
+}
+
+// The real part of an angle.
+template <int L> STEP double angle_of(const Turn<Wide<L>>& t) { return angle(Turn<double>{t.c.leading(), t.s.leading()}); }
+template <int L> STEP double angle_of(const Turn<WideComplex<L>>& t) {
+    const Complex c = leading(t.c), s = leading(t.s);
+    return angle(Turn<double>{c.re - s.im, c.im + s.re});
+}
+template <class V, int L> STEP Vec<V> lifted(const Vec<Wide<L>>& a) { return {lifted<V>(a.x), lifted<V>(a.y), lifted<V>(a.z)}; }
+template <int L> STEP Vec<double> rounded(const Vec<Wide<L>>& a) { return {a.x.leading(), a.y.leading(), a.z.leading()}; }
+
+// The turns of joints a + 3, a + 4 and a + 5 at a root.
+template <int L, class V> PART bool other_turns(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x, Turn<V> (&turn)[3]) {
+    const V square = x * x, over = inverse(V(1.0) + square), c = (V(1.0) - square) * over, s = (x + x) * over;
+    const V c0 = lifted<V>(centre.c), s0 = lifted<V>(centre.s);
+    turn[2] = {c * c0 - s * s0, s * c0 + c * s0};
+    V M[UNKNOWNS][UNKNOWNS], v[UNKNOWNS];
+    matrix_at(of, turn[2], M);
+    if (!null_vector(M, v)) return false;
+    // v is (1, cos, sin) of joint a + 3 times the cosines and sines of halves and three halves of joint a + 4.
+    int i = 0;
+    for (int k = 1; k < 4; ++k) {
+        if (square_of(v[k]) > square_of(v[i])) i = k;
+    }
+    const V one = inverse(v[i]), c_half = v[0] * one, s_half = v[1] * one, length = c_half * c_half + s_half * s_half;
+    if (!(square_of(length) > 0.0)) return false;
+    const V scale = inverse(length);
+    turn[0] = {v[4 + i] * one, v[8 + i] * one};
+    turn[1] = {(c_half * c_half - s_half * s_half) * scale, (c_half * s_half + c_half * s_half) * scale};
+    return true;
+}
+
+// The turns of joints a and a + 1: the line that the others give, by the products of both.
+template <int L, class V> PART bool first_turns(const WideEquations<L>& of, const Turn<V> (&others)[3], Turn<V> (&turn)[2]) {
+    const auto lifted_line = [](const Line<Wide<L>>& l) { return Line<V>{lifted<V>(l.p), lifted<V>(l.d)}; };
+    const Rot<Wide<L>>& R = of.pose.G.R;
+    const Frame<V> G = {{lifted<V>(R.x), lifted<V>(R.y), lifted<V>(R.z)}, lifted<V>(of.pose.G.p)};
+    V w[NUMBERS], y[PRODUCTS], z[PRODUCTS];
+    numbers_of(of.other_side(lifted_line(of.axis(2)), G, 0, 4,
+                             [&](int k, const Line<V>& l) {
+                                 return turned_about(l, lifted_line(of.axis(3 + k)), Turn<V>{others[k].c, V(0.0) - others[k].s});
+                             }),
+               w);
+    for (int i = 0; i < PRODUCTS; ++i) {
+        y[i] = w[of.row[i]];
+        for (int j = 0; j < i; ++j) y[i] -= lifted<V>(of.factor[i][j]) * y[j];
+    }
+    for (int i = PRODUCTS - 1; i >= 0; --i) {
+        V& sum = y[i];
+        if (of.factor[i][i].is_zero()) return false;
+        for (int j = i + 1; j < PRODUCTS; ++j) sum -= lifted<V>(of.factor[i][j]) * y[j];
+        sum = sum * lifted<V>(inverse(of.factor[i][i]));
+        z[of.column[i]] = sum;
+    }
+    if (!(square_of(z[0]) > 0.0)) return false;
+    const V over = inverse(z[0]);
+    turn[0] = {z[3] * over, z[6] * over}, turn[1] = {z[1] * over, z[2] * over};
+    return true;
+}
+
+// The real parts of all joints at a root, in the loop's order from joint a on.
+template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x, double (&q)[6]) {
+    Turn<V> others[3], first[2];
+    if (!other_turns(of, centre, x, others) || !first_turns(of, others, first)) return false;
+    for (int k = 0; k < 3; ++k) q[3 + k] = angle_of(others[k]);
+    for (int k = 0; k < 2; ++k) q[k] = angle_of(first[k]);
+    // Joint a + 2 turns a vector across its axis to where the others do.
+    const Vec<double> axis = rounded(of.axis(2).d);
+    const Vec<double> across = abs(axis.x) < 0.6 ? cross(axis, Vec<double>{1.0, 0.0, 0.0}) : cross(axis, Vec<double>{0.0, 1.0, 0.0});
+    const Rot<double> G = {rounded(of.pose.G.R.x), rounded(of.pose.G.R.y), rounded(of.pose.G.R.z)};
+    Vec<double> v = across;
+    for (int k = 0; k < 4; ++k) {
+        if (k + of.first == 3) v = G * v;
+        if (k < 3) v = turned_about(v, rounded(of.axis(3 + k).d), cos_sin(-q[3 + k]));
+    }
+    for (int k = 0; k < 2; ++k) v = turned_about(v, rounded(of.axis(k).d), cos_sin(-q[k]));
+    q[2] = angle(Turn<double>{dot(across, v), dot(axis, cross(across, v))});
+    return true;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,282 @@
+// The equations of one pose of six turning joints in numbers of many digits: those of families/general/hidden_joint.hpp, for the arm
+// whose axes are moved by NUDGE.
+//
+// e1(q1) ... e6(q6) = G. Cut behind joint a + 1: e_a e_(a+1) moves the line of axis a + 2 to where the other joints and G put it. A
+// line is fifteen numbers on which motions act linearly, so the nine products of (1, cos, sin) of joints a and a + 1 span a space of
+// nine dimensions at most, and six combinations of the fifteen numbers vanish on it: six equations in the other three joints,
+// linear in (1, cos, sin) of each. A line's numbers after each joint has turned by 0, pi or pi / 2 give their coefficients.
+#pragma once
+
+#include "answers/answer.hpp"
+#include "arithmetic/wide.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The axes move by about this [rad, share of the size]. An arm with a special structure then has none, its determinant does not
+// vanish and its zeros are simple. A solution with the smallest singular value s moves by about NUDGE / s, and one of multiplicity
+// m by about the m-th root: the rounding of doubles moves them as far.
+inline constexpr double NUDGE = 1e-16;
+// A bound on sums of roundings in units: matrices of 15 rows, and their factors, whose entries are sums of at most 15 products.
+inline constexpr double ROUNDINGS = 1024.0;
+inline constexpr int UNKNOWNS = 12, NUMBERS = 15, PRODUCTS = 9;
+
+template <int L> struct WideMotion {
+    Wide<L> R[3][3], t[3];
+};
+template <class V, int L> STEP Frame<V> constant_frame(const WideMotion<L>& m) {
+    const auto column = [&](int k) { return Vec<V>{m.R[0][k], m.R[1][k], m.R[2][k]}; };
+    return {{column(0), column(1), column(2)}, {m.t[0], m.t[1], m.t[2]}};
+}
+template <int L> PART Frame<Wide<L>> beyond(const Frame<Wide<L>>& at, const WideMotion<L>& m) {
+    const Frame<Wide<L>> step = constant_frame<Wide<L>>(m);
+    return {{at.R * step.R.x, at.R * step.R.y, at.R * step.R.z}, at.p + at.R * step.p};
+}
+
+// The motion with the rotation nearest to the stored one, which is orthogonal to 3e-14; each step squares what is left of this.
+template <int L> PART WideMotion<L> wide_motion(const Motion& m, double scale) {
+    using W = Wide<L>;
+    WideMotion<L> out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[i][j];
+        out.t[i] = W(m.t[i]) * W(scale);
+    }
+    for (int bits = 44; bits < 64 * L; bits *= 2) {
+        W square[3][3], next[3][3];
+        for (int k = 0; k < 3; ++k) {
+            for (int j = 0; j < 3; ++j) {
+                square[k][j] = W(k == j ? 3.0 : 0.0) - (out.R[0][k] * out.R[0][j] + out.R[1][k] * out.R[1][j] + out.R[2][k] * out.R[2][j]);
+            }
+        }
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                next[i][j] = half(out.R[i][0] * square[0][j] + out.R[i][1] * square[1][j] + out.R[i][2] * square[2][j]);
+            }
+        }
+        __builtin_memcpy(out.R, next, sizeof next);
+    }
+    return out;
+}
+
+// A direction, and a point on it.
+template <class V> struct Line {
+    Vec<V> p, d;
+};
+template <class V> STEP void numbers_of(const Line<V>& l, V (&w)[NUMBERS]) {
+    const V h = half(dot(l.p, l.p)), along = dot(l.p, l.d);
+    const Vec<V> m = cross(l.p, l.d), rest = h * l.d - along * l.p;
+    const V all[NUMBERS] = {V(1.0), l.p.x, l.p.y, l.p.z, h, l.d.x, l.d.y, l.d.z, m.x, m.y, m.z, along, rest.x, rest.y, rest.z};
+    for (int i = 0; i < NUMBERS; ++i) w[i] = all[i];
+}
+// v turned about the unit vector h.
+template <class V> PART Vec<V> turned_about(const Vec<V>& v, const Vec<V>& h, const Turn<V>& t) {
+    return t.c * v + t.s * cross(h, v) + ((V(1.0) - t.c) * dot(h, v)) * h;
+}
+template <class V> STEP Line<V> turned_about(const Line<V>& l, const Line<V>& axis, const Turn<V>& t) {
+    return {axis.p + turned_about(l.p - axis.p, axis.d, t), turned_about(l.d, axis.d, t)};
+}
+template <class V> STEP Line<V> moved_by(const Line<V>& l, const Frame<V>& G) { return {G.R * l.p + G.p, G.R * l.d}; }
+
+// The arm and the pose: axes at zero, moved, lengths as shares of the size, the origin in their midst, and the motion that all joints
+// make together.
+template <int L> struct WidePose {
+    Line<Wide<L>> axis[6];
+    Frame<Wide<L>> G;
+};
+
+template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<double>& goal) {
+    using W = Wide<L>;
+    WidePose<L> out;
+    const double scale = 1.0 / arm.size;
+    WideMotion<L> at = wide_motion<L>(arm.step[0], scale);
+    Vec<double> middle = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 6; ++k) {
+        out.axis[k] = {{at.t[0], at.t[1], at.t[2]}, {at.R[0][2], at.R[1][2], at.R[2][2]}};
+        middle = middle + (1.0 / 6.0) * Vec<double>{at.t[0].leading(), at.t[1].leading(), at.t[2].leading()};
+        at = composed(at, wide_motion<L>(arm.step[k + 1], scale));
+    }
+    const WideMotion<L> G = composed(wide_motion<L>(motion_of(goal), scale), inverse_of(at));
+    out.G = constant_frame<W>(G);
+    const Vec<W> centre = {middle.x, middle.y, middle.z};
+    out.G.p = out.G.p + out.G.R * centre - centre;
+    Scatter generic = Scatter::number(1);
+    const auto moved = [&](const Vec<W>& v) {
+        return Vec<W>{v.x + W(NUDGE * generic.next()), v.y + W(NUDGE * generic.next()), v.z + W(NUDGE * generic.next())};
+    };
+    for (auto& [p, d] : out.axis) {
+        p = p - centre;
+        d = moved(d);
+        d = inverse(sqrt(dot(d, d))) * d;
+        p = moved(p - dot(p, d) * d);
+    }
+    return out;
+}
+
+// The same of the reversed chain: e6^-1 ... e1^-1 = G^-1.
+template <int L> PART WidePose<L> reversed(const WidePose<L>& pose) {
+    WidePose<L> out;
+    const Vec<Wide<L>> zero = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 6; ++k) out.axis[k] = {pose.axis[5 - k].p, zero - pose.axis[5 - k].d};
+    const auto& [x, y, z] = pose.G.R;
+    out.G.R = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
+    out.G.p = zero - out.G.R * pose.G.p;
+    return out;
+}
+
+// From values at 0, pi and pi / 2 to the coefficients of 1, cos and sin.
+template <class V> STEP void to_coefficients(V& a, V& b, V& c) {
+    const V middle = half(a + b), cosine = half(a - b);
+    a = middle, b = cosine, c = c - middle;
+}
+
+// What a triangular factorisation A = lower upper tells about A: bounds, in maximum norms, on A^-1 and on |lower| |upper|.
+struct FactorBounds {
+    double inverse, product;
+};
+// N x N doubles, row by row; lower has ones on its diagonal.
+template <int N> PART FactorBounds bounds_of(const double (&a)[N][N]) {
+    FactorBounds out = {0.0, 0.0};
+    double y[N], z[N], row[N];
+    for (int i = 0; i < N; ++i) {
+        y[i] = 1.0, row[i] = 0.0;
+        for (int j = 0; j < i; ++j) y[i] += abs(a[i][j]) * y[j];
+        for (int j = i; j < N; ++j) row[i] += abs(a[i][j]);
+        double sum = row[i];
+        for (int j = 0; j < i; ++j) sum += abs(a[i][j]) * row[j];
+        out.product = max(out.product, sum);
+    }
+    for (int i = N - 1; i >= 0; --i) {
+        z[i] = y[i];
+        for (int j = i + 1; j < N; ++j) z[i] += abs(a[i][j]) * z[j];
+        z[i] /= abs(a[i][i]);
+        out.inverse = max(out.inverse, z[i]);
+    }
+    return out;
+}
+
+// The equations of one cut. Their coefficients: (equation, hidden joint a + 5, joints a + 4 and a + 3, the last one fastest).
+template <int L> struct WideEquations {
+    using W = Wide<L>;
+    WidePose<L> pose;  // of the chain, or of the reversed one
+    int first;         // a
+    W factor[NUMBERS][PRODUCTS];  // of the lines that joints a and a + 1 reach, rows and columns permuted
+    int row[NUMBERS], column[PRODUCTS];
+    W A[6][3][PRODUCTS];
+    double error;  // of each coefficient
+
+    STEP const Line<W>& axis(int k) const { return pose.axis[(first + k) % 6]; }
+    // A line after the inverse turns of joints a + 3, a + 4 and a + 5, and G at its place among them.
+    template <class V, class Undo> STEP Line<V> other_side(Line<V> l, const Frame<V>& G, int from, int to, const Undo& undo) const {
+        for (int k = from; k < to; ++k) {
+            if (k + first == 3) l = moved_by(l, G);
+            if (k < 3) l = undo(k, l);
+        }
+        return l;
+    }
+};
+
+// Turns by 0, pi and pi / 2.
+template <class V> STEP Turn<V> sample_turn(int i, bool back) {
+    return {V(i == 0 ? 1.0 : i == 1 ? -1.0 : 0.0), V(i == 2 ? (back ? -1.0 : 1.0) : 0.0)};
+}
+
+// Complete pivoting: factors are bounded, and the combinations hold to rounding however nearly the products depend on each other.
+template <int L> PART void factorise(WideEquations<L>& of) {
+    auto& a = of.factor;
+    for (int i = 0; i < NUMBERS; ++i) of.row[i] = i;
+    for (int j = 0; j < PRODUCTS; ++j) of.column[j] = j;
+    for (int k = 0; k < PRODUCTS; ++k) {
+        int r = k, c = k;
+        for (int i = k; i < NUMBERS; ++i) {
+            for (int j = k; j < PRODUCTS; ++j) {
+                if (Wide<L>::is_less(a[r][c], a[i][j])) r = i, c = j;
+            }
+        }
+        std::swap(of.row[k], of.row[r]), std::swap(of.column[k], of.column[c]);
+        for (int j = 0; j < PRODUCTS; ++j) std::swap(a[k][j], a[r][j]);
+        for (int i = 0; i < NUMBERS; ++i) std::swap(a[i][k], a[i][c]);
+        if (a[k][k].is_zero()) return;
+        const Wide<L> over = inverse(a[k][k]);
+        for (int i = k + 1; i < NUMBERS; ++i) {
+            a[i][k] = a[i][k] * over;
+            for (int j = k + 1; j < PRODUCTS; ++j) a[i][j] -= a[i][k] * a[k][j];
+        }
+    }
+}
+
+template <int L> PART void set_equations(const WidePose<L>& pose, int first, WideEquations<L>& out) {
+    using W = Wide<L>;
+    out.pose = pose, out.first = first;
+    const Line<W> line = out.axis(2);
+    W w[NUMBERS];
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            numbers_of(turned_about(turned_about(line, out.axis(1), sample_turn<W>(j, false)), out.axis(0), sample_turn<W>(i, false)), w);
+            for (int k = 0; k < NUMBERS; ++k) out.factor[k][3 * i + j] = w[k];
+        }
+    }
+    for (auto& a : out.factor) {
+        for (int i = 0; i < 3; ++i) to_coefficients(a[3 * i], a[3 * i + 1], a[3 * i + 2]);
+        for (int j = 0; j < 3; ++j) to_coefficients(a[j], a[3 + j], a[6 + j]);
+    }
+    factorise(out);
+    // The other rows as combinations of the first nine: C lower = other factors.
+    W C[6][PRODUCTS];
+    double largest = 1.0, square[PRODUCTS][PRODUCTS];
+    for (int e = 0; e < 6; ++e) {
+        double sum = 1.0;
+        for (int k = PRODUCTS - 1; k >= 0; --k) {
+            C[e][k] = out.factor[PRODUCTS + e][k];
+            for (int j = k + 1; j < PRODUCTS; ++j) C[e][k] -= C[e][j] * out.factor[j][k];
+            sum += abs(C[e][k].leading());
+        }
+        largest = max(largest, sum);
+    }
+    for (int i = 0; i < PRODUCTS; ++i) {
+        for (int j = 0; j < PRODUCTS; ++j) square[i][j] = out.factor[i][j].leading();
+    }
+    const FactorBounds bounds = bounds_of(square);
+    double longest = 0.0;
+    const auto undo = [&](int i) {
+        return [&out, i](int k, const Line<W>& l) { return turned_about(l, out.axis(3 + k), sample_turn<W>(i, true)); };
+    };
+    for (int i = 0; i < 3; ++i) {
+        const Line<W> kept = out.other_side(line, pose.G, 0, 1, undo(i));
+        for (int j = 0; j < 3; ++j) {
+            const Line<W> too = out.other_side(kept, pose.G, 1, 2, undo(j));
+            for (int k = 0; k < 3; ++k) {
+                numbers_of(out.other_side(too, pose.G, 2, 4, undo(k)), w);
+                for (const W& each : w) longest = max(longest, abs(each.leading()));
+                for (int e = 0; e < 6; ++e) {
+                    W sum = w[out.row[PRODUCTS + e]];
+                    for (int l = 0; l < PRODUCTS; ++l) sum -= C[e][l] * w[out.row[l]];
+                    out.A[e][k][3 * j + i] = sum;
+                }
+            }
+        }
+    }
+    for (auto& a : out.A) {
+        for (auto& b : a) {
+            for (int i = 0; i < 3; ++i) to_coefficients(b[3 * i], b[3 * i + 1], b[3 * i + 2]);
+            for (int i = 0; i < 3; ++i) to_coefficients(b[i], b[3 + i], b[6 + i]);
+        }
+        for (int i = 0; i < PRODUCTS; ++i) to_coefficients(a[0][i], a[1][i], a[2][i]);
+    }
+    out.error = ROUNDINGS * WIDE_UNIT<L> * longest * largest * largest * (1.0 + bounds.inverse * bounds.product);
+}
+
+// The matrix at the hidden angle, by rows: the equations times cosine and sine of half of joint a + 4.
+template <int L, class V> PART void matrix_at(const WideEquations<L>& of, const Turn<V>& t, V (&M)[UNKNOWNS][UNKNOWNS]) {
+    for (int e = 0; e < 6; ++e) {
+        const auto& a = of.A[e];
+        for (int j = 0; j < 3; ++j) {
+            const auto at = [&](int i) { return lifted<V>(a[0][i]) + a[1][i] * t.c + a[2][i] * t.s; };
+            const V f = at(j), g = half(at(3 + j)), h = half(at(6 + j)), zero = f - f;
+            M[e][4 * j] = f + g, M[6 + e][4 * j] = h;
+            M[e][4 * j + 1] = h, M[6 + e][4 * j + 1] = f - g;
+            M[e][4 * j + 2] = g, M[6 + e][4 * j + 2] = zero - h;
+            M[e][4 * j + 3] = h, M[6 + e][4 * j + 3] = g;
+        }
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
