@@ -40,6 +40,7 @@ set(URDF_IK_UNITS
   level_table.cpp
   motion/path_graph.cpp
   motion/tracker.cpp
+  referee/referee.cpp
   self_motion/on_curve.cpp
 )
 # Compiled once: solvers made from named values, and the choice of instruction set.

@@ -28,6 +28,7 @@
 #include "answers/branch.hpp"
 #include "answers/rooted.hpp"
 #include "kinematics/target.hpp"
+#include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -203,7 +204,9 @@ STEP void solve_by_roots(const typename Family::Arm& arm, const Goal<double>& go
     const Quartic roots = Family::quartic(arm, seen);
     const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, ~0u, &roots);
     look_around<Family>(arm, goal, seen, reference, columns, unsure);
-    set_status(columns.flags[0], status_by_roots<Family>(arm, goal, seen, roots, columns));
+    Status status = status_by_roots<Family>(arm, goal, seen, roots, columns);
+    if (status == Status::incomplete) status = refer(arm.written, goal, columns);
+    set_status(columns.flags[0], status);
 }
 
 // Solve one pose's branches in doubt on the careful path. value: of the redundancy parameter, for arms that have one.
@@ -235,6 +238,7 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
             status = decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
         }
         if (status == Status::incomplete) status = decided_closely<Family>(arm, projected, boxes, columns);
+        if (status == Status::incomplete) status = refer(arm.written, projected, columns);
         set_status(columns.flags[0], status);
     } else {
         Family::closely(arm, goal, seen, reference, columns, wanted);

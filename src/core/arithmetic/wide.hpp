@@ -179,6 +179,11 @@ template <int L> PART Wide<L> sqrt(const Wide<L>& a) {
     return (n * x).times_power(even / 2);
 }
 
+template <class T> STEP void exchange(T& a, T& b) {
+    const T c = a;
+    a = b, b = c;
+}
+
 // A complex number.
 template <int L> struct WideComplex {
     Wide<L> re, im;

@@ -48,7 +48,7 @@ template <int L> PART Wide<L> determinant(Wide<L> (&M)[UNKNOWNS][UNKNOWNS], doub
         if (M[r][k].is_zero()) return 0.0;
         if (r != k) {
             product = -product;
-            for (int j = 0; j < UNKNOWNS; ++j) std::swap(M[k][j], M[r][j]);
+            for (int j = 0; j < UNKNOWNS; ++j) exchange(M[k][j], M[r][j]);
         }
         product = product * M[k][k];
         const Wide<L> over = inverse(M[k][k]);
@@ -262,11 +262,11 @@ template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKN
         last = most;
         if (!(most > 0.0)) return false;
         if (r != k) {
-            for (int j = k; j < N; ++j) std::swap(M[k][j], M[r][j]);
+            for (int j = k; j < N; ++j) exchange(M[k][j], M[r][j]);
         }
         if (c != k) {
-            std::swap(column[k], column[c]);
-            for (int i = 0; i < N; ++i) std::swap(M[i][k], M[i][c]);
+            exchange(column[k], column[c]);
+            for (int i = 0; i < N; ++i) exchange(M[i][k], M[i][c]);
         }
         const V over = inverse(M[k][k]);
         for (int i = k + 1; i < N; ++i) {
@@ -285,11 +285,11 @@ template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKN
     return true;
 }
 
-// The real part of an angle.
-template <int L> STEP double angle_of(const Turn<Wide<L>>& t) { return angle(Turn<double>{t.c.leading(), t.s.leading()}); }
-template <int L> STEP double angle_of(const Turn<WideComplex<L>>& t) {
+// e^(i angle), rounded.
+template <int L> STEP Complex circle_of(const Turn<Wide<L>>& t) { return {t.c.leading(), t.s.leading()}; }
+template <int L> STEP Complex circle_of(const Turn<WideComplex<L>>& t) {
     const Complex c = leading(t.c), s = leading(t.s);
-    return angle(Turn<double>{c.re - s.im, c.im + s.re});
+    return {c.re - s.im, c.im + s.re};
 }
 template <class V, int L> STEP Vec<V> lifted(const Vec<Wide<L>>& a) { return {lifted<V>(a.x), lifted<V>(a.y), lifted<V>(a.z)}; }
 template <int L> STEP Vec<double> rounded(const Vec<Wide<L>>& a) { return {a.x.leading(), a.y.leading(), a.z.leading()}; }
@@ -343,23 +343,31 @@ template <int L, class V> PART bool first_turns(const WideEquations<L>& of, cons
     return true;
 }
 
-// The real parts of all joints at a root, in the loop's order from joint a on.
-template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x, double (&q)[6]) {
+// All joints at a root, e^(i angle) in the loop's order from joint a on.
+template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x, Complex (&z)[6]) {
     Turn<V> others[3], first[2];
     if (!other_turns(of, centre, x, others) || !first_turns(of, others, first)) return false;
-    for (int k = 0; k < 3; ++k) q[3 + k] = angle_of(others[k]);
-    for (int k = 0; k < 2; ++k) q[k] = angle_of(first[k]);
+    for (int k = 0; k < 3; ++k) z[3 + k] = circle_of(others[k]);
+    for (int k = 0; k < 2; ++k) z[k] = circle_of(first[k]);
     // Joint a + 2 turns a vector across its axis to where the others do.
-    const Vec<double> axis = rounded(of.axis(2).d);
-    const Vec<double> across = abs(axis.x) < 0.6 ? cross(axis, Vec<double>{1.0, 0.0, 0.0}) : cross(axis, Vec<double>{0.0, 1.0, 0.0});
-    const Rot<double> G = {rounded(of.pose.G.R.x), rounded(of.pose.G.R.y), rounded(of.pose.G.R.z)};
-    Vec<double> v = across;
+    const auto complex = [](const Vec<double>& a) { return Vec<Complex>{a.x, a.y, a.z}; };
+    const Vec<double> h = rounded(of.axis(2).d);
+    const Vec<double> side = abs(h.x) < 0.6 ? cross(h, Vec<double>{1.0, 0.0, 0.0}) : cross(h, Vec<double>{0.0, 1.0, 0.0});
+    const Vec<Complex> axis = complex(h), across = complex(side);
+    const Rot<Wide<L>>& R = of.pose.G.R;
+    const Rot<Complex> G = {complex(rounded(R.x)), complex(rounded(R.y)), complex(rounded(R.z))};
+    const auto undone = [&](const Vec<Complex>& v, int k) {
+        const Turn<Complex> t = turn_of(z[k]);
+        return turned_about(v, complex(rounded(of.axis(k).d)), Turn<Complex>{t.c, -t.s});
+    };
+    Vec<Complex> v = across;
     for (int k = 0; k < 4; ++k) {
         if (k + of.first == 3) v = G * v;
-        if (k < 3) v = turned_about(v, rounded(of.axis(3 + k).d), cos_sin(-q[3 + k]));
+        if (k < 3) v = undone(v, 3 + k);
     }
-    for (int k = 0; k < 2; ++k) v = turned_about(v, rounded(of.axis(k).d), cos_sin(-q[k]));
-    q[2] = angle(Turn<double>{dot(across, v), dot(axis, cross(across, v))});
+    for (int k = 0; k < 2; ++k) v = undone(v, k);
+    const Complex c = dot(across, v), s = dot(axis, cross(across, v));
+    z[2] = {c.re - s.im, c.im + s.re};
     return true;
 }
 

@@ -191,9 +191,9 @@ template <int L> PART void factorise(WideEquations<L>& of) {
                 if (Wide<L>::is_less(a[r][c], a[i][j])) r = i, c = j;
             }
         }
-        std::swap(of.row[k], of.row[r]), std::swap(of.column[k], of.column[c]);
-        for (int j = 0; j < PRODUCTS; ++j) std::swap(a[k][j], a[r][j]);
-        for (int i = 0; i < NUMBERS; ++i) std::swap(a[i][k], a[i][c]);
+        exchange(of.row[k], of.row[r]), exchange(of.column[k], of.column[c]);
+        for (int j = 0; j < PRODUCTS; ++j) exchange(a[k][j], a[r][j]);
+        for (int i = 0; i < NUMBERS; ++i) exchange(a[i][k], a[i][c]);
         if (a[k][k].is_zero()) return;
         const Wide<L> over = inverse(a[k][k]);
         for (int i = k + 1; i < NUMBERS; ++i) {

@@ -3,6 +3,7 @@
 
 #include "answers/on_curve.hpp"
 #include "certificate/account.hpp"
+#include "certificate/precise.hpp"
 #include "referee/determinant.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -20,38 +21,42 @@ inline constexpr int CERTIFYING_ROUNDS = 5;
 
 struct CircleZero {
     double q[6], solution[6], outer, least;  // least: smallest singular value at the solution
-    double error;                            // at the solution
+    double own, error;                       // at the zero's joint vector, and at the solution
     bool real, certified;
 };
+// What one cut tells: its zeros on the circle and near it, and the others.
 struct CircleZeros {
+    WideEquations<LIMBS> equations;
+    HalfTangent<LIMBS> p;
+    WideRoot<LIMBS> root[ROOTS];
     CircleZero at[ROOTS];
-    int many = 0;
+    int many = 0, first = 0;
+    bool back = false;
+
+    STEP int joint(int k) const { return back ? 5 - (first + k) % 6 : (first + k) % 6; }
 };
 
 // The zeros of one cut. Returns whether all are resolved.
 PART bool list_zeros(const WidePose<LIMBS>& pose, int first, bool back, const Written<6>& arm, const Goal<double>& goal,
                      CircleZeros& out) {
-    WideEquations<LIMBS> equations;
-    HalfTangent<LIMBS> p;
-    WideRoot<LIMBS> root[ROOTS];
-    set_equations(pose, first, equations);
-    if (!half_tangent_polynomial(equations, p)) return false;
-    roots_of(p, root);
-    out.many = 0;
-    for (const WideRoot<LIMBS>& each : root) {
+    out.first = first, out.back = back, out.many = 0;
+    set_equations(pose, first, out.equations);
+    if (!half_tangent_polynomial(out.equations, out.p)) return false;
+    roots_of(out.p, out.root);
+    for (const WideRoot<LIMBS>& each : out.root) {
         if (each.least > NEAR_REAL) continue;
         if (each.together > 1 || !(each.radius < 1e-8)) return false;
         const bool real = abs(each.x.im.leading()) <= each.radius;
         if (!real && each.x.im.negative) continue;
-        double q[6];
-        if (!(real ? joints_at(equations, p.centre, each.x.re, q) : joints_at(equations, p.centre, each.x, q))) return false;
-        CircleZero& to = out.at[out.many++];
-        for (int k = 0; k < 6; ++k) {
-            const int j = (first + k) % 6;
-            to.q[back ? 5 - j : j] = wrap(q[k]);
+        Complex z[6];
+        if (!(real ? joints_at(out.equations, out.p.centre, each.x.re, z) : joints_at(out.equations, out.p.centre, each.x, z))) {
+            return false;
         }
+        CircleZero& to = out.at[out.many++];
+        for (int k = 0; k < 6; ++k) to.q[out.joint(k)] = atan2(z[k].im, z[k].re);
         to.real = real, to.certified = false;
-        if (real && !(error_at<6, double>(arm, goal, to.q).size < MISREAD)) return false;
+        to.own = error_at<6, double>(arm, goal, to.q).size;
+        if (real && !(to.own < MISREAD)) return false;
     }
     return true;
 }
@@ -104,7 +109,7 @@ PART void certify_zeros(const LoopOf<WideMotion<LIMBS>>& loop, CircleZero* const
     for (int l = 0; l < many; ++l) {
         double q[6], moved = 0.0, from_zero = 0.0;
         for (int k = 0; k < 6; ++k) {
-            q[k] = angle_of(turn[l][k]);
+            q[k] = angle(Turn<double>{turn[l][k].c.leading(), turn[l][k].s.leading()});
             moved = max(moved, abs(wrap(q[k] - zero[l]->solution[k]))), from_zero = max(from_zero, abs(wrap(q[k] - zero[l]->q[k])));
         }
         zero[l]->outer = c.outer[l];
@@ -137,10 +142,9 @@ PART void follow_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZe
         zero.error = polish_one<true>(arm, goal, zero.solution, {40, FINISHED, LONG_PATIENCE}).error;
         if (zero.real && (!(zero.error <= CONVERGED) || distance(arm, zero.solution, zero.q) > STAYS)) {
             // On a curve, or in a valley, it may lead away; the zero itself keeps the pose.
-            const double own = error_at<6, double>(arm, goal, zero.q).size;
-            if (own <= arm.tolerances.reach) {
+            if (zero.own <= arm.tolerances.reach) {
                 for (int j = 0; j < 6; ++j) zero.solution[j] = zero.q[j];
-                zero.error = own;
+                zero.error = zero.own;
             }
         }
         zero.least = weakest_at(arm, goal, zero.solution).value;
@@ -170,8 +174,38 @@ STEP int free_column(const Columns<6>& columns, unsigned owned) {
     return -1;
 }
 
+// Whether all zeros that are not near real belong to regular complex solutions of the arm as written. Others may belong to a curve
+// of solutions: Newton's method from their real parts looks for one, which becomes a solution.
+PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros& zeros, const Columns<6>& columns) {
+    const Loop loop = loop_of(arm, goal);
+    bool all = true;
+    for (const WideRoot<LIMBS>& each : zeros.root) {
+        if (!(each.least > NEAR_REAL) || each.x.im.negative) continue;
+        Complex at[6];
+        if (!joints_at(zeros.equations, zeros.p.centre, each.x, at)) {
+            all = false;
+            continue;
+        }
+        CBlock z[6];
+        double q[6];
+        Growth growth;
+        for (int k = 0; k < 6; ++k) {
+            const int j = zeros.joint(k);
+            z[j] = {Block(at[k].re), Block(at[k].im)}, q[j] = atan2(at[k].im, at[k].re);
+        }
+        Certificate c = certify_complex(loop, z, 1, 3, growth);
+        if (!(bits(c.holds) & 1)) c = certify_precisely(loop, precise_loop(arm, goal), z, 1, growth);
+        if (bits(c.holds) & 1) continue;
+        all = false;
+        if (!(polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED)) continue;
+        const int b = free_column(columns, ~0u);
+        if (b >= 0 && is_new(arm, goal, columns, q) && is_on_curve(arm, goal, q)) keep(columns, b, q, OTHER);
+    }
+    return all;
+}
+
 PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, const CircleZeros& zeros, const Columns<6>& columns) {
-    unsigned owned = 0;
+    unsigned owned = 0, regular = 0;
     bool clustered = false;
     for (int pass = 0; pass < 3; ++pass) {
         for (int i = 0; i < zeros.many; ++i) {
@@ -185,12 +219,12 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
                 if (b < 0) return Status::incomplete;
                 columns.clear(b);
                 keep(columns, b, zero.solution, zero.least < NEAR_FOLD ? singular_marks(arm, goal, zero.solution, 0) : 0);
-            } else if (!zero.real && !(columns.flags[b] & SINGULAR) && distance(arm, zero.q, columns.row(b)) > BESIDE_A_ZERO) {
-                // Newton's method went on to a regular solution.
+            } else if (!zero.real && zero.own > CONVERGED && regular >> b & 1) {
+                // Newton's method went on to the solution of another zero.
                 continue;
             }
             clustered |= !zero.certified || (owned >> b & 1);
-            owned |= 1u << b;
+            owned |= 1u << b, regular |= unsigned(zero.certified) << b;
         }
     }
     for (int b = 0; b < columns.many; ++b) {
@@ -199,11 +233,15 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         if (weakest_at(arm, goal, columns.row(b)).value > BESIDE_A_ZERO) return Status::incomplete;
         clustered = true;
     }
+    if (!clustered && are_regular(arm, goal, zeros, columns)) return Status::complete;
     if (keep_curve(arm, goal, columns)) return Status::continuum;
     return clustered ? Status::clustered : Status::complete;
 }
 
 Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    for (const bool slides : arm.slides) {
+        if (slides) return Status::incomplete;
+    }
     WidePose<LIMBS> pose[2] = {wide_pose<LIMBS>(arm, goal), {}};
     pose[1] = reversed(pose[0]);
     CircleZeros zeros;

@@ -14,7 +14,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Adds to the columns the solutions that they lack, and returns the status. All six joints turn.
+// Adds to the columns the solutions that they lack, and returns the status: incomplete if a joint slides.
 Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -15,6 +15,7 @@
 #include "families/general/eliminant.hpp"
 #include "families/general/hidden_joint.hpp"
 #include "families/general/precise_eliminant.hpp"
+#include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -383,7 +384,8 @@ struct General6 {
     using Arm = EliminationArm;
     static constexpr int branches = 16;
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
-        const Status status = complete(arm, goal, columns);
+        Status status = complete(arm, goal, columns);
+        if (status == Status::incomplete) status = refer(arm.written, goal, columns);
         sort(columns);
         set_status(columns.flags[0], status);
     }

@@ -18,6 +18,7 @@
 #include "answers/on_curve.hpp"
 #include "families/general/complete.hpp"
 #include "families/imperfect/certified.hpp"
+#include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -144,7 +145,7 @@ template <class Family> struct Imperfect {
                 else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
             }
             if (!open && !arm.both.boxes) {
-                if (!are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], Status::incomplete);
+                if (!are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], refer(written, goal, columns));
                 return;
             }
             if ((close || loose) && are_all(arm.elimination, goal, columns)) return;
@@ -156,6 +157,7 @@ template <class Family> struct Imperfect {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (keep_curve(arm.family.written, goal, columns)) status = Status::continuum;
         }
+        if (status == Status::incomplete) status = refer(arm.family.written, goal, columns);
         set_status(columns.flags[0], status);
     }
 
