@@ -13,14 +13,16 @@ namespace urdf_ik::URDF_IK_LEVEL {
 struct Product64 {
     std::uint64_t low, high;
 };
-STEP Product64 product64(std::uint64_t a, std::uint64_t b) {
+// a b + c + d, which two limbs hold.
+STEP Product64 product64(std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d) {
 #if defined(__SIZEOF_INT128__)
-    const auto p = static_cast<unsigned __int128>(a) * b;
+    const auto p = static_cast<unsigned __int128>(a) * b + c + d;
     return {std::uint64_t(p), std::uint64_t(p >> 64)};
 #else
     const std::uint64_t half = 0xffffffffu, al = a & half, ah = a >> 32, bl = b & half, bh = b >> 32;
-    const std::uint64_t low = al * bl, middle = ah * bl + (low >> 32), other = al * bh + (middle & half);
-    return {(other << 32) | (low & half), ah * bh + (middle >> 32) + (other >> 32)};
+    const std::uint64_t first = al * bl, middle = ah * bl + (first >> 32), other = al * bh + (middle & half);
+    const std::uint64_t low = (other << 32) | (first & half), more = low + c, most = more + d;
+    return {most, ah * bh + (middle >> 32) + (other >> 32) + (more < c) + (most < d)};
 #endif
 }
 
@@ -74,16 +76,15 @@ template <int L> struct Wide {
     }
     friend PART Wide operator*(const Wide& a, const Wide& b) {
         if (a.is_zero() || b.is_zero()) return Wide(0.0);
+        // Products of limbs that are less than a unit together are left out.
         std::uint64_t p[2 * L] = {};
+#pragma GCC unroll 8
         for (int i = 0; i < L; ++i) {
             std::uint64_t carry = 0;
 #pragma GCC unroll 8
-            for (int j = 0; j < L; ++j) {
-                const Product64 each = product64(a.m[i], b.m[j]);
-                std::uint64_t low = each.low + carry;
-                carry = each.high + (low < each.low);
-                low += p[i + j], carry += low < p[i + j];
-                p[i + j] = low;
+            for (int j = L - 2 - i > 0 ? L - 2 - i : 0; j < L; ++j) {
+                const Product64 each = product64(a.m[i], b.m[j], p[i + j], carry);
+                p[i + j] = each.low, carry = each.high;
             }
             p[i + L] = carry;
         }
@@ -113,42 +114,39 @@ template <int L> struct Wide {
         if (b.is_zero()) return a;
         const bool swapped = is_less(a, b);
         const Wide &big = swapped ? b : a, &small = swapped ? a : b;
+        const int shift = big.exponent - small.exponent;
         Wide out = big;
         out.negative = swapped ? sign : a.negative;
-        const int shift = big.exponent - small.exponent;
         if (small.is_zero() || shift >= 64 * L) return out;
+        // The smaller one is added, or its complement.
+        const std::uint64_t differ = std::uint64_t(a.negative != sign), mask = 0 - differ;
         const int words = shift / 64, rest = shift % 64;
-        std::uint64_t t[L + 1] = {}, shifted[L];
-        for (int i = 0; i + words < L; ++i) t[i] = small.m[i + words];
-        for (int i = 0; i < L; ++i) shifted[i] = rest ? t[i] >> rest | t[i + 1] << (64 - rest) : t[i];
-        if (a.negative == sign) {
-            std::uint64_t carry = 0;
-            for (int i = 0; i < L; ++i) {
-                const std::uint64_t x = out.m[i] + carry;
-                carry = x < carry, out.m[i] = x + shifted[i], carry += out.m[i] < x;
-            }
-            if (!carry) return out;
-            for (int i = 0; i < L; ++i) out.m[i] = out.m[i] >> 1 | (i + 1 < L ? out.m[i + 1] << 63 : std::uint64_t(1) << 63);
-            ++out.exponent;
-            return out;
-        }
-        std::uint64_t borrow = 0;
+        std::uint64_t t[2 * L + 1] = {}, carry = differ;
+        __builtin_memcpy(t, small.m, sizeof small.m);
+#pragma GCC unroll 8
         for (int i = 0; i < L; ++i) {
-            const std::uint64_t x = out.m[i] - shifted[i], less = out.m[i] < shifted[i];
-            out.m[i] = x - borrow, borrow = less + (x < borrow);
+            const std::uint64_t moved = t[i + words] >> rest | t[i + words + 1] << 1 << (63 - rest);
+            const std::uint64_t x = out.m[i] + (moved ^ mask);
+            const std::uint64_t over = x < out.m[i];
+            out.m[i] = x + carry, carry = over | (out.m[i] < x);
         }
-        return out.normalised();
+        if (differ) return out.m[L - 1] >> 63 ? out : out.normalised();
+        for (int i = 0; i < L; ++i) {
+            const std::uint64_t next = i + 1 < L ? out.m[i + 1] : carry;
+            out.m[i] = out.m[i] >> carry | (next << 63 & (0 - carry));
+        }
+        out.exponent += int(carry);
+        return out;
     }
     STEP Wide normalised() const {
         int top = L - 1;
         while (top >= 0 && !m[top]) --top;
         if (top < 0) return Wide(0.0);
         const int zeros = __builtin_clzll(m[top]), words = L - 1 - top;
+        std::uint64_t t[2 * L + 1] = {};
+        __builtin_memcpy(t + L + 1, m, sizeof m);
         Wide out = *this;
-        for (int i = L - 1; i >= 0; --i) {
-            const std::uint64_t high = i >= words ? m[i - words] : 0, low = i > words ? m[i - words - 1] : 0;
-            out.m[i] = zeros ? high << zeros | low >> (64 - zeros) : high;
-        }
+        for (int i = 0; i < L; ++i) out.m[i] = t[L + 1 + i - words] << zeros | t[L + i - words] >> 1 >> (63 - zeros);
         out.exponent -= 64 * words + zeros;
         return out;
     }

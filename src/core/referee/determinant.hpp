@@ -55,7 +55,9 @@ template <int L> PART Wide<L> determinant(Wide<L> (&M)[UNKNOWNS][UNKNOWNS], doub
         for (int i = k + 1; i < UNKNOWNS; ++i) {
             if (M[i][k].is_zero()) continue;
             M[i][k] = M[i][k] * over;
-            for (int j = k + 1; j < UNKNOWNS; ++j) M[i][j] -= M[i][k] * M[k][j];
+            for (int j = k + 1; j < UNKNOWNS; ++j) {
+                if (!M[k][j].is_zero()) M[i][j] -= M[i][k] * M[k][j];
+            }
         }
     }
     double rounded[UNKNOWNS][UNKNOWNS];
@@ -244,7 +246,12 @@ template <int L> STEP double square_of(const Wide<L>& a) {
 }
 template <int L> STEP double square_of(const WideComplex<L>& a) { return square_of(a.re) + square_of(a.im); }
 
-// A null vector by elimination with complete pivoting: the last pivot is what rounding leaves of zero, and all others are larger.
+template <int L> STEP bool is_zero(const Wide<L>& a) { return a.is_zero(); }
+template <int L> STEP bool is_zero(const WideComplex<L>& a) { return a.re.is_zero() && a.im.is_zero(); }
+
+// A null vector by elimination, with pivots from any column once the zeros are used up: the last pivot is what rounding leaves of
+// zero.
+inline constexpr int SPARSE = 6;
 template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKNOWNS]) {
     constexpr int N = UNKNOWNS;
     int column[N];
@@ -254,7 +261,7 @@ template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKN
         int r = k, c = k;
         double most = -1.0;
         for (int i = k; i < N; ++i) {
-            for (int j = k; j < N; ++j) {
+            for (int j = k; j < (k < SPARSE ? k + 1 : N); ++j) {
                 const double size = square_of(M[i][j]);
                 if (size > most) most = size, r = i, c = j;
             }
@@ -270,8 +277,11 @@ template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKN
         }
         const V over = inverse(M[k][k]);
         for (int i = k + 1; i < N; ++i) {
+            if (is_zero(M[i][k])) continue;
             const V f = M[i][k] * over;
-            for (int j = k + 1; j < N; ++j) M[i][j] -= f * M[k][j];
+            for (int j = k + 1; j < N; ++j) {
+                if (!is_zero(M[k][j])) M[i][j] -= f * M[k][j];
+            }
         }
     }
     // Squares: the null vector has ten digits at least.
@@ -302,16 +312,21 @@ template <int L, class V> PART bool other_turns(const WideEquations<L>& of, cons
     V M[UNKNOWNS][UNKNOWNS], v[UNKNOWNS];
     matrix_at(of, turn[2], M);
     if (!null_vector(M, v)) return false;
-    // v is (1, cos, sin) of joint a + 3 times the cosines and sines of halves and three halves of joint a + 4.
+    // v is (1, cos, sin) of joint a + 3 times C^3, S^3, C^2 S and C S^2, with the cosine and sine of half the angle of joint a + 4.
     int i = 0;
-    for (int k = 1; k < 4; ++k) {
+    for (int k = 3; k < UNKNOWNS; k += 3) {
         if (square_of(v[k]) > square_of(v[i])) i = k;
     }
-    const V one = inverse(v[i]), c_half = v[0] * one, s_half = v[1] * one, length = c_half * c_half + s_half * s_half;
+    const bool cosine = square_of(v[0]) > square_of(v[3]);
+    const V one = inverse(v[i]), half_c = v[cosine ? 0 : 9] * one, half_s = v[cosine ? 6 : 3] * one;
+    const V length = half_c * half_c + half_s * half_s;
     if (!(square_of(length) > 0.0)) return false;
-    const V scale = inverse(length);
-    turn[0] = {v[4 + i] * one, v[8 + i] * one};
-    turn[1] = {(c_half * c_half - s_half * s_half) * scale, (c_half * s_half + c_half * s_half) * scale};
+    const V scale = inverse(length), c_too = (half_c * half_c - half_s * half_s) * scale, product = half_c * half_s;
+    const V s_too = (product + product) * scale;
+    const Wide<L> fifth = inverse(Wide<L>(5.0));
+    const V c_from = lifted<V>(Wide<L>(TOO_COSINE) * fifth), s_from = lifted<V>(Wide<L>(TOO_SINE) * fifth);
+    turn[0] = {v[i + 1] * one, v[i + 2] * one};
+    turn[1] = {c_too * c_from - s_too * s_from, s_too * c_from + c_too * s_from};
     return true;
 }
 

@@ -153,6 +153,9 @@ template <int N> PART FactorBounds bounds_of(const double (&a)[N][N]) {
     return out;
 }
 
+// Joint a + 4 is measured from the angle with these sides, so that its tangent of half is neither zero nor infinite at round poses.
+inline constexpr double TOO_COSINE = 3.0, TOO_SINE = 4.0;
+
 // The equations of one cut. Their coefficients: (equation, hidden joint a + 5, joints a + 4 and a + 3, the last one fastest).
 template <int L> struct WideEquations {
     using W = Wide<L>;
@@ -254,27 +257,32 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
             }
         }
     }
+    const W fifth = inverse(W(5.0)), c = W(TOO_COSINE) * fifth, s = W(TOO_SINE) * fifth;
     for (auto& a : out.A) {
         for (auto& b : a) {
             for (int i = 0; i < 3; ++i) to_coefficients(b[3 * i], b[3 * i + 1], b[3 * i + 2]);
-            for (int i = 0; i < 3; ++i) to_coefficients(b[i], b[3 + i], b[6 + i]);
+            for (int i = 0; i < 3; ++i) {
+                to_coefficients(b[i], b[3 + i], b[6 + i]);
+                const W cosine = b[3 + i], sine = b[6 + i];
+                b[3 + i] = c * cosine + s * sine, b[6 + i] = c * sine - s * cosine;
+            }
         }
         for (int i = 0; i < PRODUCTS; ++i) to_coefficients(a[0][i], a[1][i], a[2][i]);
     }
     out.error = ROUNDINGS * WIDE_UNIT<L> * longest * largest * largest * (1.0 + bounds.inverse * bounds.product);
 }
 
-// The matrix at the hidden angle, by rows: the equations times cosine and sine of half of joint a + 4.
-template <int L, class V> PART void matrix_at(const WideEquations<L>& of, const Turn<V>& t, V (&M)[UNKNOWNS][UNKNOWNS]) {
+// The matrix at the hidden angle, by rows: the equations, polynomials of degree two in t = tan(x / 2), and t times them; columns:
+// 1, t^3, t and t^2, each times (1, cos, sin) of joint a + 3. Each row has zeros in three of the first six.
+template <int L, class V> PART void matrix_at(const WideEquations<L>& of, const Turn<V>& turn, V (&M)[UNKNOWNS][UNKNOWNS]) {
+    constexpr int place[4] = {0, 6, 9, 3};  // of 1, t, t^2, t^3
     for (int e = 0; e < 6; ++e) {
         const auto& a = of.A[e];
         for (int j = 0; j < 3; ++j) {
-            const auto at = [&](int i) { return lifted<V>(a[0][i]) + a[1][i] * t.c + a[2][i] * t.s; };
-            const V f = at(j), g = half(at(3 + j)), h = half(at(6 + j)), zero = f - f;
-            M[e][4 * j] = f + g, M[6 + e][4 * j] = h;
-            M[e][4 * j + 1] = h, M[6 + e][4 * j + 1] = f - g;
-            M[e][4 * j + 2] = g, M[6 + e][4 * j + 2] = zero - h;
-            M[e][4 * j + 3] = h, M[6 + e][4 * j + 3] = g;
+            const auto at = [&](int i) { return lifted<V>(a[0][i]) + a[1][i] * turn.c + a[2][i] * turn.s; };
+            const V f = at(j), g = at(3 + j), h = at(6 + j), part[3] = {f + g, h + h, f - g};
+            M[e][place[3] + j] = 0.0, M[6 + e][place[0] + j] = 0.0;
+            for (int i = 0; i < 3; ++i) M[e][place[i] + j] = part[i], M[6 + e][place[i + 1] + j] = part[i];
         }
     }
 }

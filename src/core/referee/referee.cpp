@@ -8,8 +8,10 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// With 6 limbs, 115 digits, and axes moved by 1e-16 every pose of 30 arms was decided, with 64 digits 98 of 100 were.
-inline constexpr int LIMBS = 6;
+// Axes moved by 1e-16, 115 digits decide every pose of 30 arms that was tried, and 77 nearly all.
+inline constexpr int FEW_LIMBS = 4, MANY_LIMBS = 6;
+// Cuts that are tried with few limbs: what two leave open nearly always wants digits.
+inline constexpr int CUTS = 8, CUTS_WITH_FEW = 2;
 // A zero that no joint vector with an error below this belongs to is not resolved [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL.
@@ -25,10 +27,10 @@ struct CircleZero {
     bool real, certified;
 };
 // What one cut tells: its zeros on the circle and near it, and the others.
-struct CircleZeros {
-    WideEquations<LIMBS> equations;
-    HalfTangent<LIMBS> p;
-    WideRoot<LIMBS> root[ROOTS];
+template <int L> struct CircleZeros {
+    WideEquations<L> equations;
+    HalfTangent<L> p;
+    WideRoot<L> root[ROOTS];
     CircleZero at[ROOTS];
     int many = 0, first = 0;
     bool back = false;
@@ -37,13 +39,14 @@ struct CircleZeros {
 };
 
 // The zeros of one cut. Returns whether all are resolved.
-PART bool list_zeros(const WidePose<LIMBS>& pose, int first, bool back, const Written<6>& arm, const Goal<double>& goal,
-                     CircleZeros& out) {
+template <int L>
+PART bool list_zeros(const WidePose<L>& pose, int first, bool back, const Written<6>& arm, const Goal<double>& goal,
+                     CircleZeros<L>& out) {
     out.first = first, out.back = back, out.many = 0;
     set_equations(pose, first, out.equations);
     if (!half_tangent_polynomial(out.equations, out.p)) return false;
     roots_of(out.p, out.root);
-    for (const WideRoot<LIMBS>& each : out.root) {
+    for (const WideRoot<L>& each : out.root) {
         if (each.least > NEAR_REAL) continue;
         if (each.together > 1 || !(each.radius < 1e-8)) return false;
         const bool real = abs(each.x.im.leading()) <= each.radius;
@@ -63,20 +66,23 @@ PART bool list_zeros(const WidePose<LIMBS>& pose, int first, bool back, const Wr
 
 // ---- certificates --------------------------------------------------------------------------------------------------------
 
-using WideTurn = Turn<Wide<LIMBS>>;
+// Certificates take fewer digits: only the error of the loop is computed in them.
+inline constexpr int CERTIFYING_LIMBS = 3;
+using Certifying = Wide<CERTIFYING_LIMBS>;
+using WideTurn = Turn<Certifying>;
 STEP WideTurn wide_turn(double q) {
     const Turn<double> t = cos_sin(q);
-    const Wide<LIMBS> c = t.c, s = t.s, over = inverse(sqrt(c * c + s * s));
+    const Certifying c = t.c, s = t.s, over = inverse(sqrt(c * c + s * s));
     return {over * c, over * s};
 }
 // Turned on by 2 atan(step / 2).
 STEP WideTurn turned_on(const WideTurn& t, double step) {
-    const Wide<LIMBS> h = 0.5 * step, one = 1.0, over = inverse(one + h * h), c = (one - h * h) * over, s = (h + h) * over;
+    const Certifying h = 0.5 * step, one = 1.0, over = inverse(one + h * h), c = (one - h * h) * over, s = (h + h) * over;
     return {t.c * c - t.s * s, t.s * c + t.c * s};
 }
 
 // Newton's method on the arm as written, in many digits with the Jacobian of doubles, and certificates of a block of solutions.
-PART void certify_zeros(const LoopOf<WideMotion<LIMBS>>& loop, CircleZero* const (&zero)[BLOCK], int many) {
+PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, CircleZero* const (&zero)[BLOCK], int many) {
     WideTurn turn[BLOCK][6];
     LoopAt<Block> at;
     Orthogonal<Block> f;
@@ -85,7 +91,7 @@ PART void certify_zeros(const LoopOf<WideMotion<LIMBS>>& loop, CircleZero* const
     }
     for (int round = 0;; ++round) {
         for (int l = 0; l < BLOCK; ++l) {
-            const LoopAt<Wide<LIMBS>> here = loop_at(loop, turn[l < many ? l : 0]);
+            const LoopAt<Certifying> here = loop_at(loop, turn[l < many ? l : 0]);
             for (int i = 0; i < 6; ++i) {
                 for (int k = 0; k < 6; ++k) at.twist[k][i].set(l, here.twist[k][i].leading());
                 at.error[i].set(l, here.error[i].leading());
@@ -104,7 +110,7 @@ PART void certify_zeros(const LoopOf<WideMotion<LIMBS>>& loop, CircleZero* const
         longest = max(longest, square_of(each));
         S += 1.4143 * sqrt(square_of(each));
     }
-    const double small = ROUNDINGS * WIDE_UNIT<LIMBS>;
+    const double small = ROUNDINGS * WIDE_UNIT<CERTIFYING_LIMBS>;
     const Certificate c = certify(at, f, Rounding{small, small * (1.0 + longest), 2.0 * UNIT * sqrt(longest)}, 0.9 * LARGEST_BALL / S);
     for (int l = 0; l < many; ++l) {
         double q[6], moved = 0.0, from_zero = 0.0;
@@ -119,10 +125,10 @@ PART void certify_zeros(const LoopOf<WideMotion<LIMBS>>& loop, CircleZero* const
     }
 }
 
-PART void certify_all_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZeros& zeros) {
-    WideMotion<LIMBS> step[7];
-    for (int k = 0; k < 7; ++k) step[k] = wide_motion<LIMBS>(arm.step[k], 1.0 / arm.size);
-    const auto loop = loop_of_steps(step, wide_motion<LIMBS>(motion_of(goal), 1.0 / arm.size));
+template <int L> PART void certify_all_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZeros<L>& zeros) {
+    WideMotion<CERTIFYING_LIMBS> step[7];
+    for (int k = 0; k < 7; ++k) step[k] = wide_motion<CERTIFYING_LIMBS>(arm.step[k], 1.0 / arm.size);
+    const auto loop = loop_of_steps(step, wide_motion<CERTIFYING_LIMBS>(motion_of(goal), 1.0 / arm.size));
     CircleZero* waiting[BLOCK];
     int many = 0;
     for (int i = 0; i < zeros.many; ++i) {
@@ -135,7 +141,7 @@ PART void certify_all_zeros(const Written<6>& arm, const Goal<double>& goal, Cir
 // ---- the answer ------------------------------------------------------------------------------------------------------------
 
 // Newton's method in doubles from each zero.
-PART void follow_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZeros& zeros) {
+template <int L> PART void follow_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZeros<L>& zeros) {
     for (int i = 0; i < zeros.many; ++i) {
         CircleZero& zero = zeros.at[i];
         for (int j = 0; j < 6; ++j) zero.solution[j] = zero.q[j];
@@ -176,10 +182,11 @@ STEP int free_column(const Columns<6>& columns, unsigned owned) {
 
 // Whether all zeros that are not near real belong to regular complex solutions of the arm as written. Others may belong to a curve
 // of solutions: Newton's method from their real parts looks for one, which becomes a solution.
-PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros& zeros, const Columns<6>& columns) {
+template <int L>
+PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns) {
     const Loop loop = loop_of(arm, goal);
     bool all = true;
-    for (const WideRoot<LIMBS>& each : zeros.root) {
+    for (const WideRoot<L>& each : zeros.root) {
         if (!(each.least > NEAR_REAL) || each.x.im.negative) continue;
         Complex at[6];
         if (!joints_at(zeros.equations, zeros.p.centre, each.x, at)) {
@@ -204,7 +211,8 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
     return all;
 }
 
-PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, const CircleZeros& zeros, const Columns<6>& columns) {
+template <int L>
+PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns) {
     unsigned owned = 0, regular = 0;
     bool clustered = false;
     for (int pass = 0; pass < 3; ++pass) {
@@ -238,20 +246,25 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
     return clustered ? Status::clustered : Status::complete;
 }
 
-Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    for (const bool slides : arm.slides) {
-        if (slides) return Status::incomplete;
-    }
-    WidePose<LIMBS> pose[2] = {wide_pose<LIMBS>(arm, goal), {}};
+template <int L> PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts) {
+    WidePose<L> pose[2] = {wide_pose<L>(arm, goal), {}};
     pose[1] = reversed(pose[0]);
-    CircleZeros zeros;
-    for (int cut = 0; cut < 8; ++cut) {
+    CircleZeros<L> zeros;
+    for (int cut = 0; cut < cuts; ++cut) {
         if (!list_zeros(pose[cut % 2], cut / 2, cut % 2, arm, goal, zeros)) continue;
         follow_zeros(arm, goal, zeros);
         certify_all_zeros(arm, goal, zeros);
         return status_of_zeros(arm, goal, zeros, columns);
     }
     return Status::incomplete;
+}
+
+Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    for (const bool slides : arm.slides) {
+        if (slides) return Status::incomplete;
+    }
+    const Status status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW);
+    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, CUTS);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

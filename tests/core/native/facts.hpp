@@ -28,3 +28,4 @@ void test_slanted();
 void test_along_valley();
 void test_circle();
 void test_on_surface();
+void test_wide();

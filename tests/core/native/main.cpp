@@ -11,6 +11,7 @@ int main() {
     test_along_valley();
     test_circle();
     test_on_surface();
+    test_wide();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;
 }
