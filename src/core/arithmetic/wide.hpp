@@ -1,4 +1,5 @@
-// Numbers of L 64-bit limbs, where the digits of doubles, or twice as many, do not suffice. Integers only: the same bits everywhere.
+// Numbers of L 64-bit limbs, where the digits of doubles, or twice as many, do not suffice. Integers only: the same bits
+// everywhere.
 //
 // A number is zero, or +-0.m 2^exponent, with m in [1/2, 1) as limbs, the lowest first. Results are cut off: a product, quotient or
 // root is off by less than WIDE_UNIT<L> of its size, a sum or difference by less than WIDE_UNIT<L> of its larger operand.

@@ -153,7 +153,7 @@ template <int L> PART void value_at(const HalfTangent<L>& p, const WideComplex<L
 
 // Rounds of Aberth's iteration; each adds the digits of doubles once a root stands apart from the others. A root far from real is
 // known well enough at ROUGHLY, relative to its size.
-inline constexpr int MOST_ROUNDS = 80;
+inline constexpr int ROUNDS_TO_ROOTS = 80;
 inline constexpr double ROUGHLY = 1e-20, NEAR_REAL = 0.01;
 
 // How far from real an angle is whose half has the tangent x, or twice as much where it is far.
@@ -174,7 +174,7 @@ template <int L> PART void start_roots(const HalfTangent<L>& p, WideRoot<L> (&ro
 
 template <int L> PART void improve_roots(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
     unsigned moves = (1u << ROOTS) - 1;
-    for (int round = 0; round < MOST_ROUNDS && moves; ++round) {
+    for (int round = 0; round < ROUNDS_TO_ROOTS && moves; ++round) {
         for (int i = 0; i < ROOTS; ++i) {
             if (!(moves >> i & 1)) continue;
             Complex value, slope, sum = {0.0, 0.0};
@@ -305,7 +305,8 @@ template <class V, int L> STEP Vec<V> lifted(const Vec<Wide<L>>& a) { return {li
 template <int L> STEP Vec<double> rounded(const Vec<Wide<L>>& a) { return {a.x.leading(), a.y.leading(), a.z.leading()}; }
 
 // The turns of joints a + 3, a + 4 and a + 5 at a root.
-template <int L, class V> PART bool other_turns(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x, Turn<V> (&turn)[3]) {
+template <int L, class V> PART bool other_turns(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x,
+                                                Turn<V> (&turn)[3]) {
     const V square = x * x, over = inverse(V(1.0) + square), c = (V(1.0) - square) * over, s = (x + x) * over;
     const V c0 = lifted<V>(centre.c), s0 = lifted<V>(centre.s);
     turn[2] = {c * c0 - s * s0, s * c0 + c * s0};
@@ -332,12 +333,12 @@ template <int L, class V> PART bool other_turns(const WideEquations<L>& of, cons
 
 // The turns of joints a and a + 1: the line that the others give, by the products of both.
 template <int L, class V> PART bool first_turns(const WideEquations<L>& of, const Turn<V> (&others)[3], Turn<V> (&turn)[2]) {
-    const auto lifted_line = [](const Line<Wide<L>>& l) { return Line<V>{lifted<V>(l.p), lifted<V>(l.d)}; };
+    const auto lifted_line = [](const WideLine<Wide<L>>& l) { return WideLine<V>{lifted<V>(l.p), lifted<V>(l.d)}; };
     const Rot<Wide<L>>& R = of.pose.G.R;
     const Frame<V> G = {{lifted<V>(R.x), lifted<V>(R.y), lifted<V>(R.z)}, lifted<V>(of.pose.G.p)};
     V w[NUMBERS], y[PRODUCTS], z[PRODUCTS];
     numbers_of(of.other_side(lifted_line(of.axis(2)), G, 0, 4,
-                             [&](int k, const Line<V>& l) {
+                             [&](int k, const WideLine<V>& l) {
                                  return turned_about(l, lifted_line(of.axis(3 + k)), Turn<V>{others[k].c, V(0.0) - others[k].s});
                              }),
                w);
@@ -359,7 +360,8 @@ template <int L, class V> PART bool first_turns(const WideEquations<L>& of, cons
 }
 
 // All joints at a root, e^(i angle) in the loop's order from joint a on.
-template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x, Complex (&z)[6]) {
+template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x,
+                                              Complex (&z)[6]) {
     Turn<V> others[3], first[2];
     if (!other_turns(of, centre, x, others) || !first_turns(of, others, first)) return false;
     for (int k = 0; k < 3; ++k) z[3 + k] = circle_of(others[k]);

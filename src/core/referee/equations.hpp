@@ -1,9 +1,9 @@
-// The equations of one pose of six turning joints in numbers of many digits: those of families/general/hidden_joint.hpp, for the arm
-// whose axes are moved by NUDGE.
+// The equations of one pose of six turning joints in numbers of many digits: those of families/general/hidden_joint.hpp, for the
+// arm whose axes are moved by NUDGE.
 //
 // e1(q1) ... e6(q6) = G. Cut behind joint a + 1: e_a e_(a+1) moves the line of axis a + 2 to where the other joints and G put it. A
-// line is fifteen numbers on which motions act linearly, so the nine products of (1, cos, sin) of joints a and a + 1 span a space of
-// nine dimensions at most, and six combinations of the fifteen numbers vanish on it: six equations in the other three joints,
+// line is fifteen numbers on which motions act linearly, so the nine products of (1, cos, sin) of joints a and a + 1 span a space
+// of nine dimensions at most, and six combinations of the fifteen numbers vanish on it: six equations in the other three joints,
 // linear in (1, cos, sin) of each. A line's numbers after each joint has turned by 0, pi or pi / 2 give their coefficients.
 #pragma once
 
@@ -44,7 +44,8 @@ template <int L> PART WideMotion<L> wide_motion(const Motion& m, double scale) {
         W square[3][3], next[3][3];
         for (int k = 0; k < 3; ++k) {
             for (int j = 0; j < 3; ++j) {
-                square[k][j] = W(k == j ? 3.0 : 0.0) - (out.R[0][k] * out.R[0][j] + out.R[1][k] * out.R[1][j] + out.R[2][k] * out.R[2][j]);
+                square[k][j] =
+                    W(k == j ? 3.0 : 0.0) - (out.R[0][k] * out.R[0][j] + out.R[1][k] * out.R[1][j] + out.R[2][k] * out.R[2][j]);
             }
         }
         for (int i = 0; i < 3; ++i) {
@@ -58,10 +59,10 @@ template <int L> PART WideMotion<L> wide_motion(const Motion& m, double scale) {
 }
 
 // A direction, and a point on it.
-template <class V> struct Line {
+template <class V> struct WideLine {
     Vec<V> p, d;
 };
-template <class V> STEP void numbers_of(const Line<V>& l, V (&w)[NUMBERS]) {
+template <class V> STEP void numbers_of(const WideLine<V>& l, V (&w)[NUMBERS]) {
     const V h = half(dot(l.p, l.p)), along = dot(l.p, l.d);
     const Vec<V> m = cross(l.p, l.d), rest = h * l.d - along * l.p;
     const V all[NUMBERS] = {V(1.0), l.p.x, l.p.y, l.p.z, h, l.d.x, l.d.y, l.d.z, m.x, m.y, m.z, along, rest.x, rest.y, rest.z};
@@ -71,15 +72,15 @@ template <class V> STEP void numbers_of(const Line<V>& l, V (&w)[NUMBERS]) {
 template <class V> PART Vec<V> turned_about(const Vec<V>& v, const Vec<V>& h, const Turn<V>& t) {
     return t.c * v + t.s * cross(h, v) + ((V(1.0) - t.c) * dot(h, v)) * h;
 }
-template <class V> STEP Line<V> turned_about(const Line<V>& l, const Line<V>& axis, const Turn<V>& t) {
+template <class V> STEP WideLine<V> turned_about(const WideLine<V>& l, const WideLine<V>& axis, const Turn<V>& t) {
     return {axis.p + turned_about(l.p - axis.p, axis.d, t), turned_about(l.d, axis.d, t)};
 }
-template <class V> STEP Line<V> moved_by(const Line<V>& l, const Frame<V>& G) { return {G.R * l.p + G.p, G.R * l.d}; }
+template <class V> STEP WideLine<V> moved_by(const WideLine<V>& l, const Frame<V>& G) { return {G.R * l.p + G.p, G.R * l.d}; }
 
-// The arm and the pose: axes at zero, moved, lengths as shares of the size, the origin in their midst, and the motion that all joints
-// make together.
+// The arm and the pose: axes at zero, moved, lengths as shares of the size, the origin in their midst, and the motion that all
+// joints make together.
 template <int L> struct WidePose {
-    Line<Wide<L>> axis[6];
+    WideLine<Wide<L>> axis[6];
     Frame<Wide<L>> G;
 };
 
@@ -160,15 +161,16 @@ inline constexpr double TOO_COSINE = 3.0, TOO_SINE = 4.0;
 template <int L> struct WideEquations {
     using W = Wide<L>;
     WidePose<L> pose;  // of the chain, or of the reversed one
-    int first;         // a
+    int first;  // a
     W factor[NUMBERS][PRODUCTS];  // of the lines that joints a and a + 1 reach, rows and columns permuted
     int row[NUMBERS], column[PRODUCTS];
     W A[6][3][PRODUCTS];
     double error;  // of each coefficient
 
-    STEP const Line<W>& axis(int k) const { return pose.axis[(first + k) % 6]; }
+    STEP const WideLine<W>& axis(int k) const { return pose.axis[(first + k) % 6]; }
     // A line after the inverse turns of joints a + 3, a + 4 and a + 5, and G at its place among them.
-    template <class V, class Undo> STEP Line<V> other_side(Line<V> l, const Frame<V>& G, int from, int to, const Undo& undo) const {
+    template <class V, class Undo> STEP WideLine<V> other_side(WideLine<V> l, const Frame<V>& G, int from, int to,
+                                                               const Undo& undo) const {
         for (int k = from; k < to; ++k) {
             if (k + first == 3) l = moved_by(l, G);
             if (k < 3) l = undo(k, l);
@@ -209,11 +211,12 @@ template <int L> PART void factorise(WideEquations<L>& of) {
 template <int L> PART void set_equations(const WidePose<L>& pose, int first, WideEquations<L>& out) {
     using W = Wide<L>;
     out.pose = pose, out.first = first;
-    const Line<W> line = out.axis(2);
+    const WideLine<W> line = out.axis(2);
     W w[NUMBERS];
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            numbers_of(turned_about(turned_about(line, out.axis(1), sample_turn<W>(j, false)), out.axis(0), sample_turn<W>(i, false)), w);
+            numbers_of(
+                turned_about(turned_about(line, out.axis(1), sample_turn<W>(j, false)), out.axis(0), sample_turn<W>(i, false)), w);
             for (int k = 0; k < NUMBERS; ++k) out.factor[k][3 * i + j] = w[k];
         }
     }
@@ -240,12 +243,12 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
     const FactorBounds bounds = bounds_of(square);
     double longest = 0.0;
     const auto undo = [&](int i) {
-        return [&out, i](int k, const Line<W>& l) { return turned_about(l, out.axis(3 + k), sample_turn<W>(i, true)); };
+        return [&out, i](int k, const WideLine<W>& l) { return turned_about(l, out.axis(3 + k), sample_turn<W>(i, true)); };
     };
     for (int i = 0; i < 3; ++i) {
-        const Line<W> kept = out.other_side(line, pose.G, 0, 1, undo(i));
+        const WideLine<W> kept = out.other_side(line, pose.G, 0, 1, undo(i));
         for (int j = 0; j < 3; ++j) {
-            const Line<W> too = out.other_side(kept, pose.G, 1, 2, undo(j));
+            const WideLine<W> too = out.other_side(kept, pose.G, 1, 2, undo(j));
             for (int k = 0; k < 3; ++k) {
                 numbers_of(out.other_side(too, pose.G, 2, 4, undo(k)), w);
                 for (const W& each : w) longest = max(longest, abs(each.leading()));

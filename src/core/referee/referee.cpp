@@ -111,7 +111,8 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
         S += 1.4143 * sqrt(square_of(each));
     }
     const double small = ROUNDINGS * WIDE_UNIT<CERTIFYING_LIMBS>;
-    const Certificate c = certify(at, f, Rounding{small, small * (1.0 + longest), 2.0 * UNIT * sqrt(longest)}, 0.9 * LARGEST_BALL / S);
+    const Certificate c =
+        certify(at, f, Rounding{small, small * (1.0 + longest), 2.0 * UNIT * sqrt(longest)}, 0.9 * LARGEST_BALL / S);
     for (int l = 0; l < many; ++l) {
         double q[6], moved = 0.0, from_zero = 0.0;
         for (int k = 0; k < 6; ++k) {
@@ -212,7 +213,8 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
 }
 
 template <int L>
-PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns) {
+PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros,
+                            const Columns<6>& columns) {
     unsigned owned = 0, regular = 0;
     bool clustered = false;
     for (int pass = 0; pass < 3; ++pass) {
