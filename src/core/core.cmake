@@ -21,6 +21,7 @@ endif()
 set(URDF_IK_UNITS
   answers/answer.cpp
   answers/inclusion.cpp
+  answers/referee.cpp
   chain.cpp
   families/closed_forms/parallel_shoulder.cpp
   families/closed_forms/reversed.cpp
@@ -40,7 +41,6 @@ set(URDF_IK_UNITS
   level_table.cpp
   motion/path_graph.cpp
   motion/tracker.cpp
-  referee/referee.cpp
   self_motion/on_curve.cpp
 )
 # Compiled once: solvers made from named values, and the choice of instruction set.

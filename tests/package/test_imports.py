@@ -27,7 +27,7 @@ FLOORS = (
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 # The same of the compiled core: what computes knows nothing of Python, whose side the bindings are.
 CORE_FLOORS = (
-    "arithmetic", "kinematics", "certificate", "answers", "families", "self_motion", "motion", "", "arms", "library",
+    "arithmetic", "kinematics", "certificate", "referee", "answers", "families", "self_motion", "motion", "", "arms", "library",
     "bindings", "steps",
 )  # fmt: skip
 MOST_LINES, MOST_FILES = 700, 25

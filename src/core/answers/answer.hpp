@@ -2,6 +2,7 @@
 #pragma once
 
 #include "answers/polish.hpp"
+#include "arithmetic/scatter.hpp"
 #include "certificate/status.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -208,18 +209,6 @@ PART void add(const Model& arm, const Goal<double>& goal, const Columns<Model::j
     }
     keep(columns, b, q, marks);
 }
-
-// Pseudorandom numbers in [-1, 1), always the same, so that equal targets have equal answers: the linear congruential generator
-// of the C standard's example.
-struct Scatter {
-    std::uint32_t seed;
-    STEP double next() {
-        seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;
-        return seed / 1073741824.0 - 1.0;
-    }
-    // The k-th of several sequences.
-    static STEP Scatter number(int k) { return {12345u + 7919u * std::uint32_t(k)}; }
-};
 
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
 // near: the candidate is near a singularity, so its flags are computed. On an imperfect arm such a candidate may lead to two

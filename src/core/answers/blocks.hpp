@@ -26,9 +26,9 @@
 #include "answers/answer.hpp"
 #include "answers/around.hpp"
 #include "answers/branch.hpp"
+#include "answers/referee.hpp"
 #include "answers/rooted.hpp"
 #include "kinematics/target.hpp"
-#include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -7,8 +7,9 @@
 // linear in (1, cos, sin) of each. A line's numbers after each joint has turned by 0, pi or pi / 2 give their coefficients.
 #pragma once
 
-#include "answers/answer.hpp"
+#include "arithmetic/scatter.hpp"
 #include "arithmetic/wide.hpp"
+#include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

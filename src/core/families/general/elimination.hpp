@@ -15,7 +15,7 @@
 #include "families/general/eliminant.hpp"
 #include "families/general/hidden_joint.hpp"
 #include "families/general/precise_eliminant.hpp"
-#include "referee/referee.hpp"
+#include "answers/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

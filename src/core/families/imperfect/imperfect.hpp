@@ -18,7 +18,7 @@
 #include "answers/on_curve.hpp"
 #include "families/general/complete.hpp"
 #include "families/imperfect/certified.hpp"
-#include "referee/referee.hpp"
+#include "answers/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,5 +1,5 @@
 // See referee.hpp. Compiled once for every instruction set.
-#include "referee/referee.hpp"
+#include "answers/referee.hpp"
 
 #include "answers/on_curve.hpp"
 #include "certificate/account.hpp"
