@@ -117,13 +117,13 @@ class WrittenChain(Frozen):
         """
         place = {parameter: k for k, parameter in enumerate(self.parameters)}
         found = []
-        for each in inputs.items(parameters, "parameters", "tuples (joint, field, part)"):
-            key: Any = tuple(each) if isinstance(each, tuple | list) else each
-            if not isinstance(key, tuple) or key not in place:
+        for parameter in parameters:
+            key: Any = tuple(parameter)
+            if key not in place:
                 names = list(dict.fromkeys(joint.name for joint in self.joints))
-                own = [tuple(p) for p in self.parameters if isinstance(key, tuple) and key and p.joint == key[0]]
+                own = [tuple(p) for p in self.parameters if p.joint == key[0]]
                 valid = f"those of this joint: {own}" if own else f"the joints of the chain: {', '.join(names)}"
-                raise ArgumentError(f"there is no parameter {each!r}, (joint, field, part); {valid}")
+                raise ArgumentError(f"there is no parameter {parameter!r}, (joint, field, part); {valid}")
             found.append(place[key])
         return found
 

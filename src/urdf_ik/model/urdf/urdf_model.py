@@ -11,13 +11,13 @@ from typing import Any
 
 from lxml import etree
 
-from urdf_ik.errors import ChainError, UrdfError, printable
+from urdf_ik.errors import ChainError, printable
 from urdf_ik.model import meshes, ros_packages
 from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
 from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
-from urdf_ik.support import files, inputs
+from urdf_ik.support import files
 from urdf_ik.support.text import nearest, quoted
 
 
@@ -184,8 +184,6 @@ class UrdfModel:
         Raises:
             ChainError: there is no such link, or the chain is ambiguous; ``candidates`` lists the valid names.
         """
-        if chain is not None and not isinstance(chain, str):
-            raise ChainError(f"chain={chain!r} given; the name of a chain is needed")
         if tip is not None:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
         if base is None and any(each.rule == "parts" and each.joints for each in self.warnings):
@@ -233,8 +231,6 @@ class UrdfModel:
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
         """The joint that drives ``joint`` through its mimics, with multiplier and offset; itself without a mimic."""
-        if not isinstance(joint, Joint):
-            inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
         if joint.mimic is None:
             return joint, 1.0, 0.0
         multiplier, offset = 1.0, 0.0
@@ -295,8 +291,6 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
     Raises:
         UrdfError: the path leads outside these folders, or no such file exists there; the message lists them.
     """
-    if not isinstance(filename, str):
-        raise UrdfError(f"{filename!r} given; a mesh's filename is a text", source=model.source)
     return meshes.resolve(filename, model.folders, model.source)
 
 
