@@ -79,8 +79,8 @@ def test_nearest_of_all_turns(name: str, choice: dict[str, Any], of_round_values
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=str)
-def test_without_limits_angles_go_round(choice: dict[str, Any]) -> None:
-    """The difference of an angle is the shorter way round, for every metric and for the bounds."""
+def test_modulo_turns_angles_go_round(choice: dict[str, Any]) -> None:
+    """A difference of angles is the shorter way round where that is asked for, in every metric."""
     arm = from_catalogue("ur5").arm
     rng = np.random.default_rng(3)
     for q in rng.uniform(-np.pi, np.pi, (20, 6)):
@@ -88,10 +88,27 @@ def test_without_limits_angles_go_round(choice: dict[str, Any]) -> None:
         q_ref = rng.uniform(-9.0, 9.0, 6)
         apart = np.angle(np.exp(1j * (s.to_array() - q_ref)))
         expected = np.sort(distances(arm, apart, choice))
-        found = s.nearest(q_ref, n=3, **choice).to_array()
+        found = s.nearest(q_ref, n=3, modulo_turns=True, **choice).to_array()
         assert len(found) == min(3, np.isfinite(expected).sum())
         got = distances(arm, np.angle(np.exp(1j * (found - q_ref))), choice)
         np.testing.assert_allclose(got, expected[: len(found)], atol=1e-9)
+
+
+@pytest.mark.parametrize("q_ref", [[3.6, 0.3, 0.5, -3.5, 0.8, 4.0], [-3.2, -0.5, -3.0, 5.9, -1.0, -6.0]])
+def test_an_arm_at_its_own_pose_does_not_turn(q_ref: list[float]) -> None:
+    """An arm that stands more than half a turn from zero, inside limits of a turn each way, stays where it is."""
+    arm = from_catalogue("ur5").arm
+    T = arm.fk(q_ref)
+    near = (
+        arm.ik(T).nearest(q_ref, within=0.1),
+        arm.ik(T).within_limits().nearest(q_ref, within=0.1),
+        arm.ik(T).turns().nearest(q_ref, within=0.1),
+        arm.ik_nearest(T, q_ref, within=0.1),
+        arm.ik_nearest(T, q_ref, within=0.1, within_limits=False),
+    )
+    for found in near:
+        assert np.abs(found.q[0] - q_ref).max() < 1e-9
+        assert np.abs(found.difference(q_ref)).max() < 1e-9
 
 
 def test_bounds_apply_to_turns_and_batches() -> None:

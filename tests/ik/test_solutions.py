@@ -214,7 +214,7 @@ def test_turns_of_no_solutions() -> None:
 
 @given(st.lists(st.tuples(*[st.floats(-PI, PI)] * 3), min_size=4, max_size=4), st.tuples(*[st.floats(-9, 9)] * 3))
 def test_nearest_is_the_least_distance(rows: list[tuple[float, float, float]], q_ref: tuple[float, ...]) -> None:
-    """No solution is nearer than the one chosen: on the circle for angles, plain for lengths, and along the turns."""
+    """No solution is nearer than the chosen one: on the circle if asked for, plain for lengths, and along turns."""
     weights = (2.0, 0.5, 1.0)
 
     def apart(q: Array, wound: bool) -> float:
@@ -225,11 +225,11 @@ def test_nearest_is_the_least_distance(rows: list[tuple[float, float, float]], q
 
     s = made(rows, arm_with([[-2 * PI, 2 * PI], [-4, 4], [-np.inf, np.inf]]))
     for wound, of in ((False, s), (True, s.turns())):
-        picked = of.nearest(q_ref, weights)
+        picked = of.nearest(q_ref, weights, modulo_turns=True)
         far = sorted(apart(one.q, wound) for one in of)
         assert len(picked) == 1
         assert apart(picked[0].q, wound) == pytest.approx(far[0], abs=1e-12)
-        several = of.nearest(q_ref, weights, n=3)
+        several = of.nearest(q_ref, weights, n=3, modulo_turns=True)
         assert [apart(one.q, wound) for one in several] == pytest.approx(far[:3], abs=1e-12)
         assert picked[0].branch == several[0].branch
         np.testing.assert_array_equal(picked[0].q, of.q[list(of.names).index(picked[0].branch)])

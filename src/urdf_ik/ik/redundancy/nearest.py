@@ -64,7 +64,7 @@ def nearest(
         return found.nearest(near, weights, metric=metric, within=within, within_limits=within_limits)
 
     def distance(found: IKSolutions) -> Array:
-        apart = measure.distance(found._apart(near[..., None, :], on_circle=not within_limits))[..., 0]
+        apart = measure.distance(found.difference(near))[..., 0]
         return np.where(np.isnan(apart), np.inf, apart).reshape(-1)
 
     values = np.where(np.isnan(values), parameter.default, values)

@@ -125,11 +125,13 @@ class IKSolutions(DifferentiableSolutions):
         metric: distances.Metric = "l2",
         within: ArrayLike | None = None,
         within_limits: bool = False,
+        modulo_turns: bool = False,
     ) -> IKSolutions:
         """The solution nearest to a joint vector, for every pose: one column, or ``n`` of them, nearest first.
 
-        The difference of two angles is taken on the circle, at most pi. After ``turns`` it is the full motion of the
-        joint, except for continuous joints. Of equally near solutions, the first branch counts.
+        Each joint stands at its image nearest to ``q_ref``, of those inside its limits where there are any, and a
+        difference is the full motion of the joint. After ``turns`` the images are those of the columns. Of equally near
+        solutions, the first branch counts.
 
         Args:
             q_ref: (n,) or one for each pose (..., n), rad or m.
@@ -139,9 +141,10 @@ class IKSolutions(DifferentiableSolutions):
                 the greatest ``weight * |difference| / speed``, seconds at the URDF's velocity limits,
                 ``arm.solver.velocity_limits``.
             within: rad or m, one number or one a joint, that no joint may be further away; others are dropped.
-            within_limits: whether to consider only images inside the joint limits; each solution counts by its image
-                nearest to ``q_ref``, and the difference is the full motion of the joint. The result is the nearest of
-                all ``turns()``, without listing them.
+            within_limits: whether to drop solutions that have no image inside the joint limits. The result is the
+                nearest of all ``turns()``, without listing them.
+            modulo_turns: whether differences of angles are taken on the circle, at most pi. Joint values then stay as
+                they are, and the motion from ``q_ref`` may be longer by whole turns.
 
         Raises:
             ArgumentError: ``q_ref``, ``weights`` or ``within`` do not fit the arm, or are not finite.
@@ -162,18 +165,21 @@ class IKSolutions(DifferentiableSolutions):
         kept: IKSolutions = self
         if within_limits:
             kept = self._moved_inside(limits.image_near(self._q, reference, self.solver.limits, self._turning))
-        apart = kept._apart(reference, on_circle=not within_limits)
+        q = kept._q if modulo_turns else kept._beside(reference)
+        apart = distances.difference(q, reference, self._circles if modulo_turns else np.zeros(len(self.rotary)))
         away = measure.distance(apart)
         if measure.within is not None:
             near = measure.beyond(apart) <= 0.0  # false for NaN rows
-            q, info = np.where(near[..., None], kept._q, np.nan), np.where(near, kept._info, np.uint8(0))
+            q, info = np.where(near[..., None], q, np.nan), np.where(near, kept._info, np.uint8(0))
             step = Step("within", kept, apart=apart, within=measure.within)
             kept = self._derived(q, info, self._branches, step)
             away = np.where(near, away, np.inf)
-        return kept._picked(distances.least_columns(away, n), "nearest")
+        return kept._picked(distances.least_columns(away, n), "nearest", q)
 
     def difference(self, q_ref: ArrayLike) -> Array:
-        """How far each solution is from a joint vector, joint by joint, as :meth:`nearest` takes it.
+        """How far each solution is from a joint vector, joint by joint: the full motion to the image nearest to it.
+
+        The image is that of :meth:`nearest`.
 
         Args:
             q_ref: (n,) or one for each pose (..., n), rad or m.
@@ -192,7 +198,7 @@ class IKSolutions(DifferentiableSolutions):
             [[0.1, 0.0]]
         """
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
-        return self._apart(reference, on_circle=True)
+        return np.asarray(self._beside(reference) - reference)
 
     def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
         """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
@@ -401,13 +407,15 @@ class IKSolutions(DifferentiableSolutions):
     def _require_columns(self, n: int, what: str) -> None:
         inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])
 
-    def _apart(self, reference: Array, *, on_circle: bool) -> Array:
-        """Differences (..., B, n) from references (..., 1, n); ``on_circle``: joints that turn by the shorter way."""
-        turns: Array = np.zeros(len(self.rotary))
-        if on_circle:
-            round_for_ever = np.isinf(self.solver.limits).any(axis=1)
-            turns = np.where(round_for_ever, self.solver.chain.image_turns, self._turning)
-        return distances.difference(self._q, reference, turns)
+    @property
+    def _circles(self) -> Array:
+        """(n,) turns from one image of a joint to the next, 0 where its images are columns of their own."""
+        round_for_ever = np.isinf(self.solver.limits).any(axis=1)
+        return np.where(round_for_ever, self.solver.chain.image_turns, self._turning)
+
+    def _beside(self, reference: Array) -> Array:
+        """(..., B, n) each joint at its image nearest to references (..., 1, n)."""
+        return limits.image_beside(self._q, reference, self.solver.limits, self._circles)
 
     def _moved_inside(
         self, images: tuple[Array, NDArray[np.bool_]], tol: float = limits.LIMIT_TOLERANCE
@@ -417,9 +425,9 @@ class IKSolutions(DifferentiableSolutions):
         info = np.where(inside, self._info, np.uint8(0))
         return self._derived(q, info, self._branches, Step("limits", self, amount=tol))
 
-    def _picked(self, columns: NDArray[np.intp], how: str) -> IKSolutions:
-        """The solutions in these columns (..., n)."""
-        q = np.take_along_axis(self._q, columns[..., None], axis=-2)
+    def _picked(self, columns: NDArray[np.intp], how: str, q: Array | None = None) -> IKSolutions:
+        """The solutions in these columns (..., n); ``q``: (..., B, n) their values, if they are other images."""
+        q = np.take_along_axis(self._q if q is None else q, columns[..., None], axis=-2)
         info = np.take_along_axis(self._info, columns, axis=-1)
         names = tuple(how if k == 0 else f"{how} {k + 1}" for k in range(columns.shape[-1]))
         return self._derived(q, info, names, Step(how, self, columns))

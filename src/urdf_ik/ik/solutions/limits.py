@@ -168,6 +168,29 @@ def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> 
     return image, inside
 
 
+def image_beside(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> Array:
+    """The image that is nearest to a reference, joint by joint: inside the limits where the joint has one there.
+
+    Args:
+        q: (..., n) rad or m.
+        q_ref: (..., n) rad or m, which broadcasts against ``q``.
+        limits: (n, 2) rad or m.
+        turning: (n,) see :func:`nearest_image`.
+
+    Returns:
+        q (..., n), NaN rows where ``q`` has them.
+    """
+    image, inside = image_near(q, q_ref, limits, turning)
+    if (lost := ~inside & ~np.isnan(q).any(axis=-1)).any():
+        first, last = image_range(q[lost], limits, turning)
+        on_circle, turn = _turns(turning)
+        wanted = np.rint((np.broadcast_to(q_ref, q.shape)[lost] - q[lost]) / turn)
+        bounded = np.isfinite(limits).all(axis=1) & (first <= last)
+        k = np.where(bounded, np.clip(wanted, first, np.maximum(first, last)), wanted)
+        image[lost] = q[lost] + np.where(on_circle, k * turn, 0.0)
+    return image
+
+
 def image_inmost(q: Array, limits: Array, turning: Mask | Array) -> tuple[Array, Mask]:
     """The image inside the limits that is farthest from them; arguments and answer as :func:`nearest_image`."""
     ranged = np.isfinite(limits).all(axis=1)
