@@ -12,7 +12,7 @@ from arms_seven import random_seven
 from cases import Array, Case, described, worst_error
 
 import urdf_ik
-from urdf_ik.ik.redundancy import Interval, last_axis, swivel
+from urdf_ik.ik.redundancy import Interval, closed_form
 
 KINDS = ("S-R-S", "S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6")
 TINY = 1e-7
@@ -134,7 +134,7 @@ def test_a_tip_that_turns_about_the_last_axis(axis: str | list[float], lower: fl
         count = arm.ik(pose, redundancy=values).within_limits().count
         np.testing.assert_array_equal(count, covered(list(each), values))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(last_axis, "sense", lambda arm, plan: 0.0)
+        patch.setattr(closed_form, "sense", lambda arm, plan: 0.0)
         again = arm.intervals(T)
         for each, followed in ((found[i], again[i]) for i in range(30)):
             assert [interval.ends for interval in each] == [interval.ends for interval in followed]
@@ -257,7 +257,7 @@ def test_the_closed_form_agrees_with_following_the_curves(monkeypatch: pytest.Mo
     arm = urdf_ik.load("srs_7r")
     T = arm.fk(near_limits(arm, np.random.default_rng(8), 60))
     closed = arm.intervals(T)
-    monkeypatch.setattr(swivel, "is_closed", lambda plan: False)
+    monkeypatch.setattr(closed_form, "is_closed", lambda plan: False)
     followed = arm.intervals(T)
     for i in range(60):
         one, other = ([each for each in found[i] if each.width > 1e-6] for found in (closed, followed))

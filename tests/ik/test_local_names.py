@@ -11,7 +11,7 @@ from paths import described, joint_path
 import urdf_ik
 from urdf_ik.cli.arm_options import angles_of
 from urdf_ik.cli.commands.info import as_text
-from urdf_ik.ik.solutions import local_names
+from urdf_ik.ik.solutions import branch_names
 
 SEEDS = range(4)
 
@@ -108,8 +108,8 @@ def test_information_says_what_a_name_is() -> None:
         names = [one.branch for one in arm.ik(arm.fk(q)) if not one.singular]
         text = " ".join(as_text(arm, angles_of(arm, False)).split())
         said = ("no name: the sign of the Jacobian's determinant" in text, "no name: a number" in text)
-        signed = [each.startswith("determinant") for each in names if local_names.is_local(each)]
-        assert sum(said) == local_names.local(arm.structure.branches)
+        signed = [each.startswith("determinant") for each in names if branch_names.is_local(each)]
+        assert sum(said) == branch_names.local(arm.structure.branches)
         assert not signed or said == (all(signed), not any(signed)), name
         seen.add(said)
     assert len(seen) == 3
@@ -122,7 +122,7 @@ def test_names_of_geometry_stay() -> None:
         s = arm.ik(arm.fk(np.full(arm.dof, 0.3)))
         assert tuple(s.names) == s.branches
         assert not any("determinant" in each for each in s.names)
-    assert not local_names.local(urdf_ik.load("puma_560").structure.branches)
+    assert not branch_names.local(urdf_ik.load("puma_560").structure.branches)
 
 
 def test_stops_have_the_names_of_the_first_waypoint() -> None:

@@ -289,7 +289,7 @@ def test_collision_free_asks_about_the_solutions_only() -> None:
     assert s.valid.tolist() == [True, False, False, True]
     assert np.isnan(s.q[2]).all()
     assert s.filters == ("collision",)
-    assert np.isfinite(np.concatenate(arm.contacts.asked)).all()
+    assert np.isfinite(np.concatenate(arm.arm.cell.asked)).all()
     assert made(ONE.q, arm).collision_free(margin=0.7).valid.tolist() == [True, False, False, False]
     other: Any = Hits()
     made(np.stack([ONE.q, -ONE.q]), arm).collision_free(other)

@@ -12,8 +12,8 @@ from arms_general import tilted
 from cases import Case, assert_exact, described, indistinct_pairs, nearest, rows
 from numpy.typing import NDArray
 
-from urdf_ik.ik.families import general_6r
-from urdf_ik.ik.families.wrappers.mirrored import Reversed
+from urdf_ik.ik.families import general
+from urdf_ik.ik.families.parts.family import Reversed
 from urdf_ik.kinematics.structure import analyse
 
 Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ def members(kind: str) -> list[Case]:
 
 def by_elimination(case: Case, target: Array) -> Array:
     """The solutions (k, 6) of one pose that the general elimination finds."""
-    solver = general_6r.FAMILY.plan(analyse(case.arm.chain), case.arm.chain).solver
+    solver = general.TURNING.plan(analyse(case.arm.chain), case.arm.chain).solver
     Q, marks = np.empty((1, 16, 6)), np.empty((1, 16), np.uint8)
     assert solver.solve(np.ascontiguousarray(target[None]), None, Q, marks) == -1
     return Q[marks & 1 != 0]

@@ -24,7 +24,18 @@ class Chain(namedtuple("Chain", "joint_types")):
 
 
 Nearest = namedtuple("Nearest", "links distance")
-FakeSolver = namedtuple("FakeSolver", "name joint_names limits dof chain why_none contacts parameters", defaults=((),))
+FakeSolver = namedtuple("FakeSolver", "name joint_names limits dof chain arm parameters", defaults=((),))
+
+
+class FakeArm:
+    """What solutions ask of the arm that they came from: its cell, and why a pose has none."""
+
+    def __init__(self) -> None:
+        self.cell = Hits()
+
+    def explain(self, T: Array, redundancy: float | None = None) -> str:
+        """The fake arm's reason for a pose without solutions."""
+        return f"x = {T[0, 3]:g} m is out of reach"
 
 
 class Hits:
@@ -47,20 +58,15 @@ class Hits:
         return self if world is None else world
 
 
-def why_none(solver: Any, T: Array, redundancy: float | None = None) -> str:
-    """The fake solver's reason for a pose without solutions."""
-    return f"x = {T[0, 3]:g} m is out of reach"
-
-
 KINDS = ("revolute", "prismatic", "continuous")
 LIMITS = np.array([[-2 * PI, 2 * PI], [-0.5, 0.5], [-np.inf, np.inf]])
 BRANCHES = ("front", "front, flip", "back", "back, flip")
-ARM: Any = FakeSolver("fake", ("turn", "slide", "spin"), LIMITS, 3, Chain(KINDS), why_none, Hits())
+ARM: Any = FakeSolver("fake", ("turn", "slide", "spin"), LIMITS, 3, Chain(KINDS), FakeArm())
 
 
 def arm_with(limits: object, kinds: tuple[str, ...] = KINDS) -> Any:
     """The fake arm with other limits."""
-    return ARM._replace(limits=np.array(limits, dtype=np.float64), chain=Chain(kinds), contacts=Hits())
+    return ARM._replace(limits=np.array(limits, dtype=np.float64), chain=Chain(kinds), arm=FakeArm())
 
 
 def made(q: object, arm: Any = ARM, x: object = 0.0, flags: int = 0) -> IKSolutions:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from urdf_ik.arm.arm import Arm, arm_of, assemble
+from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.arm.compiled import is_compiled, load_compiled
 from urdf_ik.arm.loading import load
 from urdf_ik.arm.positioner import with_positioner
 
-__all__ = ["Arm", "arm_of", "assemble", "is_compiled", "load", "load_compiled", "with_positioner"]
+__all__ = ["Arm", "assemble", "is_compiled", "load", "load_compiled", "with_positioner"]

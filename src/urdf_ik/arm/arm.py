@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -12,16 +12,14 @@ from urdf_ik.arm import changes
 from urdf_ik.arm.html import html
 from urdf_ik.cell.cell import Cell
 from urdf_ik.cell.tool import Shapes
-from urdf_ik.errors import ArgumentError
-from urdf_ik.ik import preparation
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.nearest import nearest
-from urdf_ik.ik.pose_solving import for_task, solve
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import Intervals, Sweep, values
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
 from urdf_ik.ik.solutions import IKSolutions, limits
-from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.solver import Solver, prepare
 from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import Redundancy
@@ -62,6 +60,13 @@ class Arm:
     chain: Chain
     solver: Solver
     cell: Cell
+    _tasks: dict[str, Arm] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self.solver, "arm", self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _remade, (self.model, self.chain, self.cell, self.solver.settings)
 
     @property
     def name(self) -> str:
@@ -198,7 +203,7 @@ class Arm:
             >>> s.q.shape, s[0].branch
             ((8, 6), 'shoulder front, elbow up, wrist noflip')
         """
-        solver = self.solver if task is None else for_task(self.solver, preparation.check_task(task))
+        solver = self.solver if task is None else self.for_task(task).solver
         return solve(solver, T, q_ref, redundancy, threads, out)
 
     def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
@@ -228,7 +233,7 @@ class Arm:
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
-        solver = self.solver if task is None else for_task(self.solver, preparation.check_task(task))
+        solver = self.solver if task is None else self.for_task(task).solver
         return nearest(solver, T, q_ref, **options)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
@@ -383,7 +388,9 @@ class Arm:
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.for_task`.
         """
-        return Arm(*changes.for_task(self._parts, task))
+        if task not in self._tasks:
+            self._tasks[task] = Arm(*changes.for_task(self._parts, task)) if task != self.solver.task else self
+        return self._tasks[task]
 
     @property
     def _parts(self) -> changes.Parts:
@@ -401,9 +408,6 @@ def assemble(model: UrdfModel, chain: Chain, **settings: Any) -> Arm:
     return Arm(*changes.assembled(model, chain, **settings))
 
 
-def arm_of(solver: Solver) -> Arm:
-    """The arm whose solver made solutions, intervals or a plan."""
-    cell = solver.contacts
-    if not isinstance(cell, Cell):
-        raise ArgumentError(f"{solver.name}: a solver that was prepared without a cell belongs to no arm")
-    return Arm(cell.model, solver.chain, solver, cell)
+def _remade(model: UrdfModel, chain: Chain, cell: Cell, settings: dict[str, Any]) -> Arm:
+    """An arm as it was before it was pickled or copied: its solver is prepared again."""
+    return Arm(model, chain, prepare(**settings), cell)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
@@ -10,7 +11,8 @@ from numpy.typing import ArrayLike
 from urdf_ik.cell import tool
 from urdf_ik.cell.cell import Cell
 from urdf_ik.cell.tool import Shapes
-from urdf_ik.ik import pose_solving, preparation
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik import solver as solvers
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import Chain, from_urdf, velocity_limits
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
@@ -32,7 +34,7 @@ def assembled(
     chain: Chain,
     task: str = "pose",
     free_axis: FreeAxis | None = None,
-    given: Any = (),
+    chosen: Sequence[str] = (),
     cell: Cell | None = None,
 ) -> Parts:
     """The parts of the arm of a URDF and one of its chains.
@@ -42,17 +44,17 @@ def assembled(
         chain: the joints from base to tip.
         task: the kind of targets; see :meth:`urdf_ik.Arm.ik`.
         free_axis: a line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`.
-        given: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
+        chosen: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
         cell: self-collision and worlds; default: those of the URDF.
 
     Raises:
         ArgumentError: ``model`` or ``chain`` is something else, or a setting does not fit.
-        ChainError: one of ``given`` is not a joint of the chain.
+        ChainError: one of ``chosen`` is not a joint of the chain.
         UnsupportedArm: no solver takes this arm with these settings.
     """
     cell = Cell(model, chain) if cell is None else cell
     speeds = velocity_limits(model, chain)
-    return Parts(model, chain, preparation.prepare(model.name, chain, speeds, cell, task, free_axis, given), cell)
+    return Parts(model, chain, solvers.prepare(model.name, chain, speeds, task, free_axis, chosen), cell)
 
 
 def with_tool(arm: Parts, pose: Any, shapes: Shapes = (), name: str = "tool") -> Parts:
@@ -81,7 +83,7 @@ def with_tool(arm: Parts, pose: Any, shapes: Shapes = (), name: str = "tool") ->
         >>> torch.tip, len(torch.ik(torch.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
         ('torch', 8)
     """
-    model = tool.with_tool(arm.model, preparation.fixed_tip(arm.solver), pose, shapes, name)
+    model = tool.with_tool(arm.model, solvers.fixed_tip(arm.solver), pose, shapes, name)
     return _again(arm, model=model, chain=from_urdf(model, arm.chain.base, name).lock(dict(arm.chain.locked)))
 
 
@@ -112,7 +114,7 @@ def with_free_axis(arm: Parts, axis: Any, at: ArrayLike | None = None) -> Parts:
         >>> arm.redundancy_of(s.to_array(), T).round(6).tolist()
         [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]
     """
-    return arm._replace(solver=preparation.with_free_axis(arm.solver, axis, at))
+    return arm._replace(solver=solvers.with_free_axis(arm.solver, axis, at))
 
 
 def with_redundancy(arm: Parts, *joints: str) -> Parts:
@@ -139,7 +141,7 @@ def with_redundancy(arm: Parts, *joints: str) -> Parts:
         >>> arm.redundancy.joint, arm.redundancy.kind
         ('joint_1', 'locked joint')
     """
-    return arm._replace(solver=arm.solver.again(given=joints))
+    return arm._replace(solver=arm.solver.again(chosen=joints))
 
 
 def with_locked(arm: Parts, values: Mapping[str, float]) -> Parts:
@@ -167,7 +169,7 @@ def with_locked(arm: Parts, values: Mapping[str, float]) -> Parts:
 
 def with_cell(arm: Parts, cell: Cell) -> Parts:
     """A new arm in another cell, such as one with other allowed collisions."""
-    return arm._replace(cell=cell, solver=arm.solver.again(contacts=cell))
+    return arm._replace(cell=cell, solver=replace(arm.solver))
 
 
 def for_task(arm: Parts, task: str) -> Parts:
@@ -183,11 +185,16 @@ def for_task(arm: Parts, task: str) -> Parts:
         >>> len(arm.ik([0.1, 0.1]))
         2
     """
-    return arm._replace(solver=pose_solving.for_task(arm.solver, preparation.check_task(task)))
+    if arm.solver.free_axis is not None:
+        raise ArgumentError(
+            f"{arm.model.name}: with {arm.solver.free_axis} free, targets are poses, and the rotation about it does "
+            f"not matter; {task!r} is a task of the arm without a free axis"
+        )
+    return arm._replace(solver=arm.solver.again(task=task))
 
 
 def _again(arm: Parts, model: UrdfModel | None = None, chain: Chain | None = None) -> Parts:
     """An arm with another URDF or chain, and with the settings that it has."""
     model, chain = model or arm.model, chain or arm.chain
-    of = arm.solver
-    return assembled(model, chain, of.task, of.free_axis, of.given, arm.cell.moved_to(model, chain))
+    before = arm.solver
+    return assembled(model, chain, before.task, before.free_axis, before.chosen, arm.cell.moved_to(model, chain))

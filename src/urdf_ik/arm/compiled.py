@@ -105,7 +105,7 @@ def _arm_of(data: dict[str, Any], source: str) -> Arm:
         raise UrdfError(f"a damaged compiled arm: {printable(missing, 200)}", source=source, hint=_AGAIN) from None
     solver = arm.solver
     member = replace(solver.require_member(), solver=core)
-    return replace(arm, solver=replace(solver, member=member, core=core, single=core, by_task={}))
+    return replace(arm, solver=replace(solver, member=member, core=core, single=core))
 
 
 def _assembled(data: dict[str, Any], source: str) -> Arm:
@@ -115,7 +115,7 @@ def _assembled(data: dict[str, Any], source: str) -> Arm:
     chain = from_urdf(model, data["base"], data["tip"]).lock(data["locked"])
     axis = data["free_axis"]
     free = None if axis is None else FreeAxis(_three(axis["direction"]), _three(axis["at"]))
-    return assemble(model, chain, free_axis=free, given=tuple(data["given"]))
+    return assemble(model, chain, free_axis=free, chosen=tuple(data["given"]))
 
 
 def _three(numbers: Any) -> tuple[float, float, float]:

@@ -72,8 +72,8 @@ def load(
     disabled = () if srdf is None else disabled_pairs(srdf, model.links, strict=strict)
     ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
     joints = from_urdf(model, *ends).lock({} if locked is None else locked)
-    given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
-    return assemble(model, joints, given=given, cell=Cell(model, joints, disabled=disabled))
+    chosen = (redundancy,) if isinstance(redundancy, str) else redundancy
+    return assemble(model, joints, chosen=chosen, cell=Cell(model, joints, disabled=disabled))
 
 
 def read(

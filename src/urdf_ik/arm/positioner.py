@@ -49,7 +49,12 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
     model = joined(arm.model, positioner.model, arm.base, at, f"{name}_")
     held = {**dict(arm.chain.locked), **{f"{name}_{joint}": value for joint, value in positioner.chain.locked}}
     chain = from_urdf(model, f"{name}_{positioner.tip}", arm.tip).lock(held)
-    of = arm.solver
+    before = arm.solver
     return assemble(
-        model, chain, task=of.task, free_axis=of.free_axis, given=of.given, cell=arm.cell.moved_to(model, chain)
+        model,
+        chain,
+        task=before.task,
+        free_axis=before.free_axis,
+        chosen=before.chosen,
+        cell=arm.cell.moved_to(model, chain),
     )

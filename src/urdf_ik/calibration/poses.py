@@ -105,7 +105,7 @@ def _drawn(calibration: Calibration, count: int, rng: np.random.Generator) -> tu
         np.where(np.isfinite(side), side, sign * _NO_LIMIT) for sign, side in zip((-1, 1), arm.limits.T, strict=True)
     )
     q = rng.uniform(low, high, (count, arm.dof))
-    bodies = arm.solver.contacts.in_world(None)
+    bodies = arm.cell.in_world(None)
     if bodies.unchecked or not bodies.has_geometry:
         return q, bodies.unchecked or "the URDF has no collision shapes"
     free = ~np.asarray(bodies.in_collision(q), dtype=np.bool_)

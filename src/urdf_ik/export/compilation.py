@@ -53,7 +53,7 @@ def compile(arm: Arm) -> str:  # noqa: A001  what it does, as re.compile
         raise UnsupportedArm(f"{arm.name}: an arm for the task {solver.task!r} is not compiled, only one for poses")
     if not isinstance(member.solver, _core.Solver):
         raise UnsupportedArm(
-            f"{arm.name}: with {' and '.join(solver.given) or 'a joint in its middle'} given, each value is another "
+            f"{arm.name}: with {' and '.join(solver.chosen) or 'a joint in its middle'} given, each value is another "
             "arm, which is analysed when it is first used; an arm is compiled if its first or last joint is given"
         )
     axis = solver.free_axis
@@ -67,7 +67,7 @@ def compile(arm: Arm) -> str:  # noqa: A001  what it does, as re.compile
             "tip": arm.tip,
             "urdf": {"sha256": arm.model.sha256, "chain": _used_part(arm.model, chain)},
             "locked": dict(chain.locked),
-            "given": solver.given,
+            "given": solver.chosen,
             "free_axis": None if axis is None else {"direction": axis.direction, "at": axis.at},
             "family": member.name,
             "branches": solver.branches,

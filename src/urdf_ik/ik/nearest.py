@@ -1,21 +1,79 @@
-"""``ik_nearest``: the solution nearest to a joint vector, over all redundancy parameters or in a target region."""
+"""The joint vector nearest to a reference, over all values of one redundancy parameter."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.families import RedundantMember
-from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.redundancy import Region, region_search
-from urdf_ik.ik.redundancy import nearest as along_parameter
-from urdf_ik.ik.representatives import near_each
-from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.pose_solving import near_each, solve
+from urdf_ik.ik.redundancy.interval_search import intervals
+from urdf_ik.ik.redundancy.region import Region, nearest_in_region
+from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.ik.solutions import IKSolutions, distances
 from urdf_ik.ik.solutions.distances import Metric
 from urdf_ik.ik.solver import Solver
+from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
+from urdf_ik.typing import Array
+
+
+def _along_parameter(
+    solver: Solver,
+    T: Any,
+    q_ref: ArrayLike,
+    *,
+    metric: Metric,
+    weights: ArrayLike | None,
+    within: ArrayLike | None,
+    within_limits: bool,
+    threads: inputs.Threads,
+) -> IKSolutions:
+    """See :meth:`urdf_ik.Arm.ik_nearest`.
+
+    The distance is that to the +-2 pi images (with ``within_limits`` those inside the limits). Of a pose that has no
+    solution inside the limits, what is least far outside them is looked at, and dropped with its reason.
+    """
+    parameter = solver.redundant_member.parameter
+    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
+    target = as_pose_array(T)
+    shape = target.shape[:-2]
+    measure = distances.measure(solver, metric, weights, within)
+    reference = solver.chain.check(q_ref)
+    try:
+        each = np.broadcast_to(reference, (*shape, solver.dof)).reshape(-1, solver.dof)
+    except ValueError:
+        raise ArgumentError(
+            f"q_ref of shape {reference.shape} and poses of shape {shape} given: one joint vector, or one a pose"
+        ) from None
+    stack = target.reshape(-1, 4, 4)
+    values = np.full(len(stack), np.nan)
+    for limited in (True, False) if within_limits else (False,):
+        open_ = np.flatnonzero(np.isnan(values))
+        found = intervals(solver, stack[open_], within_limits=limited, world=None, threads=threads)
+        values[open_] = found.nearest_values(
+            each[open_], metric=metric, weights=weights, within=within, within_limits=within_limits
+        )
+    near = each.reshape(*shape, solver.dof)
+
+    def nearest_at(values: Array) -> IKSolutions:
+        at = parameter.wrapped(values).reshape(shape)
+        found: IKSolutions = near_each(solve(solver, target, redundancy=at, threads=threads), near)
+        return found.nearest(near, weights, metric=metric, within=within, within_limits=within_limits)
+
+    def distance(found: IKSolutions) -> Array:
+        apart = measure.distance(found.difference(near))[..., 0]
+        return np.where(np.isnan(apart), np.inf, apart).reshape(-1)
+
+    values = np.where(np.isnan(values), parameter.default, values)
+    best = nearest_at(values)
+    # Where solutions are a surface, or lie at one value, no interval may pass the reference: its value is tried, too.
+    own = nearest_values(solver, each, stack)[:, 0]
+    better = distance(nearest_at(own)) < distance(best)
+    return nearest_at(np.where(better, own, values)) if better.any() else best
 
 
 def nearest(
@@ -42,7 +100,7 @@ def nearest(
         within_limits: whether only what lies inside the joint limits counts.
         region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
             those that were chosen in it. The optimum is local, see
-            :mod:`urdf_ik.ik.redundancy.region_search`; so it is for an arm with several redundancy parameters.
+            :mod:`urdf_ik.ik.redundancy.region`; so it is for an arm with several redundancy parameters.
         threads: number of threads that share the work, or 'auto'.
 
     Returns:
@@ -68,9 +126,9 @@ def nearest(
             raise ArgumentError(f"{solver.name}: a region is one of poses, not of the task {solver.task!r}")
         if region is not None and solver.free_axis is not None:
             raise ArgumentError(f"{solver.name}: {solver.free_axis} is free; a region has rotation=pi for that")
-        return region_search.nearest(solver, T, q_ref, region, threads=threads, **options)
+        return nearest_in_region(solver, T, q_ref, region, threads=threads, **options)
     if isinstance(solver.member, RedundantMember):
-        return along_parameter.nearest(solver, T, q_ref, threads=threads, **options)
+        return _along_parameter(solver, T, q_ref, threads=threads, **options)
     reference = solver.chain.check(q_ref)
     near = reference if reference.ndim == 1 else None
     solutions = solve(solver, T, near, threads=threads)

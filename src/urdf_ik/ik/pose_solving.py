@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
-from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solutions import IKSolutions, distances
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.tasks import Targets
 from urdf_ik.kinematics.chain.redundancy import spread
@@ -67,26 +67,6 @@ def solve(
     return solved
 
 
-def for_task(solver: Solver, task: str | None) -> Solver:
-    """The solver of the same chain whose targets are those of a task; None: the solver itself.
-
-    Raises:
-        ArgumentError: there is no such task, or the arm cannot control it.
-        UnsupportedArm: no solver takes this arm.
-    """
-    if task is None or task in solver.by_task:
-        return solver if task is None else solver.by_task[task]
-    if solver.free_axis is not None:
-        raise ArgumentError(
-            f"{solver.name}: with {solver.free_axis} free, targets are poses, and the rotation about it does not "
-            f"matter; {task!r} is a task of the arm without a free axis"
-        )
-    made = solver.again(task=task)
-    solver.by_task[task] = made
-    made.by_task.update(solver.by_task)
-    return made
-
-
 def _solve_task(
     solver: Solver, targets: Targets, T: Any, q_ref: ArrayLike | None, threads: int, out: IKSolutions | None
 ) -> IKSolutions:
@@ -139,3 +119,21 @@ def _reference(solver: Solver, q_ref: ArrayLike) -> Array:
     if q.shape != (solver.dof,):
         raise ArgumentError(f"q_ref of shape {q.shape} given; one joint vector ({solver.dof},) is needed")
     return np.where(solver.chain.prismatic, q, shortest(q))  # turns do not matter to an answer in (-pi, pi]
+
+
+def near_each(solutions: IKSolutions, q_ref: Array) -> IKSolutions:
+    """A batch as it was solved, singular poses solved again, each near its own joint vector of ``q_ref`` (..., n).
+
+    Raises:
+        ArgumentError: ``q_ref`` does not fit the poses.
+    """
+    solver = solutions.solver
+    reference = distances.reference(q_ref, solver.joint_names, solutions.shape)
+    reference = np.broadcast_to(reference, (*solutions.shape, reference.shape[-1]))
+    q, info = solutions._q.copy(), solutions._info.copy()
+    values: Any = solutions._redundancy
+    for place in map(tuple, np.argwhere(solutions.singular.any(axis=-1))):
+        at = {} if values is None else {"redundancy": values[place]}
+        one = solve(solver, solutions._poses[place], np.array(reference[place]), **at)
+        q[place], info[place] = one._q, one._info
+    return IKSolutions(solver, solutions._poses, q, info, solutions._branches, redundancy=values)

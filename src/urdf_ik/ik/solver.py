@@ -1,31 +1,39 @@
-"""``Solver``: a chain with its family and compiled solver."""
+"""``Solver``: a chain with its family and compiled solver, how one is prepared, and why an arm has none."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from itertools import combinations, islice
+from typing import Any
 
-from urdf_ik.errors import UnsupportedArm
-from urdf_ik.ik.families import FamilyMember, RedundantMember
-from urdf_ik.ik.refusals import unsupported
-from urdf_ik.ik.tasks import Control, Targets
-from urdf_ik.kinematics.chain import Chain
+from numpy.typing import ArrayLike
+
+from urdf_ik import _core
+from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, printable
+from urdf_ik.ik import families
+from urdf_ik.ik.families import FamilyMember, RedundantMember, axis_added, coupled
+from urdf_ik.ik.families.registry import MOST_JOINTS
+from urdf_ik.ik.tasks import Control, Targets, control_of
+from urdf_ik.kinematics.chain import Chain, CoupledChain, dependent_joints, kinds_of
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import Redundancy
-from urdf_ik.kinematics.structure import Structure
+from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.support.read_only import frozen
+from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from urdf_ik import _core
-    from urdf_ik.ik.contacts import Contacts
+_MOST_TRIED = 40
+"""Choices of joints to lock that are tried for an error's hint."""
+_WHOLE = 7
+"""Joints of a chain that is solved whole."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solver:
-    """A chain, its family, and the compiled solver that serves it. :func:`urdf_ik.ik.preparation.prepare` makes it.
+    """A chain, its family, and the compiled solver that serves it; :func:`prepare` makes it.
 
     Attributes:
         name: the robot's name, for messages.
@@ -39,12 +47,9 @@ class Solver:
         single: the compiled solver where targets are poses: it takes a single pose without detours.
         branches: names of the columns of a pose's solutions.
         free_axis: a line in the tip about which it may be turned.
-        given: names of joints whose values are redundancy parameters because the user chose them.
+        chosen: names of joints whose values are redundancy parameters because the user chose them.
         velocity_limits: (n,) rad/s or m/s, the URDF's; infinite where it gives none.
-        contacts: answers whether solutions touch anything.
-        remake: makes this solver again with other settings.
-        why_none: (solver, target, redundancy) -> why a target has no solution.
-        by_task: solvers of the same chain for other tasks, made when they are first asked for.
+        arm: the :class:`urdf_ik.Arm` that the solver belongs to, which has the cell; None until an arm takes it.
     """
 
     name: str
@@ -58,26 +63,23 @@ class Solver:
     single: _core.Solver | None
     branches: tuple[str, ...]
     free_axis: FreeAxis | None
-    given: tuple[str, ...]
+    chosen: tuple[str, ...]
     velocity_limits: Array
-    contacts: Contacts
-    remake: Callable[..., Solver]
-    why_none: Callable[[Solver, Array, Array | None], str]
-    by_task: dict[str, Solver] = field(default_factory=dict)
+    arm: Any = None  # of a room above, where its class is
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Movable joints, base to tip."""
+        """See :attr:`urdf_ik.Arm.joint_names`."""
         return self.chain.joint_names
 
     @property
     def dof(self) -> int:
-        """Number of movable joints."""
+        """See :attr:`urdf_ik.Arm.dof`."""
         return self.chain.n
 
     @property
     def limits(self) -> Array:
-        """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
+        """See :attr:`urdf_ik.Arm.limits`."""
         return self.chain.limits
 
     @property
@@ -115,14 +117,14 @@ class Solver:
 
         Their axes meet in a point or are parallel, to rounding; see mirrored.hpp of the core.
         """
-        found: list[tuple[int, bool]] = []
+        mirrors: list[tuple[int, bool]] = []
         for triple in self.structure.triples:
             first, parallel = triple.first - 1, triple.relation == "parallel"
             exact = triple.imperfection <= DEFAULT.exact_structure * (1.0 if parallel else self.chain.size)
             turning = not self.chain.prismatic[first : first + 3].any()
-            if exact and turning and all(first >= other + 3 for other, _ in found):
-                found.append((first, parallel))
-        return tuple(found[:2])
+            if exact and turning and all(first >= before + 3 for before, _ in mirrors):
+                mirrors.append((first, parallel))
+        return tuple(mirrors[:2])
 
     def require_member(self) -> FamilyMember:
         """The arm as a member of its family.
@@ -134,26 +136,246 @@ class Solver:
             raise unsupported(self.name, self.chain, self.structure)
         return self.member
 
-    def again(self, **changed: Any) -> Solver:
-        """This solver with other settings: those of :func:`urdf_ik.ik.preparation.prepare`."""
-        return self.remake(**{**self._settings, **changed})
-
     @property
-    def _settings(self) -> dict[str, Any]:
-        return {
-            "name": self.name,
-            "chain": self.chain,
-            "velocity_limits": self.velocity_limits,
-            "contacts": self.contacts,
-            "task": self.task,
-            "free_axis": self.free_axis,
-            "given": self.given,
-        }
+    def settings(self) -> dict[str, Any]:
+        """What :func:`prepare` makes this solver from."""
+        names = ("name", "chain", "velocity_limits", "task", "free_axis", "chosen")
+        return {name: getattr(self, name) for name in names}
 
-    def __reduce__(self) -> tuple[Callable[..., Solver], tuple[Any, ...]]:
-        return _remade, (self.remake, self._settings)
+    def again(self, **changed: Any) -> Solver:
+        """This solver with other settings: those of :func:`prepare`. It belongs to no arm, but keeps the cell."""
+        return replace(prepare(**{**self.settings, **changed}), arm=self.arm)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The compiled part is prepared again. An arm that has this solver makes it.
+        if self.arm is not None and self.arm.solver is self:
+            return getattr, (self.arm, "solver")
+        return _remade, (self.arm, self.settings)
 
 
-def _remade(remake: Callable[..., Solver], settings: dict[str, Any]) -> Solver:
-    """A solver as it was before it was pickled or copied: the compiled part is prepared again."""
-    return remake(**settings)
+def _remade(arm: Any, settings: dict[str, Any]) -> Solver:
+    """A solver as it was before it was pickled or copied."""
+    return replace(prepare(**settings), arm=arm)
+
+
+def prepare(
+    name: str,
+    chain: Chain,
+    velocity_limits: Array,
+    task: str = "pose",
+    free_axis: FreeAxis | None = None,
+    chosen: Sequence[str] = (),
+) -> Solver:
+    """Analyse a chain and prepare its solver.
+
+    Args:
+        name: of the robot, for messages.
+        chain: the joints from base to tip.
+        velocity_limits: (n,) rad/s or m/s.
+        task: what targets are; see :meth:`urdf_ik.Arm.ik`.
+        free_axis: a line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`.
+        chosen: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
+
+    Raises:
+        ChainError: one of ``chosen`` is not a joint of the chain.
+        ArgumentError: there is no such task, the arm cannot control it, more joints are chosen than a pose leaves free,
+            or the tip cannot turn about ``free_axis``.
+        UnsupportedArm: no solver takes this arm with these settings.
+    """
+    joints = _checked_choice(name, chain, chosen)
+    made: Any = _core.prepared(lambda: _prepare(name, chain, velocity_limits, task, free_axis, joints))
+    solver: Solver = made
+    return solver
+
+
+def _prepare(
+    name: str,
+    chain: Chain,
+    velocity_limits: Array,
+    task: str,
+    free_axis: FreeAxis | None,
+    chosen: tuple[str, ...],
+) -> Solver:
+    control, structure = control_of(chain), analyse(chain)
+    targets = None if task == "pose" else Targets(name, chain, control, task)
+    member = targets.plan(structure) if targets else families.choose(structure, chain, chosen)
+    if member is None and chosen:
+        raise UnsupportedArm(f"{name}: no solver for the other joints with {', '.join(chosen)} given")
+    if free_axis is not None:
+        _check_free_axis(name, chain, free_axis, member, control.task if targets is None else task)
+        member = None if member is None else axis_added.prepare_free(chain, member, free_axis)
+    if member is not None:
+        structure = replace(
+            structure,
+            family=member.name,
+            reason=member.reason,
+            method=member.method,
+            branches=member.branches,
+            imperfection=member.imperfection,
+            error=member.error,
+            is_general=member.family.by_elimination and chain.n == 6,
+            by_quadratics=member.by_quadratics,
+        )
+    core = None if member is None else member.solver
+    return Solver(
+        name=name,
+        chain=chain,
+        structure=structure,
+        control=control,
+        task=task,
+        targets=targets,
+        member=member,
+        core=core,
+        single=core if targets is None else None,
+        branches=() if member is None else member.branches,
+        free_axis=free_axis,
+        chosen=chosen,
+        velocity_limits=frozen(velocity_limits),
+    )
+
+
+def with_free_axis(solver: Solver, axis: Any, at: ArrayLike | None) -> Solver:
+    """A solver whose tip may turn about an axis; see :meth:`urdf_ik.Arm.with_free_axis`.
+
+    Raises:
+        ArgumentError: an invalid axis, or the tip may turn about one already.
+        UnsupportedArm: no solver takes this arm.
+    """
+    free = FreeAxis.read(axis, at)
+    if solver.free_axis is not None:
+        raise ArgumentError(f"{solver.name} may already turn about {solver.free_axis}; only one axis can be free")
+    made = solver.again(free_axis=free)
+    solver.require_member()
+    made.__dict__["fixed"] = solver
+    return made
+
+
+def fixed_tip(solver: Solver) -> str:
+    """The tip, to which a tool can be fixed.
+
+    Raises:
+        ArgumentError: the tip may turn about an axis.
+    """
+    if solver.free_axis is None:
+        return solver.chain.tip
+    raise ArgumentError(
+        f"{solver.name}: {solver.free_axis} is free, and a tool would move the tip away from it; mount the tool first, "
+        "then say which of its axes is free: arm.with_tool(...).with_free_axis(...)"
+    )
+
+
+def with_locked(solver: Solver, values: Mapping[str, float]) -> Solver:
+    """The solver of the other joints, some joints of the chain being held at values [rad or m]."""
+    chain = solver.chain.lock(values)
+    kept = [name in chain.joint_names for name in solver.joint_names]
+    chosen = tuple(name for name in solver.chosen if name in chain.joint_names)
+    return solver.again(chain=chain, velocity_limits=solver.velocity_limits[kept], chosen=chosen)
+
+
+def _checked_choice(name: str, chain: Chain, chosen: Sequence[str]) -> tuple[str, ...]:
+    """Names of joints that may be the redundancy parameters of an arm."""
+    joints = tuple(chosen)
+    if unknown := [joint for joint in joints if joint not in chain.joint_names]:
+        raise ChainError(
+            f"{quoted(unknown[0])} cannot be the redundancy parameter: it is not among the movable joints from "
+            f"{quoted(chain.base)} to {quoted(chain.tip)}",
+            chain.joint_names,
+        )
+    if len(set(joints)) < len(joints):
+        raise ArgumentError(f"redundancy={joints} given; each joint can be named once")
+    if joints and isinstance(chain, CoupledChain):
+        raise UnsupportedArm(f"{name}: joints mimic others, and none of them can be the redundancy parameter")
+    free = max(chain.n - 6, 0)
+    if len(joints) > free:
+        raise ArgumentError(f"{name}: redundancy={joints} given, and its {chain.n} joints leave {free} values free")
+    return joints
+
+
+def _check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: FamilyMember | None, task: str) -> None:
+    """Refuse an axis about which the tip cannot turn freely, with what to do instead."""
+    if task != "pose":
+        raise ArgumentError(
+            f"{name}: its {chain.n} joints control the task {task!r}, which leaves rotations free as it is: "
+            f"arm.ik(target, task={task!r}); only an arm that controls whole poses takes a free axis"
+        )
+    if plan is not None and chain.n < 6:
+        raise ArgumentError(
+            f"{name}: its {chain.n} joints do not reach every pose, and another rotation about {axis} is out of reach "
+            "as a rule; only arms with six joints or more take a free axis"
+        )
+    if plan is not None and not isinstance(plan.solver, _core.Solver):
+        joint = plan.parameters[0].joint if isinstance(plan, RedundantMember) else None
+        raise ArgumentError(
+            f"{name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an end joint, "
+            "or none: arm.with_redundancy(...)"
+        )
+
+
+def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm:
+    """The error for an arm without a solver."""
+    if isinstance(chain, CoupledChain):
+        return UnsupportedArm(
+            f"{name}: {coupled.why_not(chain)}; joints that mimic others: "
+            f"{', '.join(map(str, chain.followers))}; independent: {', '.join(chain.joint_names)}; {_hint(chain)}"
+        )
+    if chain.n == 0:
+        return UnsupportedArm(f"{name}: no joint moves between {quoted(chain.base)} and {quoted(chain.tip)}")
+    same = dependent_joints(chain)
+    if same:
+        return UnsupportedArm(
+            f"{name}: the joints are redundant, and a pose has a continuum of solutions or none: at every joint vector "
+            f"each of {', '.join(same)} moves the tip as the others of these do together. Hold one of them at a value "
+            f"[rad or m], as in urdf_ik.load(..., locked={{{quoted(same[-1])}: 0.0}}). {structure}"
+        )
+    if chain.n == 6:
+        return UnsupportedArm(
+            f"{name}: no solver for two slides three joints apart ({kinds_of(chain)}) without a "
+            "spherical wrist at either end; one of them held at a value, as in "
+            f"urdf_ik.load(..., locked={{name: 0.0}}), leaves five joints that are solved. {structure}"
+        )
+    if chain.n <= 7:
+        return UnsupportedArm(f"{name}: no solver for this arm yet. {structure}")
+    if chain.n <= MOST_JOINTS:
+        return UnsupportedArm(
+            f"{name}: no solver for any six of its {chain.n} joints ({', '.join(chain.joint_names)}), the others given "
+            f"one by one; {_hint(chain)}"
+        )
+    locked = _locked(chain.joint_names[: chain.n - MOST_JOINTS])
+    return UnsupportedArm(
+        f"{name}: {chain.n} joints from {quoted(chain.base)} to {quoted(chain.tip)} ({', '.join(chain.joint_names)}); "
+        f"at most {MOST_JOINTS} are solved: hold {chain.n - MOST_JOINTS} or more of them, each at a value [rad or m], "
+        f"as in {locked}{_shorter(chain)}"
+    )
+
+
+def _hint(chain: Chain) -> str:
+    """Which joints to lock, so that the others are solved: as few as possible, those that drive others first."""
+    drivers = [
+        name for name in dict.fromkeys(follower.driver for follower in chain.followers) if name in chain.joint_names
+    ]
+    names = [*drivers, *(name for name in chain.joint_names if name not in drivers)]
+    choices = (locked for count in (1, 2) for locked in combinations(names, count) if chain.n - count >= 2)
+    for locked in islice(choices, _MOST_TRIED):
+        rest = chain.lock(dict.fromkeys(locked, 0.0))
+        if families.choose(analyse(rest), rest) is not None:
+            verb = "joint is" if len(locked) == 1 else "joints are"
+            return f"it is solved where {len(locked)} {verb} locked at a value [rad or m], as in {_locked(locked)}"
+    return f"lock joints at a value [rad or m], as in {_locked(names[:1])}{_shorter(chain)}"
+
+
+def _locked(names: Sequence[str]) -> str:
+    values = ", ".join(f"{quoted(name)}: 0.0" for name in names)
+    typed = " ".join(f"--lock {printable(name)}=0" for name in names)
+    return f"urdf_ik.load(..., locked={{{values}}}) ({typed})"
+
+
+def _shorter(chain: Chain) -> str:
+    """The longest part of a chain with at most seven joints, in words."""
+    above = {joint.child: joint for joint in chain.tree}
+    link, count = chain.tip, 0
+    while link != chain.base and link in above:
+        moves = above[link].column is not None
+        if count + moves > _WHOLE:
+            return f"; or take the last {count} joints alone, with base={quoted(link)}"
+        link, count = above[link].parent, count + moves
+    return ""

@@ -13,8 +13,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik import families
-from urdf_ik.ik.families import FamilyMember, few_joints, planar
-from urdf_ik.ik.families.wrappers import axis_added
+from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, planar
 from urdf_ik.kinematics.chain import Chain, least_stretches, sampled
 from urdf_ik.kinematics.chain.plane import Plane, plane_of
 from urdf_ik.kinematics.structure import Structure, analyse

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.solutions import IKSolutions, limits, local_names
+from urdf_ik.ik.solutions import IKSolutions, branch_names, limits
 from urdf_ik.ik.solutions.derivatives import joint_rates
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
@@ -354,21 +354,21 @@ def followed(plan: Plan) -> Plan:
     branch, names the whole motion. The sign before it is that of the Jacobian's determinant at each waypoint: where it
     changes, the motion crosses a singularity. Branches named by geometry remain.
     """
-    if not local_names.local(plan.solver.structure.branches):
+    if not branch_names.local(plan.solver.structure.branches):
         return plan
     if not plan.found:
         if plan.solver.parameters:
             return plan
         known = dict(zip(plan.solver.structure.branches, solve(plan.solver, plan.poses[0]).names, strict=True))
         return replace(plan, stops=tuple(s._replace(branch=str(known.get(s.branch, s.branch))) for s in plan.stops))
-    signs = local_names.determinant_signs(plan.solver, plan.q)
+    signs = branch_names.determinant_signs(plan.solver, plan.q)
     begins = [0, *(change.waypoint for change in plan.changes)]
     names: list[str] = []
     for begin, end in zip(begins, [*begins[1:], len(plan.q)], strict=True):
         for k in range(begin, end):
-            name = plan.branches[begin if local_names.is_local(plan.branches[k]) else k]
-            sign = 0 if signs is None or not local_names.is_local(name) else int(signs[k])
-            names.append(f"{local_names.sign_in_words(sign)}{name}")
+            name = plan.branches[begin if branch_names.is_local(plan.branches[k]) else k]
+            sign = 0 if signs is None or not branch_names.is_local(name) else int(signs[k])
+            names.append(f"{branch_names.sign_in_words(sign)}{name}")
     changes = tuple(c._replace(before=names[c.waypoint - 1], after=names[c.waypoint]) for c in plan.changes)
     others = plan.others
     renamed = None if others is None else lambda: tuple(followed(other) for other in others())

@@ -168,7 +168,7 @@ class Tracker:
         self._margin = inputs.number(margin, "margin", low=0.0, unit="m")
         self._collision: Any = None
         if self_collision or world is not None:
-            self._collision = solver.contacts.in_world(world)
+            self._collision = solver.arm.cell.in_world(world)
         # A pose is tracked and no collision is checked: the core does the whole cycle.
         self._quick = self._core.step if self._targets is None and self._collision is None else None
         self.reset(q0)

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 import urdf_ik
 from urdf_ik import Arm, Singular, UrdfIkError
 from urdf_ik.cli import app
-from urdf_ik.ik.redundancy.bars import bars
+from urdf_ik.ik.redundancy.intervals import bars
 from urdf_ik.model import catalogue
 from urdf_ik.show.viewer import address, arm_panel, interval_strip
 from urdf_ik.show.viewer import state as states

@@ -124,7 +124,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
 def as_text(arm: Arm, angles: Angles) -> str:
     """Tables and lines for people."""
     from urdf_ik.ik.cuspidality import in_words, is_cuspidal
-    from urdf_ik.ik.solutions import local_names
+    from urdf_ik.ik.solutions import branch_names
 
     structure = arm.structure
     unit = angles.unit
@@ -168,8 +168,8 @@ def as_text(arm: Arm, angles: Angles) -> str:
             *([("cuspidal", in_words(is_cuspidal(arm.solver)))] if structure.is_6r else []),
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
-        if local_names.local(structure.branches):
-            solver.append(("names", _NUMBERED if local_names.square(arm.solver) is None else _SIGNED))
+        if branch_names.local(structure.branches):
+            solver.append(("names", _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED))
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
     if allowed := len(arm.cell.disabled):

@@ -16,8 +16,8 @@ from typing import ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure, closest_points

@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, too_far
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
+    SIGNS,
     ClosedFormArm,
     IdealFrames,
     ideal_arm,
@@ -20,7 +20,6 @@ from urdf_ik.ik.families.parts.ideal import (
     imperfection,
     straightened,
 )
-from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.structure import Structure

@@ -10,11 +10,9 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import few_joints
-from urdf_ik.ik.families.parts.explanations import compared, too_far
+from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
-from urdf_ik.ik.families.parts.ideal import Ends
-from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
-from urdf_ik.ik.families.parts.written import Written
+from urdf_ik.ik.families.parts.written import Ends, Written
 from urdf_ik.kinematics.chain import Chain, kinds_of
 from urdf_ik.kinematics.chain.plane import axes_across
 from urdf_ik.kinematics.structure import Structure

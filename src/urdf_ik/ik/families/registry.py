@@ -8,11 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from urdf_ik.ik.families import (
+    axis_added,
     coupled,
     few_joints,
-    general_6r,
-    general_slides,
+    general,
     hollow_wrist,
+    imperfect,
+    joint_given,
     parallel_shoulder,
     planar,
     sampled,
@@ -22,9 +24,7 @@ from urdf_ik.ik.families import (
     srs,
     three_parallel,
 )
-from urdf_ik.ik.families.parts.family import Family, FamilyMember
-from urdf_ik.ik.families.wrappers import axis_added, imperfect, joint_given
-from urdf_ik.ik.families.wrappers.mirrored import mirrored
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, mirrored
 from urdf_ik.kinematics.chain import Chain, typical_stretch
 from urdf_ik.kinematics.structure import Structure, analyse
 
@@ -53,7 +53,7 @@ SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
 SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
 """Six joints with a continuum of solutions for every pose that they reach."""
 
-BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
+BY_ELIMINATION: list[Family] = [general.TURNING, general.WITH_SLIDES]
 """Six joints that are in no other family."""
 
 SEVEN_JOINTS: list[Family] = [srs.FAMILY]
@@ -110,7 +110,7 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> F
     if chain.axes is not chain:
         return _first(MIMICKING, structure, chain)
     if chain.n < 6:
-        return _first(FEW_JOINTS, structure, chain) or axis_added.prepare(structure, chain, of_six)
+        return _first(FEW_JOINTS, structure, chain) or axis_added.prepare_completed(structure, chain, of_six)
     if chain.n == 6:
         return of_six(structure, chain)
     if chain.n > MOST_JOINTS:
@@ -184,7 +184,7 @@ def _with_slides(structure: Structure, chain: Chain) -> FamilyMember | None:
     for seen, relations in ((chain, structure), (back, analyse(back))):
         plan = _first(SIX_WITH_SLIDES, relations, seen)
         if plan is not None:
-            plan = plan if plan.is_exact else general_slides.behind(plan, seen)
+            plan = plan if plan.is_exact else general.behind(plan, seen)
             plans.append(mirrored(plan) if seen is back else plan)
     return min(plans, key=lambda plan: plan.error, default=None)
 

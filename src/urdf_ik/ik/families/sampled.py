@@ -13,10 +13,9 @@ from typing import ClassVar
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, RedundantMember
-from urdf_ik.ik.families.parts.free_arm import FreeArm
-from urdf_ik.ik.families.parts.nearest_pose import off_by
-from urdf_ik.ik.families.parts.written import Aim, Written, written
+from urdf_ik.ik.families.parts.written import Aim, FreeArm, Written, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.kinematics.structure import Structure

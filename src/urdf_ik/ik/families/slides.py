@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.few_joints import Joint, PositionStep, position_step
+from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim, Written, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure

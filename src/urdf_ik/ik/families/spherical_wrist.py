@@ -9,11 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.explanations import beyond_links, compared, too_far
+from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
+    NAMES,
+    SIGNS,
     ClosedFormArm,
     IdealFrames,
     ideal_arm,
@@ -21,7 +22,6 @@ from urdf_ik.ik.families.parts.ideal import (
     imperfection,
     mean_direction,
 )
-from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh.frames import DHFrames

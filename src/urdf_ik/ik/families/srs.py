@@ -11,9 +11,8 @@ import numpy as np
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families.parts.explanations import compared, too_far
 from urdf_ik.ik.families.parts.family import Family, RedundantMember, in_words
-from urdf_ik.ik.families.parts.free_arm import FreeArm
-from urdf_ik.ik.families.parts.ideal import Ends, snapped
-from urdf_ik.ik.families.parts.written import Written, written
+from urdf_ik.ik.families.parts.ideal import snapped
+from urdf_ik.ik.families.parts.written import Ends, FreeArm, Written, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import swivel_of
 from urdf_ik.kinematics.structure import Structure

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, too_far
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
+    NAMES,
+    SIGNS,
     ClosedFormArm,
     ideal_arm,
     ideal_frames,
     imperfection,
     mean_direction,
 )
-from urdf_ik.ik.families.parts.nearest_pose import seen_in_frame_1
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.structure import Structure

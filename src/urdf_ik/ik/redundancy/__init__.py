@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdf_ik.ik.redundancy.interval_arrays import End
+from urdf_ik.ik.redundancy.curves import End
 from urdf_ik.ik.redundancy.intervals import Interval, Intervals
 from urdf_ik.ik.redundancy.region import Region
 from urdf_ik.ik.redundancy.sweep import Sweep

@@ -18,17 +18,15 @@ from numpy.typing import NDArray
 from urdf_ik import _core
 from urdf_ik.ik.families.parts.family import RedundantMember
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.redundancy import last_axis, swivel
-from urdf_ik.ik.redundancy.contacts import without_contacts
-from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
+from urdf_ik.ik.redundancy import closed_form
+from urdf_ik.ik.redundancy.curves import Curves, End, Found, joined
 from urdf_ik.ik.redundancy.intervals import Intervals
-from urdf_ik.ik.redundancy.self_motion import Curves
 from urdf_ik.ik.redundancy.values import only_parameter
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import SWIVEL, Redundancy
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import TURN, wrapped
+from urdf_ik.support.angles import TURN, shortest, wrapped
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
@@ -107,12 +105,12 @@ def intervals(
     if inputs.flag(within_limits, "within_limits"):
         bounds[: solver.dof] = solver.limits
     parts, open_ = [], np.arange(len(stack))
-    way = last_axis.sense(solver, plan)
-    if len(stack) and (swivel.is_closed(plan) or way):
+    way = closed_form.sense(solver, plan)
+    if len(stack) and (closed_form.is_closed(plan) or way):
         closed, open_ = (
-            last_axis.intervals(solver, way, stack, bounds[: solver.dof])
+            closed_form.last_axis_intervals(solver, way, stack, bounds[: solver.dof])
             if way
-            else swivel.intervals(solver, plan, stack, bounds)
+            else closed_form.swivel_intervals(solver, plan, stack, bounds)
         )
         parts.append(closed if world is None and not len(open_) else with_samples(solver, stack, closed))
     for k in range(0, len(open_), _AT_ONCE):
@@ -137,7 +135,7 @@ def _without_contacts(
     solver: Solver, world: Any, T: Array, found: Found, looked_at: NDArray[np.bool_], watch: Watch
 ) -> Found:
     """The intervals of poses (m, 4, 4) without contacts, pose by pose; ``looked_at`` (m,) loses what time left out."""
-    model, curves, parts = solver.contacts.in_world(world), Curves.of(solver), [found.of(np.zeros(0, dtype=np.intp))]
+    model, curves, parts = solver.arm.cell.in_world(world), Curves.of(solver), [found.of(np.zeros(0, dtype=np.intp))]
     for i in np.unique(found.pose).tolist():
         if watch.is_over:
             looked_at[i:] &= ~np.isin(np.arange(i, len(T)), found.pose)
@@ -355,3 +353,109 @@ def _name(solver: Solver, T: Array, found: Found) -> None:
     solutions = solve(solver, T[found.pose[unknown]], redundancy=found.value[at])
     apart = np.abs(wrapped(solutions.q - found.q[at][:, None])).max(axis=-1)
     found.column[unknown] = np.nanargmin(np.where(np.isnan(apart), np.inf, apart), axis=1)
+
+
+STEP = 0.05
+"""rad or shares of the arm's size along a curve between two joint vectors that are asked about first."""
+NARROWEST_FREE = 1e-5
+"""rad or m: a motion between two free values is cut down to this before it counts as a contact between them."""
+_ENDS = 36
+"""How often the place of a contact is halved: from ``STEP`` to below 1e-11."""
+
+
+def without_contacts(model: Any, curves: Curves, T: Array, found: Found) -> Found:
+    """Cut intervals of poses (m, 4, 4) where bodies touch.
+
+    Between two values that are free the straight motion of the joints is proven free, or cut in halves, down to
+    ``NARROWEST``; where a free value has one in contact beside it, the place of the contact is halved.
+    """
+    pieces = [piece for k in range(len(found.low)) for piece in _cut(model, curves, T[found.pose[k]], found, k)]
+    count = np.array([len(piece.values) for piece in pieces], dtype=np.intp)
+    of = found.of(np.array([piece.interval for piece in pieces], dtype=np.intp))
+    samples = [curves.samples(T[pose], each.q, each.values) for pose, each in zip(of.pose, pieces, strict=True)]
+    return replace(
+        of,
+        low=np.array([piece.values[0] for piece in pieces]),
+        high=np.array([piece.values[-1] for piece in pieces]),
+        ends=np.array([piece.ends for piece in pieces], dtype=object).reshape(-1, 2),
+        first=np.cumsum(count) - count,
+        count=count,
+        value=np.concatenate([*(piece.values for piece in pieces), []]),
+        q=np.concatenate([*(piece.q for piece in pieces), found.q[:0]]),
+        core=np.concatenate([*samples, found.core[:0]]),
+    )
+
+
+class _Piece(NamedTuple):
+    """What is left of an interval: its number, samples of growing value, and ends."""
+
+    interval: int
+    values: Array
+    q: Array
+    ends: tuple[End, End]
+
+
+def _cut(model: Any, curves: Curves, T: Array, found: Found, k: int) -> list[_Piece]:
+    """The pieces of interval ``k``, of pose T (4, 4), without contacts."""
+    part = slice(found.first[k], found.first[k] + found.count[k])
+    value, q = _refined(curves, T, found.value[part], found.q[part])
+    hit = np.asarray(model.in_collision(q), dtype=np.bool_)
+    # Motions between free neighbours that are not proven free are halved.
+    while True:
+        near = np.flatnonzero(~hit[:-1] & ~hit[1:] & (np.diff(value) > NARROWEST_FREE))
+        way = _way(curves, q[near], q[near + 1])
+        near = near[~np.asarray(model.motions_free(q[near], q[near] + way).free)] if len(near) else near
+        fresh = 0.5 * (value[near] + value[near + 1])
+        if not len(near):
+            break
+        joints = curves.at(np.broadcast_to(T, (len(near), 4, 4)), q[near], fresh)
+        value, q = np.insert(value, near + 1, fresh), np.insert(q, near + 1, joints, axis=0)
+        hit = np.insert(hit, near + 1, np.asarray(model.in_collision(joints), dtype=np.bool_))
+    out = []
+    edges = np.flatnonzero(np.diff(np.concatenate([[1], hit.astype(np.int8), [1]])))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        values, joints, (low, high) = value[start:stop], q[start:stop], tuple(found.ends[k])
+        if start > 0:
+            at, there, low = _contact(model, curves, T, value, q, start, start - 1)
+            values, joints = np.append(at, values), np.vstack([there, joints])
+        if stop < len(value):
+            at, there, high = _contact(model, curves, T, value, q, stop - 1, stop)
+            values, joints = np.append(values, at), np.vstack([joints, there])
+        out.append(_Piece(k, values, joints, (low, high)))
+    return out
+
+
+def _refined(curves: Curves, T: Array, value: Array, q: Array) -> tuple[Array, Array]:
+    """Samples (k,), (k, n) of a curve, and others between them, so that no joint moves by more than ``STEP``."""
+    pieces = np.ceil(np.abs(_way(curves, q[:-1], q[1:])).max(axis=1) / STEP).astype(np.intp)
+    share = [np.arange(count) / count for count in np.maximum(pieces, 1)]
+    before = np.repeat(np.arange(len(share)), [len(each) for each in share])
+    values = value[before] + np.concatenate([*share, []]) * np.diff(value)[before]
+    joints = q[before].copy()
+    fresh = values > value[before]
+    joints[fresh] = curves.at(np.broadcast_to(T, (int(fresh.sum()), 4, 4)), joints[fresh], values[fresh])
+    kept = ~np.isnan(joints).any(axis=1)
+    return np.append(values[kept], value[-1]), np.vstack([joints[kept], q[-1:]])
+
+
+def _contact(
+    model: Any, curves: Curves, T: Array, value: Array, q: Array, inside: int, outside: int
+) -> tuple[float, Array, End]:
+    """The last free value from sample ``inside`` towards ``outside``, its joint vector, and what touches behind it."""
+    free, held, joints, touching = value[inside], value[outside], q[inside], q[outside]
+    for _ in range(_ENDS):
+        middle = 0.5 * (free + held)
+        there = curves.at(T[None], joints[None], np.array([middle]))[0]
+        if np.isnan(there).any():
+            break
+        if model.in_collision(there[None])[0]:
+            held, touching = middle, there
+        else:
+            free, joints = middle, there
+    nearest = model.nearest_pair(touching)
+    return float(free), joints, End("contact", pair=None if nearest is None else nearest.links)
+
+
+def _way(curves: Curves, q0: Array, q1: Array) -> Array:
+    """How far each joint goes from q0 (k, n) to q1 (k, n), angles by the shorter way round."""
+    return np.where(curves.turning, shortest(q1 - q0), q1 - q0)

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.redundancy import self_motion
-from urdf_ik.ik.redundancy.interval_arrays import End, Found
-from urdf_ik.ik.redundancy.self_motion import Curves
-from urdf_ik.ik.solutions import IKSolutions, distances, indices
+from urdf_ik.ik.redundancy import curves
+from urdf_ik.ik.redundancy.curves import Curves, End, Found
+from urdf_ik.ik.solutions import IKSolutions, distances, limits
 from urdf_ik.ik.solutions.distances import QUALITIES, Metric, Quality
+from urdf_ik.ik.solutions.solution import picked, place_of
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support import inputs
@@ -114,6 +114,11 @@ class Intervals:
         arguments = (self.solver, self._T, self._found, self.within_limits, self._sampled)
         return Intervals, (*arguments, self._looked_at, self.unlooked)
 
+    @property
+    def arm(self) -> Any:
+        """The :class:`urdf_ik.Arm` that they are intervals of."""
+        return self.solver.arm
+
     @cached_property
     def _full(self) -> Found:
         """The intervals with samples."""
@@ -157,8 +162,8 @@ class Intervals:
     def __getitem__(self, index: Any) -> Any:
         """An :class:`Interval` of a single pose; of a batch the intervals of one pose."""
         if not self.shape:
-            return self._interval(indices.place(len(self._found.low), index, "intervals of this pose"))
-        place = indices.picked(self.shape, index)
+            return self._interval(place_of(len(self._found.low), index, "intervals of this pose"))
+        place = picked(self.shape, index)
         if place.ndim:
             raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
@@ -263,7 +268,7 @@ class Intervals:
         bounds = self.solver.limits if within_limits else np.tile([-np.inf, np.inf], (self.solver.dof, 1))
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
-            return self_motion.distance(self.solver, q, each[pose], bounds, measure)
+            return curves.distance(self.solver, q, each[pose], bounds, measure)
 
         return self._least(cost)
 
@@ -288,7 +293,7 @@ class Intervals:
         self._require_looked_at()
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
-            return -self_motion.quality(self.solver, q, by)
+            return -curves.quality(self.solver, q, by)
 
         solutions = self._at(self._least(cost))
         return solutions.within_limits().best(by) if self.within_limits else solutions.best(by)
@@ -334,10 +339,10 @@ class Intervals:
         found += f"; {self.unlooked}" if self.unlooked else ""
         return html_of(title, found, bool(len(self._found.low)), [Section("", tuple(header), tuple(map(tuple, rows)))])
 
-    def _least(self, cost: self_motion.Cost) -> Array:
+    def _least(self, cost: curves.Cost) -> Array:
         """(...) the values at which a cost is least; NaN for poses without an interval."""
         stack = self._T.reshape(-1, 4, 4)
-        value, _ = self_motion.least(self._curves, stack, self._full, cost)
+        value, _ = curves.least(self._curves, stack, self._full, cost)
         return value.reshape(self.shape)
 
     def _at(self, values: Array) -> IKSolutions:
@@ -383,3 +388,63 @@ def _union(low: Array, high: Array, is_round: bool) -> Array:
         if merged[0][1] - merged[0][0] >= TURN or (len(merged) == 1 and merged[0][1] - TURN >= merged[0][0]):
             return np.array([[-np.pi, np.pi]])
     return np.array(merged)
+
+
+ENDS = {
+    "limit": ("#0072b2", "a joint's limit"),
+    "fold": ("#d55e00", "fold: two branches become one"),
+    "reach": ("#000000", "edge of reach"),
+    "contact": ("#cc79a7", "contact"),
+    "singularity": ("#e69f00", "singularity"),
+    "range": ("#009e73", "end of the parameter's range"),
+    "none": ("#999999", "the whole circle"),
+}
+"""Colours of what ends an interval, and words for it: those of Okabe and Ito, which the colour-blind tell apart."""
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One interval, or the part of it that goes on from the other side of half a turn.
+
+    Attributes:
+        row: of its branch.
+        interval: which it is.
+        value: (k,) rad or m, ascending.
+        margin: (k - 1,) between them, how far the nearest joint is from its limits: 0 at a limit, 1 in the middle.
+        ends: places [rad or m] and causes of the ends, without those of a whole circle.
+    """
+
+    row: int
+    interval: Interval
+    value: Array
+    margin: Array
+    ends: tuple[tuple[float, str], ...]
+
+
+def bars(found: Intervals) -> tuple[list[str], list[Bar]]:
+    """Names of the branches that have intervals, in the arm's order, and the bars of a single pose.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> names, drawn = bars(arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])))
+        >>> len(names), len(drawn) >= 26
+        (8, True)
+    """
+    solver, every = found.solver, list(found)
+    names = [name for name in solver.structure.branches if any(each.branch == name for each in every)]
+    turning = ~solver.chain.prismatic
+    drawn = []
+    for k, each in enumerate(every):
+        value, q = found.samples(k)
+        inmost, _ = limits.image_inmost(q, solver.limits, turning)
+        margin = np.clip(np.nan_to_num(limits.margin(inmost, solver.limits)), 0.0, 1.0)
+        # What passes half a turn goes on from the other side.
+        for turn in (0.0, TURN) if found.parameter.unit == "rad" and each.high > np.pi else (0.0,):
+            ends = tuple(
+                (at - turn, end.cause)
+                for end, at in zip(each.ends, (each.low, each.high), strict=True)
+                if end.cause != "none"
+            )
+            drawn.append(Bar(names.index(each.branch), each, value - turn, 0.5 * (margin[:-1] + margin[1:]), ends))
+    return names, drawn

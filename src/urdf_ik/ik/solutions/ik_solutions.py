@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.solutions import distances, explanations, limits, tables
-from urdf_ik.ik.solutions.differentiable import DifferentiableSolutions
+from urdf_ik.ik.solutions import distances, limits, tables
+from urdf_ik.ik.solutions.branch_names import suffix, turned_branches
+from urdf_ik.ik.solutions.derivatives import DifferentiableSolutions
 from urdf_ik.ik.solutions.proof import Proof, proof_of
 from urdf_ik.ik.solutions.solution import Singular, Solution, Step
-from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
 from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import frozen
@@ -261,7 +261,7 @@ class IKSolutions(DifferentiableSolutions):
         if by == "manipulability":
             scores[places] = velocity.manipulability(self.solver.chain, vectors, self.solver.control.part)
         elif len(vectors):
-            scores[places] = self.solver.contacts.in_world(world).distance(vectors)
+            scores[places] = self.arm.cell.in_world(world).distance(vectors)
         return scores
 
     def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
@@ -287,7 +287,7 @@ class IKSolutions(DifferentiableSolutions):
         margin = inputs.number(margin, "margin", low=0.0, unit="m")
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)
-        model = self.solver.contacts.in_world(world)
+        model = self.arm.cell.in_world(world)
         hits = np.asarray(model.in_collision(q[places], margin), dtype=np.bool_)
         dropped = tuple(place[hits] for place in places)
         q[dropped], info[dropped] = np.nan, 0
@@ -354,9 +354,9 @@ class IKSolutions(DifferentiableSolutions):
             the tip is 0.3 m from axis 1, reach 0.196 m: 0.104 m too far
         """
         if not self.shape:
-            return explanations.explanation(self)
+            return tables.explanation(self)
         lost = [place for place in np.ndindex(self.shape) if not self._info[place].any()]
-        return "\n".join(f"pose {list(place)}: {explanations.explanation(self[place])}" for place in lost)
+        return "\n".join(f"pose {list(place)}: {tables.explanation(self[place])}" for place in lost)
 
     @property
     def proof(self) -> Proof | None:
@@ -391,7 +391,7 @@ class IKSolutions(DifferentiableSolutions):
             0  elbow left      43.40    -28.65  0.1000    -19.63
             1  elbow right     17.19     28.65  0.1000     11.46
         """
-        return explanations.table(self, degrees)
+        return tables.table(self, degrees)
 
     def __str__(self) -> str:
         return self.table()
@@ -401,7 +401,7 @@ class IKSolutions(DifferentiableSolutions):
         if self.shape:
             return f"<IKSolutions of {self.solver.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
         columns = self._info.shape[-1]
-        at = explanations.parameters_in_words(self)
+        at = tables.parameters_in_words(self)
         return f"<IKSolutions of {self.solver.name}: {self.count} in {columns} columns{at}, {self.status}{filters}>"
 
     def _require_columns(self, n: int, what: str) -> None:

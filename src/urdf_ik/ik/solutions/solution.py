@@ -1,7 +1,9 @@
-"""The stored solutions of a batch of poses: arrays, names, single solutions, parts of a batch."""
+"""The elements of a batch that a NumPy index names."""
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
@@ -12,18 +14,68 @@ from numpy.typing import NDArray
 
 from urdf_ik._core import Answer
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.solutions import indices, local_names
+from urdf_ik.ik.solutions import branch_names
+from urdf_ik.ik.solutions.branch_names import suffix
 from urdf_ik.ik.solutions.proof import WORDS
-from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.ik.solver import Solver
+from urdf_ik.support import sequences
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.display import html_of
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import Section, quoted
 from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from urdf_ik.ik.contacts import Bodies
+
+def picked(shape: tuple[int, ...], index: Any) -> NDArray[np.intp]:
+    """Numbers of those poses of a batch that an index picks, whatever NumPy takes for one.
+
+    Args:
+        shape: of the batch.
+        index: a number, a slice, numbers or truth values, or a tuple of these.
+
+    Raises:
+        ArgumentError: it is no index, or leads out of the batch.
+
+    Example:
+        >>> picked((2, 3), (slice(None), 1)).tolist()
+        [1, 4]
+        >>> picked((2, 3), 7)
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: index 7 into a batch of shape (2, 3): index 7 is out of bounds ...
+    """
+    try:
+        parts = index if isinstance(index, tuple) else (index,)
+        looked = [sequences.looked_through(part) for part in parts]
+        problem = next((problem for problem, _ in looked if problem), "")
+        if not problem:
+            # What is no list may go on without end, whatever it says of its length.
+            known = (
+                sequences.as_lists(part) if others else part for part, (_, others) in zip(parts, looked, strict=True)
+            )
+            return np.asarray(np.arange(math.prod(shape)).reshape(shape)[tuple(known)])
+    except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an index
+        problem = " ".join(str(failure).split())[:200]
+    raise ArgumentError(f"index {quoted(index)} into a batch of shape {shape}: {problem}")
+
+
+def place_of(count: int, index: Any, what: str) -> int:
+    """The place in a sequence that an index names, from its end where it is negative.
+
+    Raises:
+        ArgumentError: it is no whole number, or leads out of the sequence.
+
+    Example:
+        >>> place_of(3, -1, "solutions")
+        2
+        >>> place_of(3, 3, "solutions")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: index 3 given; there are 3 solutions
+    """
+    try:
+        return range(count)[operator.index(index)]
+    except Exception:  # the same
+        raise ArgumentError(f"index {quoted(index)} given; there are {count} {what}") from None
+
 
 Columns = NDArray[np.intp]
 Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
@@ -117,7 +169,7 @@ class Step(NamedTuple):
     amount: float = 0.0
     apart: Array | None = None
     within: Array | None = None
-    model: Bodies | None = None
+    model: Any = None
 
     def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
         return _step, tuple(self)
@@ -180,6 +232,11 @@ class KeptSolutions(Answer):
     def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
         arrays = (self._poses, self._q, self._info)
         return type(self), (self.solver, *arrays, self._branches, self._origin, self.step, self._redundancy)
+
+    @property
+    def arm(self) -> Any:
+        """The :class:`urdf_ik.Arm` that they are solutions of."""
+        return self.solver.arm
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -272,12 +329,12 @@ class KeptSolutions(Answer):
         """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked.
 
         Where geometry gives no name: the sign of the Jacobian's determinant, which lasts, and a number, which does not;
-        see :mod:`urdf_ik.ik.solutions.local_names`.
+        see :mod:`urdf_ik.ik.solutions.branch_names`.
         """
         if self.step is None:
             plain = np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
-            local = local_names.local(self._branches)
-            return local_names.signed(plain, self._q, self.singular, self.solver) if local else plain
+            local = branch_names.local(self._branches)
+            return branch_names.signed(plain, self._q, self.singular, self.solver) if local else plain
         names: NDArray[np.object_] = self.step.parent.names
         if self.step.columns is not None:
             names = np.take_along_axis(names, self.step.columns, axis=-1)
@@ -348,7 +405,7 @@ class KeptSolutions(Answer):
         if not self.shape:
             if isinstance(index, int | np.integer):
                 columns = self._columns("an index")
-                column = columns[indices.place(len(columns), index, "solutions of this pose")]
+                column = columns[place_of(len(columns), index, "solutions of this pose")]
                 return self._solution(column, self.names[column])
             raise ArgumentError(
                 f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
@@ -362,7 +419,7 @@ class KeptSolutions(Answer):
             not isinstance(i, slice) and -size <= i < size for i, size in zip(place, self.shape, strict=False)
         )
         if not inside:
-            found = indices.picked(self.shape, index)
+            found = picked(self.shape, index)
             # Whatever NumPy makes of others, applied to the places of the poses so that columns and joints stay whole.
             place = place if plain else np.unravel_index(found, self.shape)
         step = self.step

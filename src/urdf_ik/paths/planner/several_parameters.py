@@ -17,11 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik import preparation
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.solver import Solver, with_locked
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
 from urdf_ik.paths.checked_settings import END_TOLERANCE, CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
@@ -157,7 +156,7 @@ def _fixed(solver: Solver, path: Array, values: dict[int, float]) -> _Fixed:
             rest, turned = solver.fixed, path @ solver.free_axis.rotation(value)
     columns = np.array(sorted(solver.joint_names.index(name) for name in joints), dtype=np.intp)
     if joints:
-        rest = preparation.with_locked(rest, joints)
+        rest = with_locked(rest, joints)
     return _Fixed(rest, turned, columns, np.array([joints[solver.joint_names[k]] for k in columns]))
 
 

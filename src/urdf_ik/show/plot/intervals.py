@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from urdf_ik.arm import arm_of
 from urdf_ik.ik.redundancy import Intervals
-from urdf_ik.ik.redundancy.bars import ENDS, bars
+from urdf_ik.ik.redundancy.intervals import ENDS, bars
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support import inputs
 
@@ -42,7 +41,7 @@ def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
     """
     inputs.kind(found, "merged", "found", "what arm.intervals gives")
     degrees = inputs.flag(degrees, "degrees")
-    arm, parameter = arm_of(found.solver), found.parameter
+    arm, parameter = found.solver.arm, found.parameter
     names, drawn = bars(found)
     scale = 180.0 / np.pi if degrees and parameter.unit == "rad" else 1.0
     figure = draw.Picture(figsize=(_WIDTH, max(_LEAST, 1.4 + _ROW * len(names))), layout="constrained")

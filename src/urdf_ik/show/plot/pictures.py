@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.arm import Arm, arm_of
+from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions import limits as joint_limits
@@ -295,7 +295,8 @@ def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:
 
 def _owner(solutions: IKSolutions) -> Arm:
     """The arm that was solved: that of a task's solver, too, has all that is drawn."""
-    return arm_of(solutions.solver)
+    owner: Arm = solutions.arm
+    return owner
 
 
 def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:

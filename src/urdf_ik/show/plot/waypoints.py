@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from urdf_ik.arm import Arm, arm_of
+from urdf_ik.arm import Arm
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.paths import Plan
 from urdf_ik.show.plot import axes as draw
@@ -85,7 +85,7 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
     """
     inputs.kind(plan, "explain", "plan", "what arm.follow gives")
     degrees = inputs.flag(degrees, "degrees")
-    arm, found = arm_of(plan.solver), background(plan)
+    arm, found = plan.solver.arm, background(plan)
     rows = math.ceil(arm.dof / _COLUMNS)
     columns = min(_COLUMNS, arm.dof)
     size = (_WIDE * columns, _HIGH * rows + 0.8 + 0.055 * len(arm.structure.branches))
@@ -113,7 +113,7 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
 
 def background(plan: Plan) -> Background:
     """All solutions of a path's waypoints, or of as many as can be drawn, and what forbids them."""
-    arm, parameter = arm_of(plan.solver), plan.solver.parameter
+    arm, parameter = plan.solver.arm, plan.solver.parameter
     count = len(plan.poses)
     at = np.unique(np.linspace(0, count - 1, min(count, MOST[parameter is not None])).round().astype(np.intp))
     if parameter is None:
@@ -136,7 +136,7 @@ def background(plan: Plan) -> Background:
 
 def _with_others(plan: Plan, at: NDArray[np.intp], grid: Array) -> Array:
     """Values of the first parameter, with those that the others have along the plan, or by default."""
-    arm = arm_of(plan.solver)
+    arm = plan.solver.arm
     if len(arm.solver.parameters) == 1:
         return grid
     others = np.tile([parameter.default for parameter in arm.solver.parameters], (len(at), 1))
@@ -160,7 +160,7 @@ def _panel(axes: Any, plan: Plan, found: Background, joint: int, shades: list[An
             axes.axhline(scale * limit, color="0.3", linewidth=1.0, zorder=3)
     for first, last, colour in _closed(plan, found):
         axes.axvspan(first, last, color=colour, alpha=0.16, linewidth=0, zorder=0)
-    lines, widths, colours = _curves(arm_of(plan.solver), found, joint, shades, bottom, top)
+    lines, widths, colours = _curves(plan.solver.arm, found, joint, shades, bottom, top)
     if len(lines):
         lines[..., 1] *= scale
         axes.add_collection(LineCollection(list(lines), colors=colours, linewidths=widths))

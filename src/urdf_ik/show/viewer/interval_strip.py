@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 
 from urdf_ik.ik.redundancy import Intervals
-from urdf_ik.ik.redundancy.bars import ENDS, Bar, bars
+from urdf_ik.ik.redundancy.intervals import ENDS, Bar, bars
 from urdf_ik.show.viewer.state import State
 
 # The line at the present value.

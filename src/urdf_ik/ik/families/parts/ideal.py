@@ -1,42 +1,98 @@
-"""The nearest ideal arm of a family: its frames, its numbers, and how far it is from the arm as written."""
+"""The names of the branches that most six-joint families share, and the signs of their roots."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.displacement import Displacement, displacement
-from urdf_ik.ik.families.parts.written import Written
+from urdf_ik.ik.families.parts.written import Ends, Written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh.frames import DHFrames, denavit_hartenberg
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
+# The eight branches of shoulder, elbow and wrist: the signs of their roots (3, 8), and their names in the same order.
+SIGNS = np.array(list(itertools.product((1.0, -1.0), repeat=3))).T.copy()
+NAMES = tuple(
+    f"shoulder {front}, elbow {up}, wrist {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+)
+
+
+# Rounding of one step's numbers here, about sixteen operations with an error of 2^-53 each.
+_STEP_ROUNDING = 2e-15
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Displacement:
+    """Bounds on the motion between the tips of two arms at the same joint vector, by the steps that remain.
+
+    An arm is a chain of seven constant steps with a turn between two of them: A0 turn A1 turn ... A6 for the ideal arm,
+    B0 ... B6 for the arm as written, whose frames are slid along its axes and turned about them so that they are near
+    the ideal ones. Replacing one step after the other by its counterpart turns the tip by the angle t_i between A_i
+    and B_i, and shifts it by |a_i - b_i| + t_i times the distance from there to the tip, which is at most the sum of
+    the later steps' lengths. The triangle inequality adds these up, whatever the turns are. Entry k is for steps k to
+    6: entry 0 for the whole arm, entry k for what joint k moves.
+
+    Attributes:
+        turn: (7,) rad, sum of t_i.
+        shift: (7,) m, sum of |a_i - b_i| + t_i (|b_i+1| + ... + |b_6|).
+        length: (7,) m, sum of |b_i|.
+    """
+
+    turn: Array
+    shift: Array
+    length: Array
+
+
+def displacement(frames: DHFrames, chain: Chain) -> Displacement:
+    """Bounds for an ideal arm's frames and the chain that they replace, of six turning joints."""
+    ideal = frames.steps()
+    written = [np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)]
+    # Both arms' frames at q = 0, from frame 1's base to the solved point.
+    at, other = np.eye(4), np.linalg.inv(frames.base)
+    joints = [np.eye(4)]
+    for k in range(6):
+        at, other = at @ ideal[k], other @ written[k]
+        joints.append(_beside(other, at))
+    joints.append(other @ written[6] @ np.linalg.inv(frames.tool))
+    steps = [np.linalg.inv(a) @ b for a, b in zip(joints, joints[1:], strict=False)]
+    apart = [np.linalg.norm(a[:3, :3] - b[:3, :3]) for a, b in zip(ideal, steps, strict=True)]
+    turns = 2.0 * np.arcsin(np.minimum(np.array(apart) / np.sqrt(8.0), 1.0)) + _STEP_ROUNDING
+    lengths = np.array([np.linalg.norm(b[:3, 3]) for b in steps])
+    offs = np.array([np.linalg.norm(a[:3, 3] - b[:3, 3]) for a, b in zip(ideal, steps, strict=True)])
+    offs += _STEP_ROUNDING * (chain.size + np.abs(frames.base[:3, 3]).max())
+    left = _sums(lengths)
+    return Displacement(turn=_sums(turns), shift=_sums(offs + turns * (left - lengths)), length=left)
+
+
+def _sums(values: Array) -> Array:
+    """Each entry with all that follow it."""
+    sums: Array = np.ascontiguousarray(np.cumsum(values[::-1])[::-1])
+    return sums
+
+
+def _beside(frame: Array, ideal: Array) -> Array:
+    """A joint's frame, slid along its z axis and turned about it so that it is nearest to the ideal frame."""
+    near, z = frame.copy(), frame[:3, 2]
+    near[:3, 3] += (ideal[:3, 3] - frame[:3, 3]) @ z * z
+    x = ideal[:3, 0] - (ideal[:3, 0] @ z) * z
+    near[:3, 0] = x / np.linalg.norm(x)
+    near[:3, 1] = np.cross(z, near[:3, 0])
+    return near
+
+
 LITTLE = 3e-3
 """Share of the arm's size: a distance up to here may be what a calibration has added, and names no branch."""
 
 # Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
 _ROUNDING = 2e-15
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Ends:
-    """Where a solver's own frames stand: the first one in the base, the last one in the tip.
-
-    Attributes:
-        base_rotation: (3, 3) from the base to frame 1.
-        base_origin: (3,) m, of frame 1 in the base.
-        tool_rotation: (3, 3) from the last frame to the tip.
-        tool_point: (3,) m, the point that is solved for, in the tip.
-    """
-
-    base_rotation: Array
-    base_origin: Array
-    tool_rotation: Array
-    tool_point: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,4 +1,4 @@
-"""An arm as its URDF has it, for the compiled solvers: the motions from one joint's frame to the next."""
+"""Arms as their URDF has them, and the ends of a solver's own frames, for the compiled solvers."""
 
 from __future__ import annotations
 
@@ -112,3 +112,35 @@ def driven(chain: CoupledChain, units: Array) -> Driven:
         unit=units,
         period=2.0 * np.pi * chain.image_turns,
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ends:
+    """Where a solver's own frames stand: the first one in the base, the last one in the tip.
+
+    Attributes:
+        base_rotation: (3, 3) from the base to frame 1.
+        base_origin: (3,) m, of frame 1 in the base.
+        tool_rotation: (3, 3) from the last frame to the tip.
+        tool_point: (3,) m, the point that is solved for, in the tip.
+    """
+
+    base_rotation: Array
+    base_origin: Array
+    tool_rotation: Array
+    tool_point: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeArm:
+    """An arm of seven joints, from which ``_core.SelfMotion`` is made.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        given: index of the joint whose value is the redundancy parameter; -1: the swivel angle of an S-R-S arm.
+        ends: the frames that the swivel angle is measured in; None: a joint is given.
+    """
+
+    written: Written
+    given: int
+    ends: Ends | None = None

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from PIL import Image
+
     Frame = tuple[float, Image.Image]
 
 KINDS = ("GIF", "PNG files (zip)")

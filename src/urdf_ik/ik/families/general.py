@@ -1,4 +1,4 @@
-"""Six joints of which one or two slide, without a structure that a closed form could use: elimination."""
+"""Six joints without a structure that a closed form could use, turning or with slides: up to sixteen solutions."""
 
 from __future__ import annotations
 
@@ -6,11 +6,39 @@ from dataclasses import replace
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
+from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure
+
+
+def _prepare_6r(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
+    """The elimination's constant matrices, and poses of which all solutions are known."""
+    triples = " and ".join(map(str, structure.triples))
+    none = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
+    return FamilyMember(
+        family=family,
+        name=family.name,
+        reason=f"{triples}, but no closed form applies to these six axes" if triples else none,
+        method=family.steps,
+        branches=family.branches,
+        solver=Solver(elimination_arm(chain)),
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+    )
+
+
+TURNING = Family(
+    name="6R general",
+    reason="six turning joints, whatever their axes",
+    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where that "
+    "leaves doubts, Newton's method on the URDF as written",
+    branches=columns(16),
+    by_quadratics=False,
+    by_elimination=True,
+    matches=lambda structure, chain: structure.is_6r,
+    prepare=_prepare_6r,
+)
 
 
 def _matches(structure: Structure) -> bool:
@@ -23,7 +51,7 @@ def _matches(structure: Structure) -> bool:
     return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
+def _prepare_slides(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The plan by elimination alone."""
     return FamilyMember(
         family=family,
@@ -36,7 +64,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     )
 
 
-FAMILY = Family(
+WITH_SLIDES = Family(
     name="six joints with slides, general",
     reason="one or two of six joints slide, and no three axes at an end meet in a point, so no closed form applies",
     steps="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the URDF as "
@@ -45,7 +73,7 @@ FAMILY = Family(
     by_quadratics=False,
     by_elimination=True,
     matches=lambda structure, chain: _matches(structure) and not is_redundant(chain),
-    prepare=_prepare,
+    prepare=_prepare_slides,
 )
 
 

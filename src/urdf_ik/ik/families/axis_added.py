@@ -12,11 +12,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.family import FamilyMember, columns
-from urdf_ik.ik.families.parts.nearest_pose import off_by
-from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Written
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.explanations import off_by
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
+from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, FreeArm, Written, written
 from urdf_ik.kinematics.chain import Chain, is_redundant
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.kinematics.chain.redundancy import free_axis
 from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.typing import Array
 
@@ -44,7 +46,7 @@ class CompletedArm:
     columns: int
 
 
-def prepare(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
+def prepare_completed(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
     """The plan for poses of five revolute joints, None for other arms."""
     if chain.n != 5 or chain.prismatic.any() or is_redundant(chain):
         return None
@@ -112,3 +114,64 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
         explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
         solver=Solver(arm),
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AxisFree:
+    """An arm whose targets are turned about an axis of the tip: ``GivenJoint`` of the core, behind the target.
+
+    Attributes:
+        motion: (3, 3, 4) the rotation is their sum times (1, cos, sin) of its angle.
+        value: rad, the angle where no other is given.
+        solver: the arm for whole poses: the dataclass of its solver.
+        turns: whether the parameter is an angle.
+        last: whether the motion stands behind the target.
+    """
+
+    kind: ClassVar = "axis free"
+    motion: Array
+    value: float
+    solver: Any
+    turns: bool = True
+    last: bool = True
+
+
+def prepare_free(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> RedundantMember:
+    """The plan of an arm that ``plan`` solves for whole poses, with one parameter more, which comes first."""
+    parameter = free_axis(axis)
+    arm = AxisFree(motion=axis.motion, value=parameter.default, solver=plan.solver.arm)
+    own = plan.parameters if isinstance(plan, RedundantMember) else ()
+
+    def value_of(Q: Array, T: Array) -> Array:
+        reached = chain.fk(Q)
+        angle = axis.angle(np.linalg.inv(T) @ reached)[:, None]
+        return np.hstack([angle, plan.value_of(Q, reached)]) if isinstance(plan, RedundantMember) else angle
+
+    def explain_at(T: Array, at: Array) -> str:
+        turned = T @ axis.rotation(at[0])
+        why = plan.explain_at(turned, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(turned)
+        return f"turned by {at[0]:.6g} rad about {axis}: {why}"
+
+    return RedundantMember(
+        family=plan.family,
+        name=f"{plan.name}, rotation about {axis.name} free",
+        reason=plan.reason,
+        method=f"The target is turned about {axis}, by a value that is given. {plan.method}",
+        branches=plan.branches,
+        imperfection=plan.imperfection,
+        error=plan.error,
+        solver=Solver(arm),
+        parameters=(parameter, *own),
+        self_motion=None if own or chain.axes is not chain else _self_motion(chain, axis),
+        value_of=value_of,
+        explain=plan.explain,
+        explain_at=explain_at,
+        swivel=plan.swivel if isinstance(plan, RedundantMember) else None,
+    )
+
+
+def _self_motion(chain: Chain, axis: FreeAxis) -> SelfMotion:
+    """The curves of six joints and the rotation: a seventh joint behind the tip that turns it back to the target."""
+    direction, at = (chain.R_tip @ np.array(each) for each in (axis.direction, axis.at))
+    whole = with_axis_behind(chain, -direction, chain.P.sum(axis=0) + at)
+    return SelfMotion(FreeArm(written=written(whole), given=6))

@@ -1,10 +1,4 @@
-"""Intervals of the swivel angle in closed form: the joint limits of an S-R-S arm as conditions on it.
-
-Three axes that meet, neighbours at right angles, turn by R = Rz(q1) Rx(+-90) Rz(t2) Rx(+-90) Rz(q3). The last column
-and row of R hold, up to signs, cos t2, sin t2 (cos q1, sin q1) and sin t2 (cos q3, sin q3). Shoulder and wrist turn
-with the swivel angle s about fixed lines, so that each of these is a + b cos s + c sin s: a joint is at a limit where
-such an expression vanishes: at two values at most (Shimizu, Kakuya, Yoon, Kitagaki and Kosuge 2008).
-"""
+"""Intervals of the redundancy parameter in closed form: S-R-S arms, and a free axis that is the last joint's."""
 
 from __future__ import annotations
 
@@ -13,15 +7,31 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik import _core
 from urdf_ik.ik.families.parts.family import RedundantMember
 from urdf_ik.ik.families.srs import SrsArm
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
-from urdf_ik.ik.redundancy.limit_bounds import Bounds
+from urdf_ik.ik.redundancy.curves import End, Found, joined
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
-from urdf_ik.support.angles import TURN
+from urdf_ik.support import tolerances
+from urdf_ik.support.angles import TURN, wrapped
 from urdf_ik.typing import Array
+
+
+class Bounds:
+    """Limits (n, 2) [rad], which joints they matter for, middles and half widths; any image of an angle counts."""
+
+    def __init__(self, limits: Array) -> None:
+        self.limits = limits
+        self.matter = np.isfinite(limits).all(axis=1) & (limits[:, 1] - limits[:, 0] < TURN)
+        low, high = np.where(self.matter, limits.T, 0.0)
+        self.middle, self.half = 0.5 * (low + high), np.where(self.matter, 0.5 * (high - low), np.inf)
+
+    def inside(self, j: int | slice, q: Array) -> NDArray[np.bool_]:
+        """Whether angles (...) of joint ``j``, or (..., k) of joints, are inside their limits."""
+        return np.asarray(np.abs(wrapped(q - self.middle[j])) <= self.half[j])
+
 
 Columns = NDArray[np.intp]
 Mask = NDArray[np.bool_]
@@ -46,7 +56,7 @@ def is_closed(plan: RedundantMember) -> bool:
     return isinstance(arm, SrsArm) and arm.shoulder.square and arm.wrist.square
 
 
-def intervals(solver: Solver, plan: RedundantMember, T: Array, limits: Array) -> tuple[Found, Columns]:
+def swivel_intervals(solver: Solver, plan: RedundantMember, T: Array, limits: Array) -> tuple[Found, Columns]:
     """The intervals of poses (m, 4, 4) inside limits (7, 2), without samples; and the poses that it does not decide.
 
     These are poses near a singularity of a triple at one of the three values, or at the edge of the elbow's reach.
@@ -233,3 +243,54 @@ def _paired(row: Columns, k: Columns, row_end: Columns, k_end: Columns) -> Colum
     place = np.arange(len(row)) - np.repeat(start, count)
     ends: Columns = k_end[np.repeat(start, count) + (place + np.repeat(late, count)) % np.repeat(count, count)]
     return ends
+
+
+def sense(solver: Solver, plan: RedundantMember) -> float:
+    """1 or -1: how the last joint turns with the tip; 0 where the free axis is not the last joint's, or there is none.
+
+    Arms whose branches have no names are left to the search: their columns change along the value.
+    """
+    if solver.free_axis is None or plan.family.by_elimination or not isinstance(plan.solver, _core.Solver):
+        return 0.0
+    if solver.chain.prismatic.any() or solver.dof != 6 or len(plan.parameters) != 1:
+        return 0.0
+    home = np.zeros(solver.dof)
+    # The last joint's twist in the tip.
+    J = solver.chain.jacobian(home)[:, -1].reshape(2, 3) @ solver.chain.fk(home)[:3, :3]
+    direction, at = np.array(solver.free_axis.direction), np.array(solver.free_axis.at)
+    way = 1.0 if J[1] @ direction > 0.0 else -1.0
+    off = np.abs([(J[0] - way * np.cross(at, direction)) / solver.chain.size, J[1] - way * direction]).max()
+    return way if off <= tolerances.DEFAULT.reach else 0.0
+
+
+def last_axis_intervals(solver: Solver, way: float, T: Array, limits: Array) -> tuple[Found, Columns]:
+    """The intervals of poses (m, 4, 4) inside limits (n, 2), without samples; and the poses that it does not decide.
+
+    These are poses with a singular solution, beside which there may be others.
+
+    Args:
+        solver: with the free axis.
+        way: of :func:`sense`.
+        T: (m, 4, 4) m.
+        limits: (n, 2) rad, infinite where there is none.
+    """
+    bounds = Bounds(limits)
+    solutions = solve(solver, T, redundancy=np.zeros(len(T)))
+    singular = (solutions.valid & (solutions.singular != 0)).any(axis=-1)
+    kept = solutions.valid & ~singular[:, None]
+    kept &= bounds.inside(slice(solver.dof - 1), solutions.q[..., :-1]).all(axis=-1)
+    pose, column = np.nonzero(kept)
+    last = solver.dof - 1
+    if bounds.matter[last]:
+        middle = way * (bounds.middle[last] - solutions.q[pose, column, last])
+        low = wrapped(middle - bounds.half[last])
+        high = low + 2.0 * bounds.half[last]
+        both = [End("limit", solver.joint_names[last], upper=upper) for upper in (way < 0.0, way > 0.0)]
+    else:
+        low, high = np.full(len(pose), -np.pi), np.full(len(pose), np.pi)
+        both = [End("none")] * 2
+    ends = np.tile(np.array(both), (len(pose), 1))
+    nothing = np.zeros(len(pose), dtype=np.intp)
+    empty = np.zeros(0), np.zeros((0, solver.dof)), np.zeros((0, 17))
+    found = Found(pose, low, high, column, ends, nothing, nothing, *empty)
+    return found, np.flatnonzero(singular)

@@ -1,0 +1,450 @@
+"""The arm with one joint given, for the compiled solver of the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families import sampled
+from urdf_ik.ik.families.imperfect import without_boxes
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
+from urdf_ik.ik.families.parts.written import FreeArm, written
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of, typical_stretch
+from urdf_ik.kinematics.chain import sampled as sampled_vectors
+from urdf_ik.kinematics.chain.free_axis import turning
+from urdf_ik.kinematics.chain.redundancy import locked_joint
+from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.typing import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OneGiven:
+    """An arm with one joint given; its value moves the target: ``GivenJoint`` of the core.
+
+    Attributes:
+        motion: (3, 3, 4) the joint's motion back is their sum times (1, cos, sin) of its value; where it slides, the
+            first one plus the value times the second one.
+        turns: whether the joint turns.
+        last: whether it is the last joint.
+        value: its value where no other is given [rad, m].
+        solver: the arm of the other joints: the dataclass of its solver.
+        before: index of the joint if it shares its axis with the next one, which then takes its value back; -1: it is
+            an end joint.
+        opposite: whether the next joint turns the other way.
+    """
+
+    kind: ClassVar = "one joint given"
+    motion: Array
+    turns: bool
+    last: bool
+    value: float
+    solver: Any
+    before: int = -1
+    opposite: bool = False
+
+
+Choose = Callable[[Structure, Chain], FamilyMember | None]
+
+# If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as
+# shares of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.
+_POOR, _BETTER = 1e-3, 30.0
+
+
+def prepare_degenerate(chain: Chain, six: Sequence[Choose]) -> RedundantMember | None:
+    """The plan of seven joints that holds one in the middle; None where an end joint will do.
+
+    Args:
+        chain: seven joints.
+        six: each takes six joints, the cheaper ones first.
+    """
+    ends = max(typical_stretch(_locked_at_zero(chain, k)) for k in (0, 6))
+    if ends >= _POOR:
+        return None
+    for k in range(6):
+        if _is_shared(chain, k) and not is_redundant(rest := _locked_at_zero(chain, k)):
+            relations = analyse(rest)
+            plan = next((plan for each in six if (plan := each(relations, rest)) is not None), None)
+            if plan is not None:
+                return _held_shared(chain, k, plan)
+    k = freest(chain)
+    if ends >= DEFAULT.singular and typical_stretch(_locked_at_zero(chain, k)) < _BETTER * ends:
+        return None
+    return sampled.prepare_held(chain, k)
+
+
+def freest(chain: Chain) -> int:
+    """The joint without which the six others move the tip best, in as many ways as the seven do."""
+    J = chain.jacobian(sampled_vectors(chain))
+    J[:, :3] /= chain.size
+    J[:, :, chain.prismatic] *= chain.size
+    rank = int((np.median(np.linalg.svd(J, compute_uv=False), axis=0) > DEFAULT.singular).sum())
+    left = [np.linalg.svd(np.delete(J, k, axis=2), compute_uv=False)[:, rank - 1] for k in range(chain.n)]
+    return int(np.argmax(np.median(left, axis=1)))
+
+
+def _locked_at_zero(chain: Chain, k: int) -> Chain:
+    return chain.lock({chain.joint_names[k]: 0.0})
+
+
+def _is_shared(chain: Chain, k: int) -> bool:
+    """Whether joints ``k`` and ``k + 1`` turn about one axis, or slide along one direction, to rounding."""
+    first, second = chain.H[k : k + 2]
+    across = float(np.linalg.norm(np.cross(first, second)))
+    if chain.prismatic[k] != chain.prismatic[k + 1] or across > DEFAULT.exact_structure:
+        return False
+    apart = np.linalg.norm(np.cross(chain.P[k + 1], first))
+    return bool(chain.prismatic[k] or apart <= DEFAULT.exact_structure * chain.size)
+
+
+def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
+    """The plan that gives joint ``k``, by that of the others with it at zero."""
+    parameter, twin = locked_joint(chain, k), chain.joint_names[k + 1]
+    still = np.zeros((3, 3, 4))
+    still[0, :, :3] = np.eye(3)
+    arm = OneGiven(
+        motion=still,
+        turns=not bool(chain.prismatic[k]),
+        last=False,
+        value=parameter.default,
+        solver=plan.solver.arm,
+        before=k,
+        opposite=bool(chain.H[k] @ chain.H[k + 1] < 0.0),
+    )
+
+    def explain_at(T: Array, at: Array) -> str:
+        return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
+
+    return RedundantMember(
+        family=plan.family,
+        name=f"{kinds_of(chain)}, joint {k + 1} given: {plan.name}",
+        reason=f"joints {k + 1} and {k + 2} have one axis; with joint {k + 1} given, of the six others {plan.reason}",
+        method=f"Joint {k + 1} ({parameter.joint}) is given, {twin} takes its value back. {plan.method}",
+        branches=plan.branches,
+        imperfection=plan.imperfection,
+        error=plan.error,
+        solver=Solver(arm),
+        parameters=(parameter,),
+        self_motion=SelfMotion(FreeArm(written=written(chain), given=k)),
+        value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
+        explain=lambda T: explain_at(T, np.array([parameter.default])),
+        explain_at=explain_at,
+    )
+
+
+KEPT = 1024
+"""Number of plans that are kept, the most recently used ones."""
+_SAMPLES = (0.137, 0.411, 0.659, 0.893)
+"""Shares of the joint's range at which the family of the other joints is determined."""
+
+
+def prepare_middle(
+    chain: Chain, k: int, number: int, plan_of: Callable[[Chain], FamilyMember | None]
+) -> RedundantMember | None:
+    """The plan that holds joint ``k``; None where the other joints have no solver.
+
+    Args:
+        chain: seven joints or more.
+        k: the joint.
+        number: the joint's number in texts.
+        plan_of: finds the plan of the others' chain.
+    """
+    parameter = locked_joint(chain, k)
+    low, high = parameter.range if np.isfinite(parameter.range).all() else (-chain.size, chain.size)
+    name = chain.joint_names[k]
+
+    @lru_cache(KEPT)
+    def at_value(value: float) -> FamilyMember | None:
+        return plan_of(chain.lock({name: value}))
+
+    found = [at_value(low + share * (high - low)) for share in _SAMPLES]
+    plans = [plan for plan in (*found, at_value(parameter.default)) if plan is not None]
+    if any(plan is None for plan in found):
+        return None
+    first = plans[0]
+    same = all(plan.branches == first.branches for plan in plans)
+    branches = first.branches if same else columns(max(len(plan.branches) for plan in plans))
+    inner = first.parameters if isinstance(first, RedundantMember) else ()
+
+    def explain_at(T: Array, at: Array) -> str:
+        plan = at_value(float(at[0]))
+        if plan is None:
+            why = "the other joints have no solver"
+        else:
+            why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(T)
+        return f"with {quoted(name)} at {at[0]:.6g} {parameter.unit}: {why}"
+
+    def value_of(Q: Array, T: Array) -> Array:
+        own = parameter.wrapped(Q[:, k : k + 1])
+        if not isinstance(first, RedundantMember):
+            return own
+        rows = []
+        for q, pose in zip(Q, T, strict=True):
+            plan: Any = at_value(float(q[k]))
+            rows.append(plan.value_of(np.delete(q, k)[None], pose[None])[0])
+        return np.hstack([own, np.array(rows).reshape(len(Q), -1)])
+
+    parameters = (parameter, *inner)
+    defaults = np.array([each.default for each in parameters])
+    solver: Any = SolverAtEach(at_value, k, chain.n, len(branches), defaults)
+    return RedundantMember(
+        family=first.family,
+        name=f"joint {number} given: {first.name}",
+        reason=f"with joint {number} given, as asked, almost every value makes an arm of which {first.reason}",
+        method=f"Joint {number} ({name}) is given, and the arm of the others is prepared for its value. {first.method}",
+        branches=branches,
+        imperfection=first.imperfection,
+        error=first.error,
+        solver=solver,
+        parameters=parameters,
+        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
+        value_of=value_of,
+        explain=lambda T: explain_at(T, defaults),
+        explain_at=explain_at,
+    )
+
+
+class SolverAtEach:
+    """Solves like a compiled solver, by a plan for each value of a joint."""
+
+    numbers = 16
+
+    def __init__(
+        self, at_value: Callable[[float], FamilyMember | None], k: int, joints: int, branches: int, defaults: Array
+    ) -> None:
+        """Take the plans.
+
+        Args:
+            at_value: a value of the joint to the plan of the others.
+            k: the joint's place.
+            joints: how many there are with it.
+            branches: columns of an answer.
+            defaults: (parameters,) values where none are given, the joint's first.
+        """
+        self._at_value, self._k = at_value, k
+        self.joints, self.branches, self.parameters = joints, branches, len(defaults)
+        self._defaults = defaults
+
+    def one(self, *_: Any) -> None:
+        """None: single poses are solved by ``solve``."""
+
+    def one_near(self, *_: Any) -> None:
+        """None: single poses are solved by ``solve``."""
+
+    def many(
+        self,
+        kind: Any,
+        solver: Any,
+        branches: tuple[str, ...],
+        T: Array,
+        q_ref: Array | None,
+        values: Array | None,
+        threads: int | None,
+        out: Any,
+    ) -> Any:
+        """The solutions of poses (..., 4, 4) as a ``kind``, in the memory of ``out`` if given; None: one is no pose."""
+        batch = T.shape[:-2]
+        count = int(np.prod(batch))
+        q = np.empty((count, self.branches, self.joints))
+        flags = np.empty((count, self.branches), np.uint8)
+        if self.solve(T.reshape(-1, 4, 4), q_ref, q, flags, values, threads or 1) >= 0:
+            return None
+        q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
+        if out is None:
+            return kind(solver, T, q, flags, branches, redundancy=values)
+        out._poses[...], out._q[...], out._info[...] = T, q, flags
+        return out
+
+    def solve(
+        self,
+        T: Array,
+        q_ref: Array | None,
+        q: Array,
+        flags: NDArray[np.uint8],
+        values: Array | None = None,
+        threads: int = 1,
+    ) -> int:
+        """Solve poses (m, 4, 4) into q (m, B, n) and flags (m, B); index of the first that is no pose, or -1."""
+        given = np.tile(self._defaults, len(T)) if values is None else values
+        given = given.reshape(len(T), self.parameters)
+        q[...], flags[...] = np.nan, 0
+        k, others = self._k, np.delete(np.arange(self.joints), self._k)
+        for value in np.unique(given[:, 0]):
+            rows = np.flatnonzero(given[:, 0] == value)
+            plan = self._at_value(float(value))
+            if plan is None:
+                continue
+            count = len(plan.branches)
+            found, marks = np.empty((len(rows), count, len(others))), np.empty((len(rows), count), np.uint8)
+            near = None if q_ref is None else np.ascontiguousarray(q_ref[others])
+            rest = np.ascontiguousarray(given[rows, 1:]).reshape(-1) if self.parameters > 1 else None
+            bad = plan.solver.solve(np.ascontiguousarray(T[rows]), near, found, marks, rest, threads)
+            if bad >= 0:
+                return int(rows[bad])
+            count = min(count, self.branches)
+            q[rows[:, None, None], np.arange(count)[:, None], others] = found[:, :count]
+            q[rows, :count, k] = np.where(marks[:, :count] & 1, value, np.nan)
+            flags[rows, :count] = marks[:, :count]
+        return -1
+
+
+COSTS = ("in closed form", "by a quartic", "in closed form nearby, and refined", "by elimination")
+"""How six joints are solved, the cheapest first: 0.3, 1, 10 and 60 us a pose, by the tables of docs/speed.md."""
+
+
+class Ways(NamedTuple):
+    """How the joints that are not given may be solved.
+
+    Attributes:
+        seven: takes seven joints by a family of their own.
+        six: each takes six joints, the cheaper ones first; a later one is used if no earlier one takes them.
+    """
+
+    seven: Choose
+    six: Sequence[Choose]
+
+
+def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantMember | None:
+    """The plan that holds all joints but six; None where no six joints have a solver.
+
+    Args:
+        chain: seven joints or more.
+        ways: how the others are solved.
+        given: names of joints to hold. If too few are named, the end joint whose others have the cheapest solver is
+            held too; a joint in the middle only if no end joint is possible.
+    """
+    if chain.n == 7 and not given and (in_the_middle := prepare_degenerate(chain, ways.six)) is not None:
+        return in_the_middle
+    for six in ways.six:
+        plan = _prepared(chain, ways.seven, six, given, tuple(range(1, chain.n + 1)))
+        if isinstance(plan, RedundantMember):
+            return plan
+    if given:
+        return None
+    others = (prepare(chain, ways, (name,)) for name in chain.joint_names[1:-1])
+    return next((plan for plan in others if plan is not None), None)
+
+
+def _prepared(
+    chain: Chain, seven: Choose, six: Choose, given: tuple[str, ...], numbers: tuple[int, ...]
+) -> FamilyMember | None:
+    """See :func:`prepare`; the joints are called by ``numbers``."""
+    if chain.n == 6:
+        return None if given or is_redundant(chain) else six(analyse(chain), chain)
+    if chain.n == 7 and not given and (own := seven(analyse(chain), chain)) is not None:
+        return own
+    last = chain.n - 1
+    named = [chain.joint_names.index(name) for name in given]
+    middle = next((k for k in named if 0 < k < last), None)
+    if middle is not None:
+        name, *others = (chain.joint_names[middle], *(n for n in given if n != chain.joint_names[middle]))
+
+        def at(rest: Chain) -> FamilyMember | None:
+            return _prepared(rest, seven, six, tuple(others), _without(numbers, middle))
+
+        return prepare_middle(chain, middle, numbers[middle], at)
+    ends = [k for k in named if k in (0, last)] or [last, 0]
+    plans: dict[int, FamilyMember] = {}
+    for k in ends:
+        name = chain.joint_names[k]
+        others = [each for each in given if each != name]
+        plan = _prepared(chain.lock({name: 0.0}), seven, six, tuple(others), _without(numbers, k))
+        if plan is not None:
+            plans[k] = plan
+            if plan.family.by_elimination:
+                break  # the other end costs the same
+    if not plans:
+        return None
+    k = min(plans, key=lambda end: cost(plans[end]))
+    if given:
+        why = "as asked"
+    elif len(plans) == 2:
+        other = last - k
+        better = cost(plans[k]) < cost(plans[other])
+        theirs = f"those of joint {numbers[other]} {COSTS[cost(plans[other])]}"
+        same = f"as those of joint {numbers[other]} would be"
+        why = f"whose others are solved {COSTS[cost(plans[k])]}, {theirs if better else same}"
+    else:
+        why = f"whose others are solved {COSTS[cost(plans[k])]}"
+    return _held(chain, k, plans[k], numbers[k], why)
+
+
+def _without(numbers: tuple[int, ...], k: int) -> tuple[int, ...]:
+    return (*numbers[:k], *numbers[k + 1 :])
+
+
+def cost(plan: FamilyMember) -> int:
+    """Index in ``COSTS``: exact closed forms, exact ones with a quartic, those near an ideal arm, eliminations."""
+    if plan.family.by_elimination:
+        return 3
+    return int(not plan.family.by_quadratics) if plan.is_exact else 2
+
+
+def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> RedundantMember:
+    parameter = locked_joint(chain, k)
+    motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
+    arm = OneGiven(
+        motion=motion, turns=turns, last=last, value=parameter.default, solver=without_boxes(plan.solver.arm)
+    )
+    inner = plan if isinstance(plan, RedundantMember) else None
+
+    def value_of(Q: Array, T: Array) -> Array:
+        own = parameter.wrapped(Q[:, k : k + 1])
+        return own if inner is None else np.hstack([own, inner.value_of(np.delete(Q, k, axis=1), T)])
+
+    def explain_at(T: Array, at: Array) -> str:
+        value = float(at[0])
+        back = np.eye(4)
+        back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
+        moved = T @ back if last else back @ T
+        reason = plan.explain(moved) if inner is None else inner.explain_at(moved, at[1:])
+        return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}: {reason}"
+
+    parameters = (parameter, *(() if inner is None else inner.parameters))
+    defaults = np.array([each.default for each in parameters])
+    return RedundantMember(
+        family=plan.family,
+        name=named(chain, k, number, plan),
+        reason=f"with joint {number} given, {why}: {plan.reason}",
+        method=f"Joint {number} ({parameter.joint}) is given, {_others(chain.n - 1)} are solved. {plan.method}",
+        branches=plan.branches,
+        imperfection=plan.imperfection,
+        error=plan.error,
+        solver=Solver(arm),
+        parameters=parameters,
+        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
+        value_of=value_of,
+        explain=lambda T: explain_at(T, defaults),
+        explain_at=explain_at,
+    )
+
+
+def named(chain: Chain, k: int, number: int, plan: FamilyMember) -> str:
+    """The name of the plan of a chain whose joint ``k`` is given."""
+    if chain.prismatic[k]:
+        return f"{kinds_of(chain.lock({chain.joint_names[k]: 0.0}))} on a slide: {plan.name}"
+    return f"{kinds_of(chain)}, joint {number} given: {plan.name}"
+
+
+def _others(count: int) -> str:
+    return f"the {('six', 'seven', 'eight')[count - 6]} others"
+
+
+def _motion_back(chain: Chain, k: int) -> Array:
+    """(3, 3, 4) the inverse of the motion of joint ``k``, in the base's frame or, of the last joint, in the tip's."""
+    h, p = chain.H[k], chain.points[k]
+    if k:
+        h, p = chain.R_tip.T @ h, chain.R_tip.T @ (p - chain.P.sum(axis=0))
+    if not chain.prismatic[k]:
+        return turning(-h, p)
+    motion = np.zeros((3, 3, 4))
+    motion[0, :, :3] = np.eye(3)
+    motion[1, :, 3] = -h
+    return motion
