@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -60,7 +61,6 @@ class Arm:
     chain: Chain
     solver: Solver
     cell: Cell
-    _tasks: dict[str, Arm] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self.solver, "arm", self)
@@ -391,6 +391,11 @@ class Arm:
         if task not in self._tasks:
             self._tasks[task] = Arm(*changes.for_task(self._parts, task)) if task != self.solver.task else self
         return self._tasks[task]
+
+    @cached_property
+    def _tasks(self) -> dict[str, Arm]:
+        """The arms of :meth:`for_task`."""
+        return {}
 
     @property
     def _parts(self) -> changes.Parts:

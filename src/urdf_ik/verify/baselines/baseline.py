@@ -22,7 +22,6 @@ FORMAT, VERSION = "urdf-ik lock", 1
 MOST_BYTES = 2**26
 """Bytes of a lock file at most."""
 
-
 @dataclass(frozen=True)
 class Baseline(Recorded):
     """An arm and its answers as they were: what :func:`urdf_ik.freeze` makes and a lock file holds.
@@ -36,6 +35,7 @@ class Baseline(Recorded):
         >>> Baseline.load("arm.lock.json") == lock
         True
     """
+
 
     def __repr__(self) -> str:
         found = sum(len(pose.answers) for pose in self.poses)

@@ -226,7 +226,9 @@ class Report(reports.Report):
         lines += [f"FAILED {row.name}: {row.place() or 'nowhere in particular'}" for row in self.failed]
         at = next((row.index for row in self.failed if row.index is not None), None)
         if at is not None:
-            lines.append(f"replay: q, T = urdf_ik.verify.crosscheck.replay(arm, seed={self.seed}, index={at})")
+            lines.append(
+                f"replay: q, T = urdf_ik.verify.crosscheck.replay(arm, seed={self.seed}, index={at})"
+            )
         return tuple(lines)
 
     def verdict(self) -> str:

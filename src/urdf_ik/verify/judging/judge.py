@@ -154,7 +154,9 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> Array:
     return T
 
 
-def _poses(arm: Arm, reference: Reference, kind: str, n: int, seed: int) -> tuple[Array, Array | None, Array | None]:
+def _poses(
+    arm: Arm, reference: Reference, kind: str, n: int, seed: int
+) -> tuple[Array, Array | None, Array | None]:
     """Poses (n, 4, 4) of a kind, the joint vectors that they were made of, and the redundancy parameters of these."""
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     lower, upper = reference.ranges.T

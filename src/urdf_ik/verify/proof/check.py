@@ -182,10 +182,7 @@ def check_proof(
             place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
             proof = solutions[place].proof if solutions.shape else solutions.proof
             verdict, reason = examine(
-                Loop.of(arm.chain, T[i]),
-                q[i, valid[i]],
-                proof,
-                np.random.default_rng(i),
+                Loop.of(arm.chain, T[i]), q[i, valid[i]], proof, np.random.default_rng(i),
                 clustered=status == "clustered",
             )
             if verdict is None:
@@ -239,7 +236,9 @@ class _Answer:
     clustered: bool
 
 
-def _by_account(loop: Loop, answer: _Answer, proof: Proof, rng: np.random.Generator) -> tuple[bool | None, str]:
+def _by_account(
+    loop: Loop, answer: _Answer, proof: Proof, rng: np.random.Generator
+) -> tuple[bool | None, str]:
     singles: list[Enclosure] = []
     for k, (root, inner, real) in enumerate(zip(proof.roots, proof.inner, proof.real, strict=True)):
         found = single_root(loop, exact(root))
@@ -291,7 +290,9 @@ def _members(loop: Loop, claimed: Cluster) -> list[Enclosure]:
     return found
 
 
-def _by_search(loop: Loop, answer: _Answer, rng: np.random.Generator, otherwise: str = "") -> tuple[bool | None, str]:
+def _by_search(
+    loop: Loop, answer: _Answer, rng: np.random.Generator, otherwise: str = ""
+) -> tuple[bool | None, str]:
     """All complex roots, found here: of the arm as written, or of the nearest ideal arm; or why they are not."""
     if loop.out_of_reach:
         return _answered(loop, answer, [], [])

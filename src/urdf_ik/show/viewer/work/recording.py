@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from PIL import Image
-
     Frame = tuple[float, Image.Image]
 
 KINDS = ("GIF", "PNG files (zip)")
