@@ -29,7 +29,6 @@ from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.paths.path_settings import takes_settings
 from urdf_ik.paths.target_tracker import Tracker
 from urdf_ik.support import inputs
-from urdf_ik.support.watch import Progress
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
@@ -250,17 +249,12 @@ class Arm:
         world: World | None = None,
         *,
         threads: inputs.Threads = 1,
-        time_limit: float | None = None,
-        progress: Progress | None = None,
     ) -> Intervals:
         """The intervals of the redundancy parameter in which each branch has solutions, and the cause of each end.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.interval_search.intervals`.
         """
-        return intervals(
-            self.solver, T, within_limits=within_limits, world=world, threads=threads, time_limit=time_limit,
-            progress=progress,
-        )  # fmt: skip
+        return intervals(self.solver, T, within_limits=within_limits, world=world, threads=threads)
 
     def sweep(
         self,
@@ -269,16 +263,12 @@ class Arm:
         *,
         within_limits: bool = False,
         threads: inputs.Threads = 1,
-        time_limit: float | None = None,
-        progress: Progress | None = None,
     ) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and the intervals that hold any.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.sweep.sweep`.
         """
-        return sweep(
-            self.solver, T, n, within_limits=within_limits, threads=threads, time_limit=time_limit, progress=progress
-        )
+        return sweep(self.solver, T, n, within_limits=within_limits, threads=threads)
 
     def redundancy_of(self, q: ArrayLike, T: Any = None) -> Array:
         """Values of the redundancy parameters at joint vectors; ``ik`` at these values returns the joint vectors.

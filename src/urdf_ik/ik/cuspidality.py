@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
@@ -50,7 +49,6 @@ def is_cuspidal(solver: Solver) -> bool | None:
         >>> is_cuspidal(arm.solver)
         False
     """
-    inputs.kind(solver, "single", "solver", "the solver of an arm, arm.solver,")
     structure = solver.structure
     if not structure.is_6r or not structure.family or solver.chain.axes is not solver.chain:
         return None
@@ -60,12 +58,7 @@ def is_cuspidal(solver: Solver) -> bool | None:
 
 
 def in_words(cuspidal: bool | None) -> str:
-    """The text that follows "cuspidal" in reports: yes, no or not known, with the meaning.
-
-    Example:
-        >>> in_words(True).split(":")[0], in_words(False).split(":")[0]
-        ('yes', 'no')
-    """
+    """The text that follows "cuspidal" in reports: yes, no or not known, with the meaning."""
     if cuspidal is None:
         return "not known: no change of solution around the singularities was found, which does not rule one out"
     if cuspidal:
@@ -83,7 +76,6 @@ def nonsingular_change(solver: Solver) -> Array | None:
         (k, 6) rad, joint vectors from one solution of a pose to another, each step moves one of the joints 2 to 5,
         and the last one joints 1 and 6; None if no path was found.
     """
-    inputs.kind(solver, "single", "solver", "the solver of an arm, arm.solver,")
     grid = _Grid(solver.chain)
     T = solver.chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_POSES, 6)))
     solutions = solve(solver, T)
@@ -112,16 +104,7 @@ def keeps_its_sign(chain: Chain, start: Array, joint: int, end: float) -> bool:
         start: (6,) rad.
         joint: index of the joint that moves.
         end: its value at the end [rad].
-
-    Example:
-        >>> import urdf_ik
-        >>> chain, q = urdf_ik.load("puma_560").chain, np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
-        >>> keeps_its_sign(chain, q, 4, 0.2), keeps_its_sign(chain, q, 4, -0.2)
-        (True, False)
     """
-    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
-    start = chain.check(start)
-    joint, end = inputs.whole(joint, "joint", high=chain.n - 1), inputs.number(end, "end", unit="rad")
     circle = 2.0 * np.pi * np.arange(5) / 5.0
     Q = np.tile(start, (5, 1))
     Q[:, joint] = start[joint] + circle

@@ -38,7 +38,7 @@ def _along_parameter(
     solution inside the limits, what is least far outside them is looked at, and dropped with its reason.
     """
     parameter = solver.redundant_member.parameter
-    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
+    threads = inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
     measure = distances.measure(solver, metric, weights, within)
@@ -111,13 +111,6 @@ def nearest(
         PoseError: a target is not a pose.
         ArgumentError: ``q_ref`` or an option does not fit.
         UnsupportedArm: no solver takes this arm.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
-        >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
-        [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
     """
     options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
     if region is not None or len(solver.parameters) > 1:

@@ -48,14 +48,7 @@ class Control:
         return "translation" if self.task in ("position", "planar position") else "all"
 
     def target_of(self, T: Array) -> Array:
-        """The target of this task that belongs to poses ``T`` (..., 4, 4) of the tip [m].
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("positioning_3r")
-            >>> (arm.solver.control.target_of(arm.fk([0.0, 0.0, 0.0])).round(6) + 0.0).tolist()
-            [0.8, 0.0, 0.4]
-        """
+        """The target of this task that belongs to poses ``T`` (..., 4, 4) of the tip [m]."""
         if self.task == "pose":
             return T
         if self.task == "position":
@@ -83,14 +76,7 @@ class Control:
 
 
 def control_of(chain: Chain) -> Control:
-    """The part of the tip's pose that a chain controls; see ``Arm.task``.
-
-    Example:
-        >>> import urdf_ik
-        >>> control_of(urdf_ik.load("planar_2r").chain).task, control_of(urdf_ik.load("puma_560").chain).task
-        ('planar position', 'pose')
-    """
-    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
+    """The part of the tip's pose that a chain controls; see ``Arm.task``."""
     if chain.axes is not chain:
         return Control("pose")
     plane = plane_of(chain)

@@ -65,12 +65,6 @@ def without_boxes(arm: Any) -> Any:
 
     Args:
         arm: the dataclass of a solver.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("zyyzyz_6r").solver.member.solver.arm
-        >>> without_boxes(arm) is arm
-        True
     """
     return replace(arm, boxes=0) if isinstance(arm, ImperfectArm) else arm
 

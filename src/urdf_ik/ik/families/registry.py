@@ -72,12 +72,7 @@ _SHARE = 0.3
 
 
 def every() -> list[Family]:
-    """Every family, in the order of cost among those that an arm may belong to.
-
-    Example:
-        >>> any("spherical wrist" in family.name for family in every())
-        True
-    """
+    """Every family, in the order of cost among those that an arm may belong to."""
     return [
         *FEW_JOINTS,
         *SIX_TURNING,
@@ -100,12 +95,6 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> F
         structure: how the axes lie.
         chain: the joints.
         given: names of joints whose values are to be the redundancy parameters.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("scara_rrpr")
-        >>> choose(arm.structure, arm.chain).name
-        'RRPR SCARA'
     """
     if chain.axes is not chain:
         return _first(MIMICKING, structure, chain)
@@ -127,14 +116,7 @@ def _of_seven(structure: Structure, chain: Chain) -> FamilyMember | None:
 
 
 def of_six(structure: Structure, chain: Chain) -> FamilyMember | None:
-    """How six joints are solved: in closed form from either end, else by elimination.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("puma_560")
-        >>> of_six(arm.structure, arm.chain).name
-        '6R spherical wrist, 2||3 and 1x2'
-    """
+    """How six joints are solved: in closed form from either end, else by elimination."""
     if singular := _first(SINGULAR_EVERYWHERE, structure, chain):
         return singular
     if structure.slides:

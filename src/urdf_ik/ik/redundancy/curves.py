@@ -35,10 +35,6 @@ class End:
         joint: whose limit it is, for 'limit'.
         upper: whether it is the upper limit, for 'limit'.
         pair: the two that touch, for 'contact': links or obstacles.
-
-    Example:
-        >>> str(End("limit", "elbow", upper=True))
-        "upper limit of joint 'elbow'"
     """
 
     cause: str

@@ -28,7 +28,6 @@ from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest, wrapped
 from urdf_ik.support.read_only import frozen
-from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
 
 GRID, GRID_GENERAL = 32, 24
@@ -60,8 +59,6 @@ def intervals(
     within_limits: bool = True,
     world: Any = None,
     threads: inputs.Threads = 1,
-    time_limit: float | None = None,
-    progress: Progress | None = None,
 ) -> Intervals:
     """Where along the redundancy parameter each branch has solutions, and what ends them.
 
@@ -75,8 +72,6 @@ def intervals(
         within_limits: only solutions inside the joint limits count.
         world: only solutions count that touch neither it nor the arm itself.
         threads: number of threads that share the solving, or 'auto'.
-        time_limit: s after which no more poses of a batch are looked at; ``looked_at`` says which were.
-        progress: called with the number of poses behind us, and of all; with a world each counts twice.
 
     Returns:
         Of a single pose a sequence of :class:`urdf_ik.Interval`, by branch and by value; of a batch,
@@ -86,7 +81,6 @@ def intervals(
         PoseError: a target is no pose.
         UnsupportedArm: the arm has no redundancy parameter, or several.
         UrdfError: a world is given, and the URDF's collision shapes are missing or cannot be read.
-        ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
 
     Example:
         >>> import urdf_ik
@@ -96,13 +90,10 @@ def intervals(
         (-2.588603, -1.49593, "lower limit of joint 'joint_3'")
     """
     plan, T = only_parameter(solver, "intervals"), as_pose_array(T)
-    threads, watch = inputs.threads(threads), Watch(time_limit, progress)
-    curves = Curves.of(solver)
-    stack = T.reshape(-1, 4, 4)
-    looked_at = np.ones(len(stack), dtype=np.bool_)
+    threads, curves, stack = inputs.threads(threads), Curves.of(solver), T.reshape(-1, 4, 4)
     bounds = np.full((7, 2), np.inf)
     bounds[:, 0] = -np.inf
-    if inputs.flag(within_limits, "within_limits"):
+    if within_limits:
         bounds[: solver.dof] = solver.limits
     parts, open_ = [], np.arange(len(stack))
     way = closed_form.sense(solver, plan)
@@ -114,35 +105,13 @@ def intervals(
         )
         parts.append(closed if world is None and not len(open_) else with_samples(solver, stack, closed))
     for k in range(0, len(open_), _AT_ONCE):
-        if watch.is_over:
-            looked_at[open_[k:]] = False
-            break
         some = open_[k : k + _AT_ONCE]
         traced = _found(solver, plan, curves, stack[some], bounds, threads)
         parts.append(replace(traced, pose=some[traced.pose]))
-        watch.step(len(stack) - len(open_) + k + len(some), len(stack) * (1 if world is None else 2))
     found = joined(parts) if parts else _nothing(solver)
     if world is not None and len(found.low):
-        found = _without_contacts(solver, world, stack, found, looked_at, watch)
-    unlooked = ""
-    if not looked_at.all():
-        count = int((~looked_at).sum())
-        unlooked = watch.ended(f"with {len(stack) - count} of {len(stack)} poses: the others were")
-    return Intervals(solver, T, found, within_limits, with_samples, looked_at.reshape(T.shape[:-2]), unlooked)
-
-
-def _without_contacts(
-    solver: Solver, world: Any, T: Array, found: Found, looked_at: NDArray[np.bool_], watch: Watch
-) -> Found:
-    """The intervals of poses (m, 4, 4) without contacts, pose by pose; ``looked_at`` (m,) loses what time left out."""
-    model, curves, parts = solver.arm.cell.in_world(world), Curves.of(solver), [found.of(np.zeros(0, dtype=np.intp))]
-    for i in np.unique(found.pose).tolist():
-        if watch.is_over:
-            looked_at[i:] &= ~np.isin(np.arange(i, len(T)), found.pose)
-            break
-        parts.append(without_contacts(model, curves, T, found.of(np.flatnonzero(found.pose == i))))
-        watch.step(len(T) + i + 1, 2 * len(T))
-    return joined(parts)
+        found = without_contacts(solver.arm.cell.in_world(world), curves, stack, found)
+    return Intervals(solver, T, found, within_limits, with_samples)
 
 
 def span(solver: Solver, parameter: Redundancy, T: Array) -> tuple[float, float]:

@@ -22,7 +22,6 @@ from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.display import html_of, short
-from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import Section, aligned, quoted
 from urdf_ik.typing import Array
 
@@ -57,12 +56,9 @@ class Interval:
         return self.high - self.low
 
     def __contains__(self, value: object) -> bool:
-        try:
-            given = inputs.number(value, "value")
-        except ArgumentError:  # what is no number is in no interval
-            return False
-        turned = self.low + (given - self.low) % TURN if self.high > np.pi else given
-        return bool(self.low <= given <= self.high or self.low <= turned <= self.high)
+        number = float(value)  # type: ignore[arg-type]
+        turned = self.low + (number - self.low) % TURN if self.high > np.pi else number
+        return bool(self.low <= number <= self.high or self.low <= turned <= self.high)
 
     def __str__(self) -> str:
         return f"{self.branch}: {self.low:.6f} ({self.ends[0]}) to {self.high:.6f} ({self.ends[1]})"
@@ -75,7 +71,6 @@ class Intervals:
 
     Attributes:
         within_limits: whether only solutions inside the joint limits count.
-        unlooked: what the time limit left out; '' where every pose was looked at.
 
     Example:
         >>> import urdf_ik
@@ -92,13 +87,8 @@ class Intervals:
         found: Found,
         within_limits: bool,
         sampled: Callable[[Solver, Array, Found], Found],
-        looked_at: NDArray[np.bool_],
-        unlooked: str,
     ) -> None:
-        """Keep what was found for poses ``T`` (..., 4, 4) that were ``looked_at`` (...).
-
-        ``sampled`` adds samples to intervals of a stack.
-        """
+        """Keep what was found for poses ``T`` (..., 4, 4); ``sampled`` adds samples to intervals of a stack."""
         curves = Curves.of(solver)
         self.solver = solver
         self.parameter: Redundancy = curves.parameter
@@ -107,12 +97,9 @@ class Intervals:
         self._curves = curves
         self._found = found
         self._sampled = sampled
-        self._looked_at = looked_at
-        self.unlooked = unlooked
 
     def __reduce__(self) -> tuple[type[Intervals], tuple[Any, ...]]:
-        arguments = (self.solver, self._T, self._found, self.within_limits, self._sampled)
-        return Intervals, (*arguments, self._looked_at, self.unlooked)
+        return Intervals, (self.solver, self._T, self._found, self.within_limits, self._sampled)
 
     @property
     def arm(self) -> Any:
@@ -138,19 +125,6 @@ class Intervals:
         m = int(np.prod(self.shape))
         return np.bincount(self._found.pose, minlength=m).reshape(self.shape)
 
-    @property
-    def looked_at(self) -> NDArray[np.bool_]:
-        """(...) whether the time limit left the pose's turn to come; without one, all True.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> T = arm.fk([[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]])
-            >>> arm.intervals(T, time_limit=60.0).looked_at.tolist()
-            [True]
-        """
-        return frozen(self._looked_at.view())
-
     def __len__(self) -> int:
         self._single("len()")
         return len(self._found.low)
@@ -168,40 +142,22 @@ class Intervals:
             raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
-        looked_at = np.asarray(self._looked_at[index])
-        unlooked = "" if looked_at.all() else self.unlooked
-        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled, looked_at, unlooked)
+        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled)
 
     def samples(self, k: int) -> tuple[Array, Array]:
         """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
 
         Raises:
             ArgumentError: these are the intervals of a batch.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> intervals = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
-            >>> values, q = intervals.samples(0)
-            >>> bool(values[0] == intervals[0].low), q.shape == (len(values), 7)
-            (True, True)
         """
         self._single("samples()")
         found = self._full
-        k = inputs.whole(k, "k", high=len(found.low) - 1)
+        k = place_of(len(found.low), k, "intervals of this pose")
         part = slice(found.first[k], found.first[k] + found.count[k])
         return found.value[part], found.q[part]
 
     def merged(self) -> Array:
-        """(k, 2) rad or m: where any branch of a single pose has a solution, lowest first.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> T = arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
-            >>> arm.intervals(T, within_limits=False).merged().round(3).tolist()
-            [[-3.142, 3.142]]
-        """
+        """(k, 2) rad or m: where any branch of a single pose has a solution, lowest first."""
         self._single("merged()")
         return _union(self._found.low, self._found.high, self.parameter.round)
 
@@ -224,7 +180,6 @@ class Intervals:
         Raises:
             ArgumentError: ``q_ref``, ``weights`` or ``within`` does not fit.
             ArgumentError: there is no such metric, or ``within`` is negative.
-            ArgumentError: the time limit left poses out.
 
         Example:
             >>> import urdf_ik
@@ -233,7 +188,6 @@ class Intervals:
             >>> arm.intervals(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
             [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
         """
-        self._require_looked_at()
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)
         inside = self.within_limits
         values = self.nearest_values(reference, metric=metric, weights=weights, within=within, within_limits=inside)
@@ -252,15 +206,6 @@ class Intervals:
 
         Where nothing is near enough, or inside the limits, at those at which the best one is least far out. Arguments
         as :meth:`nearest` has them; ``within_limits``: whether only images inside the limits count.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
-            >>> options = {"metric": "l2", "weights": None, "within": None, "within_limits": True}
-            >>> value = arm.intervals(arm.fk(q)).nearest_values(q, **options)
-            >>> bool(abs(value - arm.redundancy_of(q)) < 1e-6)
-            True
         """
         measure = distances.measure(self.solver, metric, weights, within)
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)
@@ -279,18 +224,10 @@ class Intervals:
             by: 'limits', 'manipulability' or 'clearance'; see :meth:`urdf_ik.IKSolutions.best`.
 
         Raises:
-            ArgumentError: there is no such measure, or the time limit left poses out.
+            ArgumentError: there is no such measure.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> best = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])).best("limits")
-            >>> len(best)
-            1
         """
         inputs.choice(by, "by", tuple(QUALITIES))
-        self._require_looked_at()
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
             return -curves.quality(self.solver, q, by)
@@ -299,19 +236,10 @@ class Intervals:
         return solutions.within_limits().best(by) if self.within_limits else solutions.best(by)
 
     def table(self) -> str:
-        """One line an interval of a single pose: its branch, its ends [rad or m], and why it ends.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> T = arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
-            >>> print(arm.intervals(T).table().splitlines()[1].split(" [")[0])
-            branch                                     from
-        """
+        """One line an interval of a single pose: its branch, its ends [rad or m], and why it ends."""
         self._single("table()")
         title = f"{self.solver.name}: {len(self)} intervals of the {self.parameter}"
-        unlooked = [self.unlooked] * bool(self.unlooked)
-        return "\n".join([title, *unlooked, *aligned(self._rows(), left=(0, 2, 4))])
+        return "\n".join([title, *aligned(self._rows(), left=(0, 2, 4))])
 
     def _rows(self) -> list[list[str]]:
         """The header, and a row an interval of a single pose."""
@@ -327,8 +255,7 @@ class Intervals:
         of = f"poses {self.shape}, " if self.shape else ""
         inside = " within the limits" if self.within_limits else ""
         title = f"Intervals of {self.solver.name}: {of}{len(self._found.low)} intervals{inside}"
-        unlooked = [self.unlooked] * bool(self.unlooked)
-        return short(title, [*unlooked, *([] if self.shape else [str(each) for each in self])])
+        return short(title, [] if self.shape else [str(each) for each in self])
 
     def _repr_html_(self) -> str:
         header, *rows = self._rows()
@@ -336,7 +263,6 @@ class Intervals:
         found = f"{len(self._found.low)} intervals{' within the limits' * self.within_limits}"
         if self.shape:
             found += f" of poses {self.shape}; intervals[i] shows one"
-        found += f"; {self.unlooked}" if self.unlooked else ""
         return html_of(title, found, bool(len(self._found.low)), [Section("", tuple(header), tuple(map(tuple, rows)))])
 
     def _least(self, cost: curves.Cost) -> Array:
@@ -355,10 +281,6 @@ class Intervals:
         found = self._found
         branch = self.solver.structure.branches[found.column[k]]
         return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]))
-
-    def _require_looked_at(self) -> None:
-        if self.unlooked:
-            raise ArgumentError(f"{self.unlooked}; `looked_at` says which were: take them, or solve the rest")
 
     def _single(self, what: str) -> None:
         if self.shape:
@@ -422,15 +344,7 @@ class Bar:
 
 
 def bars(found: Intervals) -> tuple[list[str], list[Bar]]:
-    """Names of the branches that have intervals, in the arm's order, and the bars of a single pose.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("srs_7r")
-        >>> names, drawn = bars(arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])))
-        >>> len(names), len(drawn) >= 26
-        (8, True)
-    """
+    """Names of the branches that have intervals, in the arm's order, and the bars of a single pose."""
     solver, every = found.solver, list(found)
     names = [name for name in solver.structure.branches if any(each.branch == name for each in every)]
     turning = ~solver.chain.prismatic

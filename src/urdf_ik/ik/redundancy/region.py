@@ -93,13 +93,6 @@ class Region:
         """Poses (..., 4, 4) relative to targets: position (..., 3) m, the axis' direction (..., 3), rotation (...) rad.
 
         The rotation is the one that remains after the shortest rotation that undoes the tilt.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> place, _, turn = Region().measured(np.eye(4), urdf_ik.pose([0.1, 0.0, 0.0], rpy=[0.0, 0.0, 0.5]))
-            >>> place.tolist(), round(float(turn), 6)
-            ([0.1, 0.0, 0.0], 0.5)
         """
         T, reached = as_pose_array(T), as_pose_array(reached)
         try:
@@ -116,14 +109,7 @@ class Region:
         return np.einsum("...ij,...j->...i", inverse, off), direction, self.axis.angle(motion)
 
     def contains(self, T: Array, reached: Array, tolerance: float = 1e-9) -> NDArray[np.bool_]:
-        """Whether poses (..., 4, 4) are in the region around targets (..., 4, 4), to a tolerance [m, rad].
-
-        Example:
-            >>> import numpy as np
-            >>> bool(Region().contains(np.eye(4), np.eye(4)))
-            True
-        """
-        tolerance = inputs.number(tolerance, "tolerance", low=0.0)
+        """Whether poses (..., 4, 4) are in the region around targets (..., 4, 4), to a tolerance [m, rad]."""
         place, direction, turn = self.measured(T, reached)
         low, high = np.array(self.box).T
         inside = ((place >= low - tolerance) & (place <= high + tolerance)).all(axis=-1)
@@ -131,14 +117,7 @@ class Region:
         return np.asarray(inside & (tilt <= self.cone + tolerance) & (np.abs(turn) <= self.rotation + tolerance))
 
     def clipped(self, T: Array, reached: Array) -> Array:
-        """The pose (4, 4) in the region around a target with a pose's place, tilt and rotation as far as allowed.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> Region(box=0.01).clipped(np.eye(4), urdf_ik.pose([0.1, 0.0, 0.0]))[:3, 3].round(6).tolist()
-            [0.01, 0.0, 0.0]
-        """
+        """The pose (4, 4) in the region around a target with a pose's place, tilt and rotation as far as allowed."""
         place, direction, turn = self.measured(T, reached)
         low, high = np.array(self.box).T
         aside, along = self.across @ direction, direction @ np.array(self.axis.direction)
@@ -177,17 +156,8 @@ class Region:
         Raises:
             PoseError: the target is no pose.
             ArgumentError: the shares are not such numbers.
-
-        Example:
-            >>> import numpy as np
-            >>> region = Region(box=0.01, cone=0.1)
-            >>> poses = region.sampled(np.eye(4), np.random.default_rng(0).uniform(size=(5, 6)))
-            >>> bool(region.contains(np.eye(4), poses).all())
-            True
         """
-        shares, low, high = inputs.real(shares, "shares", "(m, 6) shares of 1"), *np.array(self.box).T
-        if shares.ndim != 2 or shares.shape[1] != 6:
-            raise ArgumentError(f"shares of shape {shares.shape} given; (m, 6) is needed")
+        shares, low, high = inputs.array(shares, "shares", (None, 6)), *np.array(self.box).T
         tilt, turn = self.cone * np.sqrt(shares[:, 3]), self.rotation * (2.0 * shares[:, 5] - 1.0)
         return self._pose(as_pose_array(T), low + shares[:, :3] * (high - low), tilt, 2.0 * np.pi * shares[:, 4], turn)
 
@@ -231,7 +201,7 @@ def nearest_in_region(
         what = "a region" if region is not None else "several redundancy parameters"
         raise ArgumentError(f"metric={quoted(metric)} given; with {what} the distance is metric='l2'")
     measure = distances.measure(solver, metric, weights, within)
-    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
+    threads = inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
     reference = solver.chain.check(q_ref)
@@ -243,8 +213,6 @@ def nearest_in_region(
         ) from None
     bounds = solver.limits if within_limits else np.tile([-np.inf, np.inf], (solver.dof, 1))
     free = solver.free_axis
-    if region is not None:
-        inputs.kind(region, "sampled", "region", "a urdf_ik.Region")
     sought = region or Region()
     if free is not None:
         sought = Region(rotation=np.pi, axis=free)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.pose_solving import solve
@@ -21,7 +21,6 @@ from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
 
 # Values that are tried where no curve can be followed.
@@ -37,20 +36,11 @@ class Sweep:
         intervals: (k, 2) rad or m, intervals with solutions, lowest first, ends to 1e-9. An interval across half a
             turn ends beyond pi; the whole circle is (-pi, pi).
         parameter: the redundancy parameter.
-        unlooked: what the time limit left out; '' where every value was solved.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("srs_7r")
-        >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
-        >>> sweep.parameter.kind, sweep.solutions.redundancy.shape
-        ('swivel', (16,))
     """
 
     solutions: IKSolutions
     intervals: Array
     parameter: Redundancy
-    unlooked: str = ""
 
     @property
     def redundancy(self) -> Array:
@@ -61,13 +51,11 @@ class Sweep:
         unit = self.parameter.unit
         where = ", ".join(f"{low:.4f} to {high:.4f} {unit}" for low, high in self.intervals) or "no value"
         found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
-        return f"{self.parameter}; solutions at {where}; {found}{'; ' * bool(self.unlooked)}{self.unlooked}"
+        return f"{self.parameter}; solutions at {where}; {found}"
 
 
 MOST_VALUES = 1_000_000
 """Values of a sweep at most."""
-_AT_ONCE = 4096
-"""Values that are solved at a time."""
 
 
 def sweep(
@@ -77,8 +65,6 @@ def sweep(
     *,
     within_limits: bool = False,
     threads: inputs.Threads = 1,
-    time_limit: float | None = None,
-    progress: Progress | None = None,
 ) -> Sweep:
     """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
 
@@ -88,13 +74,11 @@ def sweep(
         n: number of values, shared among the intervals in which there are solutions by their lengths.
         within_limits: only solutions inside the joint limits count.
         threads: number of threads that share the work, or 'auto'.
-        time_limit: s after which no more values are solved; those that were are spread evenly too.
-        progress: called with the number of values behind us, and of all.
 
     Raises:
         PoseError: ``T`` is no pose, or more than one.
         UnsupportedArm: the arm has no redundancy parameter.
-        ArgumentError: ``n`` is no number of values, ``time_limit`` no number of seconds, or ``progress`` no function.
+        ArgumentError: ``n`` is no number of values.
 
     Example:
         >>> import urdf_ik
@@ -108,8 +92,6 @@ def sweep(
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; sweep takes a single pose (4, 4)")
     n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
-    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
-    watch = Watch(time_limit, progress)
     parameter = plan.parameter
     low, high = span(solver, parameter, target[None])
     if plan.self_motion is None and len(plan.parameters) == 1:
@@ -117,29 +99,8 @@ def sweep(
     else:
         found = intervals(solver, target, within_limits=within_limits, threads=threads).merged()
     values = parameter.wrapped(_spread(found if len(found) else np.array([[low, high]]), n, parameter.round))
-    # Each part holds values from everywhere, so that a time limit leaves them thinner, and no end of them out.
-    count = -(-n // _AT_ONCE)
-    parts: list[IKSolutions] = []
-    for k in range(count):
-        if k and watch.is_over:
-            break
-        parts.append(solve(solver, target, redundancy=values[k::count], threads=threads))
-        watch.step(sum(map(len, (values[j::count] for j in range(k + 1)))), n)
-    places = np.concatenate([np.arange(n)[k::count] for k in range(len(parts))])
-    solutions = _together(parts, np.argsort(places))
-    unlooked = "" if len(places) == n else watch.ended(f"with {len(places)} of {n} values: those between them were")
-    return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter, unlooked)
-
-
-def _together(parts: list[IKSolutions], order: NDArray[np.intp]) -> IKSolutions:
-    """The solutions of several parts, put in order."""
-    if len(parts) == 1:
-        return parts[0]
-    T, q, info, values = (
-        np.concatenate([getattr(part, name) for part in parts])[order]
-        for name in ("_poses", "_q", "_info", "_redundancy")
-    )
-    return IKSolutions(parts[0].solver, T, q, info, parts[0].branches, redundancy=values)
+    solutions: IKSolutions = solve(solver, target, redundancy=values, threads=threads)
+    return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter)
 
 
 def explanation(solver: Solver, T: Array, value: ArrayLike | None) -> str:

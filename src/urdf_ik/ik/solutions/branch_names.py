@@ -29,12 +29,7 @@ _SIGNS = np.array(["", "determinant +, ", "determinant -, "], dtype=np.object_)
 
 @cache
 def local(branches: tuple[str, ...]) -> bool:
-    """Whether some of the names are only numbers.
-
-    Example:
-        >>> local(("elbow up", "elbow down")), local(("elbow up", "further 1"))
-        (False, True)
-    """
+    """Whether some of the names are only numbers."""
     return any(name.startswith(_LOCAL) for name in branches)
 
 
@@ -52,13 +47,7 @@ def signed(names: NDArray[np.object_], q: Array, singular: NDArray[np.uint8], so
 
 
 def square(solver: Solver) -> list[int] | None:
-    """The joints that move, where the task has as many numbers: only there is a determinant. None elsewhere.
-
-    Example:
-        >>> import urdf_ik
-        >>> square(urdf_ik.load("srs_7r").with_redundancy("joint_1").solver), square(urdf_ik.load("planar_2r").solver)
-        ([1, 2, 3, 4, 5, 6], None)
-    """
+    """The joints that move, where the task has as many numbers: only there is a determinant. None elsewhere."""
     held = {each.joint for each in solver.parameters if each.kind == LOCKED_JOINT}
     moving = [k for k, name in enumerate(solver.joint_names) if name not in held]
     others = len(solver.parameters) > len(held)
@@ -70,11 +59,6 @@ def determinant_signs(solver: Solver, q: Array) -> NDArray[np.int8] | None:
 
     The Jacobian is that of the task: of a pose, or of the position of three joints. Joints whose values are redundancy
     parameters are left out. None where the task has another number of rows than joints are left, or is another one.
-
-    Example:
-        >>> import urdf_ik
-        >>> determinant_signs(urdf_ik.load("puma_560").solver, np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
-        array(1, dtype=int8)
     """
     if (moving := square(solver)) is None:
         return None

@@ -73,7 +73,7 @@ def measure(solver: Solver, metric: str, weights: ArrayLike | None, within: Arra
     """
     names = solver.joint_names
     each = np.ones(len(names)) if weights is None else factors(weights, names)
-    inputs.choice(metric, "metric", (*METRICS, "time") if "time" not in METRICS else METRICS)
+    inputs.choice(metric, "metric", METRICS)
     if metric == "time":
         speeds = solver.velocity_limits
         if unknown := [repr(name) for name, speed in zip(names, speeds, strict=True) if np.isinf(speed)]:
@@ -161,6 +161,4 @@ def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:
     array = inputs.real(value, what, f"an array of numbers (..., {len(names)})")
     if array.shape[-1:] != (len(names),):
         raise ArgumentError(f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}")
-    if (bad := inputs.first_bad(array)) is not None:
-        raise ArgumentError(f"{what} is {quoted(value)}; {inputs.why_bad(array[bad])}")
-    return array
+    return inputs.array(array, what, (..., len(names)))

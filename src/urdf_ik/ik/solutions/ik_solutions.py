@@ -101,13 +101,6 @@ class IKSolutions(DifferentiableSolutions):
 
         Raises:
             ArgumentError: this is a batch.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("puma_560")
-            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
-            >>> len(list(s.iter_turns())) == len(s.turns())
-            True
         """
         columns, names, turning = self._columns("iter_turns()"), self.names, self._turning
         is_turned = "turns" in self.filters
@@ -161,7 +154,6 @@ class IKSolutions(DifferentiableSolutions):
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
         measure = distances.measure(self.solver, metric, weights, within)
         self._require_columns(n, "nearest")
-        within_limits = inputs.flag(within_limits, "within_limits")
         kept: IKSolutions = self
         if within_limits:
             kept = self._moved_inside(limits.image_near(self._q, reference, self.solver.limits, self._turning))
@@ -189,13 +181,6 @@ class IKSolutions(DifferentiableSolutions):
 
         Raises:
             ArgumentError: ``q_ref`` does not fit the arm, or is not finite.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> s = arm.ik(arm.fk([0.5, -1.0])).nearest([0.4, -1.0])
-            >>> s.difference([0.4, -1.0]).round(6).tolist()
-            [[0.1, 0.0]]
         """
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
         return np.asarray(self._beside(reference) - reference)
@@ -243,12 +228,6 @@ class IKSolutions(DifferentiableSolutions):
         Raises:
             ArgumentError: ``by`` is unknown, or a world is given to a measure other than 'clearance'.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).scores("limits").round(4).tolist()
-            [0.6662, 0.8024]
         """
         inputs.choice(by, "by", distances.QUALITIES)
         if world is not None and by != "clearance":
@@ -316,7 +295,7 @@ class IKSolutions(DifferentiableSolutions):
             >>> len(frame), int(frame["within_limits"].sum()), frame.attrs["joints"]["q1"]
             (8, 2, 'joint_1')
         """
-        return tables.to_frame(self, inputs.flag(contacts, "contacts"))
+        return tables.to_frame(self, contacts)
 
     def to_xarray(self) -> Any:
         """The whole answer as an ``xarray.Dataset``, by pose, branch and joint.
@@ -327,13 +306,6 @@ class IKSolutions(DifferentiableSolutions):
 
         Raises:
             MissingPackage: xarray is not installed.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("puma_560")
-            >>> data = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).to_xarray()
-            >>> dict(data.sizes)["branch"], data.attrs["tip"]
-            (8, 'tool0')
         """
         return tables.to_xarray(self)
 

@@ -345,12 +345,6 @@ class KeptSolutions(Answer):
 
         Raises:
             ArgumentError: this is a batch.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> [one.branch for one in arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).list]
-            ['elbow left', 'elbow right']
         """
         return [*self]
 

@@ -14,7 +14,6 @@ from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Step
 from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.support import inputs
 from urdf_ik.support.display import Markup
 from urdf_ik.support.display import table as html_table
 from urdf_ik.support.palette import colours
@@ -46,7 +45,6 @@ def explanation(solutions: KeptSolutions) -> str:
 
 def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     """The solutions of a single pose, a line each; a batch in one sentence."""
-    degrees = inputs.flag(degrees, "degrees")
     name = solutions.solver.name
     how = f" ({', '.join(solutions.filters)})" if solutions.filters else ""
     if solutions.shape:

@@ -21,14 +21,7 @@ def compared(*lengths: float) -> tuple[str, ...]:
 
 
 def too_far(actual: float, least: float, most: float) -> str:
-    """How far a length is outside a range, in words to stand behind both.
-
-    Example:
-        >>> too_far(2.8, 0.1, 2.1)
-        ': 0.7 m too far'
-        >>> too_far(0.04, 0.1, 2.1)
-        ': 0.06 m too near'
-    """
+    """How far a length is outside a range, in words to stand behind both."""
     return f": {actual - most:.3g} m too far" if actual > most else f": {least - actual:.3g} m too near"
 
 

@@ -49,27 +49,11 @@ class Family:
     by_elimination: bool = False
 
     def plan(self, structure: Structure, chain: Chain) -> FamilyMember | None:
-        """The plan of an arm, None for an arm that is not of this family.
-
-        Example:
-            >>> import urdf_ik
-            >>> from urdf_ik.ik import families
-            >>> arm = urdf_ik.load("puma_560")
-            >>> taken = [family for family in families.every() if family.matches(arm.structure, arm.chain)]
-            >>> taken[0].plan(arm.structure, arm.chain).name
-            '6R spherical wrist, 2||3 and 1x2'
-        """
+        """The plan of an arm, None for an arm that is not of this family."""
         return self.prepare(self, structure, chain) if self.matches(structure, chain) else None
 
     def why(self, joints: int = 6, *, from_tip: bool = False) -> str:
-        """The reason in words, with the axes of an arm of so many joints counted from the base.
-
-        Example:
-            >>> from urdf_ik.ik import families
-            >>> wrist = next(family for family in families.every() if "spherical wrist" in family.name)
-            >>> wrist.why()
-            'axes 4, 5 and 6 meet in a point, and axes 2 and 3 are parallel'
-        """
+        """The reason in words, with the axes of an arm of so many joints counted from the base."""
 
         def numbers(match: re.Match[str]) -> str:
             axes = [int(number) for number in match[1].split(",")]
