@@ -209,9 +209,9 @@ template <int L> PART void factorise(WideEquations<L>& of) {
     }
 }
 
-template <int L> PART void set_equations(const WidePose<L>& pose, int first, WideEquations<L>& out) {
+// The lines that joints a and a + 1 reach, factorised.
+template <int L> PART void set_factor(WideEquations<L>& out) {
     using W = Wide<L>;
-    out.pose = pose, out.first = first;
     const WideLine<W> line = out.axis(2);
     W w[NUMBERS];
     for (int i = 0; i < 3; ++i) {
@@ -226,6 +226,29 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
         for (int j = 0; j < 3; ++j) to_coefficients(a[j], a[3 + j], a[6 + j]);
     }
     factorise(out);
+}
+
+// From the values at turns of the other joints to coefficients; joint a + 4 is measured from its own zero.
+template <int L> PART void to_coefficients(Wide<L> (&A)[6][3][PRODUCTS]) {
+    using W = Wide<L>;
+    const W fifth = inverse(W(5.0)), c = W(TOO_COSINE) * fifth, s = W(TOO_SINE) * fifth;
+    for (auto& a : A) {
+        for (auto& b : a) {
+            for (int i = 0; i < 3; ++i) to_coefficients(b[3 * i], b[3 * i + 1], b[3 * i + 2]);
+            for (int i = 0; i < 3; ++i) {
+                to_coefficients(b[i], b[3 + i], b[6 + i]);
+                const W cosine = b[3 + i], sine = b[6 + i];
+                b[3 + i] = c * cosine + s * sine, b[6 + i] = c * sine - s * cosine;
+            }
+        }
+        for (int i = 0; i < PRODUCTS; ++i) to_coefficients(a[0][i], a[1][i], a[2][i]);
+    }
+}
+
+template <int L> PART void set_equations(const WidePose<L>& pose, int first, WideEquations<L>& out) {
+    using W = Wide<L>;
+    out.pose = pose, out.first = first;
+    set_factor(out);
     // The other rows as combinations of the first nine: C lower = other factors.
     W C[6][PRODUCTS];
     double largest = 1.0, square[PRODUCTS][PRODUCTS];
@@ -242,6 +265,8 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
         for (int j = 0; j < PRODUCTS; ++j) square[i][j] = out.factor[i][j].leading();
     }
     const FactorBounds bounds = bounds_of(square);
+    const WideLine<W> line = out.axis(2);
+    W w[NUMBERS];
     double longest = 0.0;
     const auto undo = [&](int i) {
         return [&out, i](int k, const WideLine<W>& l) { return turned_about(l, out.axis(3 + k), sample_turn<W>(i, true)); };
@@ -261,18 +286,7 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
             }
         }
     }
-    const W fifth = inverse(W(5.0)), c = W(TOO_COSINE) * fifth, s = W(TOO_SINE) * fifth;
-    for (auto& a : out.A) {
-        for (auto& b : a) {
-            for (int i = 0; i < 3; ++i) to_coefficients(b[3 * i], b[3 * i + 1], b[3 * i + 2]);
-            for (int i = 0; i < 3; ++i) {
-                to_coefficients(b[i], b[3 + i], b[6 + i]);
-                const W cosine = b[3 + i], sine = b[6 + i];
-                b[3 + i] = c * cosine + s * sine, b[6 + i] = c * sine - s * cosine;
-            }
-        }
-        for (int i = 0; i < PRODUCTS; ++i) to_coefficients(a[0][i], a[1][i], a[2][i]);
-    }
+    to_coefficients(out.A);
     out.error = ROUNDINGS * WIDE_UNIT<L> * longest * largest * largest * (1.0 + bounds.inverse * bounds.product);
 }
 
