@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, too_far
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
-    SIGNS,
     ClosedFormArm,
     IdealFrames,
     ideal_arm,
@@ -74,17 +74,11 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     directions, parallel = straightened(structure, chain.H)
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
-    ideal = ideal_arm(frames, error, SIGNS, chain)
-    solver = Solver(ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain)))
+    ideal = ideal_arm(frames, error, chain)
+    arm = ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain))
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
-    return FamilyMember(
-        **in_words(family, error),
-        branches=family.branches,
-        imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
-        error=error,
-        solver=solver,
-        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(ideal, solver, rotation, point)),
-    )
+    off = imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds])
+    return closed_form(family, chain, arm, error, off, partial(_explain, ideal))
 
 
 def _with_wrist(wrist: str, relation: str, steps: str, holds: Callable[[Structure], bool]) -> Family:

@@ -8,11 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.explanations import beyond_links, closed_form, compared, too_far
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
-    SIGNS,
     ClosedFormArm,
     ideal_arm,
     ideal_frames,
@@ -72,7 +70,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     if middle is not None and middle.point is not None:
         points[1:4] = middle.point
     frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
-    ideal = ideal_arm(frames, error, SIGNS, chain)
+    ideal = ideal_arm(frames, error, chain)
     a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
     arm = SphericalMiddleArm(
         variant=wrist,
@@ -83,14 +81,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     )
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
-    return FamilyMember(
-        **in_words(family, error),
-        branches=family.branches,
-        imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
-        error=error,
-        solver=Solver(arm),
-        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(arm, rotation, point)),
-    )
+    off = angle, max(distance, middle.imperfection if middle else 0.0)
+    return closed_form(family, chain, arm, error, off, lambda _, rotation, point: _explain(arm, rotation, point))
 
 
 CROSSING = Family(

@@ -8,13 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import beyond_links, compared, seen_in_frame_1, too_far
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.explanations import beyond_links, closed_form, compared, too_far
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
     NAMES,
-    SIGNS,
     ClosedFormArm,
     IdealFrames,
     ideal_arm,
@@ -103,21 +101,13 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
-    ideal = ideal_arm(frames, error, SIGNS, chain)
+    ideal = ideal_arm(frames, error, chain)
     arm = _arm(chain, ideal, shoulder, _front(chain, frames, points[3]))
     if arm is None:
         return None
-    words = in_words(family, error)
-    if shoulder == "2||3" and crossing:
-        words["name"] += " and 1x2"
-    return FamilyMember(
-        **words,
-        branches=family.branches,
-        imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
-        error=error,
-        solver=Solver(arm),
-        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(arm, rotation, point)),
-    )
+    off = angle, max(distance, wrist.imperfection if wrist else 0.0)
+    plan = closed_form(family, chain, arm, error, off, lambda _, rotation, point: _explain(arm, rotation, point))
+    return replace(plan, name=f"{plan.name} and 1x2") if shoulder == "2||3" and crossing else plan
 
 
 TWO_PARALLEL = Family(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1, too_far
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, too_far
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
     NAMES,
-    SIGNS,
     ClosedFormArm,
     ideal_arm,
     ideal_frames,
@@ -70,7 +70,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     directions[1:4] = mean_direction(directions[1:4])
     meet = [False, False, False, False, crossing]
     frames, error = ideal_frames(chain, directions, points, [False, True, True, False, False], meet)
-    ideal = ideal_arm(frames, error, SIGNS, chain)
+    ideal = ideal_arm(frames, error, chain)
     ca, sa, d = ideal.cos_alpha, ideal.sin_alpha, ideal.d
     turn_3, turn_4 = float(ca[1]), float(ca[1] * ca[2])
     arm = ThreeParallelArm(
@@ -85,15 +85,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         square_wrist=bool(crossing and ca[3] == 0.0 and ca[4] == 0.0),
     )
     _, distance = imperfection(structure, [], [5] if crossing else [])
-    solver = Solver(arm)
-    return FamilyMember(
-        **in_words(family, error),
-        branches=family.branches,
-        imperfection=(parallel.imperfection if parallel else 0.0, distance),
-        error=error,
-        solver=solver,
-        explain=seen_in_frame_1(chain, ideal, lambda rotation, point: _explain(arm, solver, crossing, rotation, point)),
-    )
+    off = parallel.imperfection if parallel else 0.0, distance
+    return closed_form(family, chain, arm, error, off, partial(_explain, arm, crossing))
 
 
 CROSSING = Family(
@@ -120,7 +113,7 @@ GENERAL = Family(
 )
 
 
-def _explain(arm: ThreeParallelArm, solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
+def _explain(arm: ThreeParallelArm, crossing: bool, solver: Solver, rotation: Array, point: Array) -> str:
     ideal, (upper, lower) = arm.ideal, arm.ideal.a[1:3]
     if crossing:
         side = (ideal.cos_alpha[0] * point[2] - arm.along) / ideal.sin_alpha[0]

@@ -7,6 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.ideal import ClosedFormArm
 from urdf_ik.ik.families.parts.written import Aim, Ends
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.text import quoted
@@ -43,6 +45,35 @@ _STARTS, _ROUNDS = 32, 40
 _AXES = "xyz"
 # A part of an error below this [rad, share of size] is not mentioned beside a larger one.
 _SILENT = 1e-6
+
+
+def closed_form(
+    family: Family,
+    chain: Chain,
+    arm: ClosedFormArm,
+    error: float,
+    imperfection: tuple[float, float],
+    explain: Callable[[Solver, Array, Array], str],
+) -> FamilyMember:
+    """The member of a family of six turning joints that is solved in closed form.
+
+    Args:
+        family: of the arm.
+        chain: the arm as written.
+        arm: what the compiled solver is made from.
+        error: of :func:`ideal_frames`.
+        imperfection: (rad, m) of the relations that the family rests on.
+        explain: (solver, rotation (3, 3) and solved point (3,) in the ideal frame 1) -> which length does not fit.
+    """
+    solver = Solver(arm)
+    return FamilyMember(
+        **in_words(family, error),
+        branches=family.branches,
+        imperfection=imperfection,
+        error=error,
+        solver=solver,
+        explain=seen_in_frame_1(chain, arm.ideal, lambda rotation, point: explain(solver, rotation, point)),
+    )
 
 
 def seen_in_frame_1(chain: Chain, ends: Ends, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:

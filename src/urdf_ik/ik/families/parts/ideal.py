@@ -164,13 +164,12 @@ def ideal_frames(
     return frames, float(np.abs(apart).max())
 
 
-def ideal_arm(frames: DHFrames, error: float, signs: Array, chain: Chain) -> IdealFrames:
+def ideal_arm(frames: DHFrames, error: float, chain: Chain) -> IdealFrames:
     """The ideal arm for its family's solver.
 
     Args:
         frames: its DH frames.
         error: how far its poses are from those of the arm as written [rad, share of size].
-        signs: (3, 8) of the roots of shoulder, elbow and wrist, by branch.
         chain: the arm as written.
     """
     base, tool = frames.base, frames.tool
@@ -189,7 +188,7 @@ def ideal_arm(frames: DHFrames, error: float, signs: Array, chain: Chain) -> Ide
         size=chain.size,
         clamp=100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         imperfection=0.0 if exact else error,
-        signs=signs,
+        signs=SIGNS,
         displacement=displacement(frames, chain),
     )
 
