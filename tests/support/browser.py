@@ -111,7 +111,7 @@ class ViewerPage:
 
         def is_seen() -> bool:
             camera = self.client.camera
-            return bool(np.allclose(self._view[0], self.viewer._view(camera.fov, camera.aspect)[0]))
+            return bool(np.allclose(self._view[0], self.viewer.view(camera.fov, camera.aspect)[0]))
 
         self.wait(is_seen, "the page sees the arm")
 

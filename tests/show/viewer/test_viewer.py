@@ -12,18 +12,17 @@ import sys
 import threading
 import urllib.request
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
+from wire import WirePage, wait
 
 import urdf_ik
 from urdf_ik import Arm, Singular, UrdfIkError
 from urdf_ik.cli import app
-from urdf_ik.ik.redundancy.intervals import bars
 from urdf_ik.model import catalogue
-from urdf_ik.show.viewer import address, arm_panel, interval_strip
+from urdf_ik.show.viewer import address, panels
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.support import palette
@@ -142,24 +141,21 @@ def test_seven_joints_have_a_redundancy_parameter() -> None:
 
 
 def test_the_intervals_stand_under_the_slider() -> None:
-    """A bar of the strip covers exactly the values at which its branch has solutions inside the limits."""
+    """A picture of the intervals of the target, with a line at the present value; none for an arm of six joints."""
     arm = urdf_ik.load("srs_7r")
     state = states.start(arm)
-    assert state.intervals is not None
-    names, drawn = bars(state.intervals)
-    values = np.linspace(-np.pi, np.pi, 200)
-    kept = arm.ik(state.target, redundancy=values).within_limits().valid
-    for row, name in enumerate(names):
-        covered = np.zeros(len(values), dtype=bool)
-        for bar in drawn:
-            covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
-        np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
-    page = ElementTree.fromstring(interval_strip.drawn(state).replace("&middot;", "-"))
-    assert len(page.findall(".//title")) == len(drawn)
+    first = panels.intervals_picture(state)
+    assert first is not None and first.shape[2] == 3
     moved = states.with_redundancy(state, 0.5)
-    assert moved.intervals is state.intervals and interval_strip.drawn(moved) != interval_strip.drawn(state)
+    assert moved.intervals is state.intervals
+    second = panels.intervals_picture(moved)
+    changed = np.flatnonzero((first != second).any(axis=(0, 2)))  # columns of pixels: the line has moved, and no more
+    assert 0 < len(changed) < 20
     assert states.with_joints(state, state.q + 0.05).intervals is not state.intervals
-    assert interval_strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
+    assert panels.intervals_picture(states.start(urdf_ik.load("zyyzyz_6r"))) is None
+    with Viewer(arm, port=0) as viewer:
+        wait(lambda: viewer.panel.strip.visible)
+        assert viewer.panel.strip.image.shape[1] > 200
 
 
 @pytest.mark.parametrize("name", [name for name in catalogue.BUNDLED if name != "zyyzyz_6r"])
@@ -213,9 +209,9 @@ def test_the_scene_follows_the_state(viewer: Viewer) -> None:
     assert viewer.settle(PATIENCE)
     state, drawing = viewer.state, viewer.drawing
     poses = state.arm.link_poses(state.q)
-    for link, handle in drawing._bodies:
+    for link, handle in drawing.bodies:
         assert np.allclose(handle.position, poses[link][:3, 3])
-    for link, handle in drawing._ghosts:
+    for link, handle in drawing.ghosts:
         places, shown = [poses[link]], []  # a link that is where another one is drawn is left out
         for k, ghost in enumerate(state.ghosts):
             there = state.arm.link_poses(ghost.q)[link]
@@ -224,7 +220,7 @@ def test_the_scene_follows_the_state(viewer: Viewer) -> None:
                 shown.append(ghost.column)
                 assert np.allclose(handle.batched_positions[ghost.column], there[:3, 3], atol=1e-6)
         assert np.flatnonzero(handle.batched_scales).tolist() == shown
-    counts = [np.count_nonzero(handle.batched_scales) for _, handle in drawing._ghosts]
+    counts = [np.count_nonzero(handle.batched_scales) for _, handle in drawing.ghosts]
     assert (min(counts), max(counts)) == (0, 3)  # the tool is where it must be; two elbows, the wrist up or down
     assert viewer.panel.branches[0].label.startswith("● ")
     assert np.allclose(drawing.target.position, state.target[:3, 3])
@@ -232,6 +228,19 @@ def test_the_scene_follows_the_state(viewer: Viewer) -> None:
     assert viewer.settle(PATIENCE)
     assert [slider.value for slider in viewer.panel.sliders] == pytest.approx(viewer.state.q, abs=6e-4)
     assert np.allclose(drawing.target.position, viewer.state.target[:3, 3])
+
+
+def test_a_page_drags_the_target(viewer: Viewer) -> None:
+    """The target and the arm follow a page's handle; a place that is no number changes nothing."""
+    T = viewer.state.target
+    turn = viewer.drawing.target.wxyz.tolist()
+    with WirePage(viewer) as page:
+        for x in (0.01, float("nan"), 0.02):
+            place = (T[:3, 3] + [x, 0.0, 0.0]).tolist()
+            page.send("TransformControlsUpdateMessage", name="/target", wxyz=turn, position=place)
+        wait(lambda: np.allclose(viewer.state.target[:3, 3], T[:3, 3] + [0.02, 0.0, 0.0], rtol=0.0, atol=1e-9))
+        assert viewer.settle(PATIENCE)
+    assert np.abs(viewer.state.arm.fk(viewer.state.q) - viewer.state.target).max() < 1e-8
 
 
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "planar_2r", "srs_7r"])
@@ -291,11 +300,11 @@ def test_all_sixteen_colours_are_seen_on_either_background() -> None:
 def test_buttons_hold_names_and_marks() -> None:
     """The whole name where it fits, with the dot of the one chosen; else its last words, and always all marks."""
     branch = "shoulder front, elbow down, wrist noflip"
-    assert arm_panel._label(branch, (), True) == f"● {branch}"
-    assert arm_panel._label(branch, ("limits",), False) == f"{branch} (limits)"
-    crowded = arm_panel._label(branch, ("limits", "collision", "singular: wrist"), True)
+    assert panels.branch_label(branch, (), True) == f"● {branch}"
+    assert panels.branch_label(branch, ("limits",), False) == f"{branch} (limits)"
+    crowded = panels.branch_label(branch, ("limits", "collision", "singular: wrist"), True)
     assert crowded == "● front, down, noflip (limits; collision; singular: wrist)"
-    assert arm_panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
+    assert panels.branch_label("solution 16", ("limits",), False) == "solution 16 (limits)"
 
 
 def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
@@ -314,7 +323,7 @@ def test_another_arm_takes_the_place(viewer: Viewer) -> None:
     viewer.open(BARE.encode())
     assert viewer.settle(PATIENCE) and viewer.state.arm.name == "bare"
     assert len(viewer.panel.sliders) == 2 and not viewer.panel.redundancies
-    assert not viewer.drawing.has_shapes and viewer.drawing._lines
+    assert not viewer.drawing.has_shapes and viewer.drawing.lines
 
 
 def test_what_is_wrong_with_an_arm_is_said_and_the_old_one_stays(viewer: Viewer, arm: Arm) -> None:
@@ -342,12 +351,12 @@ def test_shapes_that_cannot_be_read_are_named() -> None:
         assert "no link has a collision shape" in viewer.state.note
         viewer.move_joint(0, 0.4)
         assert viewer.settle(PATIENCE)
-        points = viewer.drawing._lines[0].points
+        points = viewer.drawing.lines[0].points
         assert np.allclose(points[-1, 1], viewer.state.target[:3, 3], atol=1e-6)
         viewer.open(LOST_MESH.encode())
         assert viewer.settle(PATIENCE)
         assert viewer.drawing.has_shapes and "package://nowhere/b.stl" in viewer.message
-        assert "frames and lines are drawn, too" in viewer.message and viewer.drawing._lines
+        assert "frames and lines are drawn, too" in viewer.message and viewer.drawing.lines
         mesh = '<visual><geometry><mesh filename="package://nowhere/b.stl"/></geometry></visual>'
         viewer.open(LOST_MESH.replace(mesh, 9 * mesh).encode())
         assert viewer.settle(PATIENCE)

@@ -1,7 +1,7 @@
 """The viewer's page in a real browser: Chromium without a screen, drawing in software, against a running viewer.
 
 What the page does is read from the viewer's state; that it shows it, from pixels that change. URDF_IK_SCREENSHOT=FILE
-keeps a picture of the page.
+keeps a picture of the page. Arms without shapes are quickly drawn in software.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import http.server
 import io
 import os
+import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,9 +31,13 @@ from PIL import Image  # noqa: E402  it comes with viser
 
 from urdf_ik.show.viewer import Viewer  # noqa: E402
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)]
 
 WIDTH, HEIGHT, PANEL = 900, 560, 420
+TOOL_SIZE, NARROW = (900, 700), (360, 740)
+Q = np.array([0.4, -0.3, 0.9, 0.5, 0.8, -0.2])
+MEASURE = """all => all.map(e => [
+    e.textContent, e.scrollWidth - e.clientWidth, e.scrollHeight - e.clientHeight, e.getBoundingClientRect().right])"""
 ARM = "zyyzyz_6r"
 
 
@@ -59,9 +64,16 @@ def shades(scene: NDArray[np.int_]) -> int:
 
 
 @pytest.fixture(scope="module")
-def opened() -> Iterator[Seen]:
-    """One browser and one viewer for all tests."""
-    with Viewer(urdf_ik.load(ARM), port=0) as viewer, chromium() as browser:
+def browser() -> Iterator[Any]:
+    """One browser for all tests."""
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Any) -> Iterator[Seen]:
+    """One viewer for the tests of an arm with shapes."""
+    with Viewer(urdf_ik.load(ARM), port=0) as viewer:
         yield Seen(viewer, browser, (WIDTH, HEIGHT), PANEL)
 
 
@@ -160,18 +172,6 @@ def test_choosing_a_branch_moves_the_arm_to_it(seen: Seen) -> None:
     seen.differs(first, 200)
 
 
-def test_another_urdf_loads_from_a_file(seen: Seen) -> None:
-    """A URDF given to the page replaces the arm."""
-    first, page = seen.pixels(), seen.page
-    page.get_by_text("Another arm").click()
-    with page.expect_file_chooser() as chooser:
-        page.get_by_role("button", name="URDF from this computer").click()
-    chooser.value.set_files(catalogue.resolve("puma_560").path)
-    seen.wait(lambda: seen.viewer.state.arm.name == "puma_560", "the file is shown")
-    page.get_by_text("puma_560").first.wait_for()
-    seen.differs(first, 1000)
-
-
 def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     """A name chosen from the list replaces the arm; the redundancy slider turns the elbow and leaves the tip."""
     page = seen.page
@@ -186,7 +186,7 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     assert isinstance(before.redundancy, float)
     thumb = page.get_by_role("slider").first
     seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
-    page.get_by_role("img", name="Values at which each branch has solutions").wait_for()
+    seen.wait(lambda: seen.viewer.panel.strip.visible, "the intervals are drawn")
     thumb.focus()
     for _ in range(150):
         thumb.press("ArrowRight")
@@ -308,3 +308,147 @@ def test_a_plan_is_played_and_its_ends_are_chosen(seen: Seen) -> None:
     seen.wait(lambda: viewer.place == stop.waypoint - 1, "the end is shown")
     viewer.show_plan(None)
     assert viewer.settle(PATIENCE)
+
+
+def bare(name: str) -> urdf_ik.Arm:
+    """An arm of the catalogue without its shapes."""
+    text = catalogue.resolve(name).path.read_text()
+    return urdf_ik.load(re.sub(r"<(visual|collision)>.*?</\1>", "", text, flags=re.DOTALL))
+
+
+class Shown(ViewerPage):
+    """A viewer, its page, and what a person does there."""
+
+    def __init__(self, viewer: Viewer, browser: Any) -> None:
+        super().__init__(viewer, browser, TOOL_SIZE, PANEL)
+
+    def folder(self, name: str) -> None:
+        """Open or close a folder of the panel."""
+        self.page.get_by_text(name, exact=True).first.click()
+
+    def field(self, label: str) -> Any:
+        """The field that stands beside a label."""
+        row = self.page.get_by_text(label, exact=True).locator("xpath=ancestor::div[contains(@class, 'Flex-root')][1]")
+        return row.locator("input:visible")
+
+    def choose(self, label: str, option: str) -> None:
+        """Take an option of a dropdown."""
+        self.field(label).click()
+        self.page.get_by_role("option", name=option, exact=True).locator("visible=true").first.click()
+
+
+@pytest.fixture
+def shown(browser: Any) -> Iterator[Shown]:
+    """An arm of six joints in a page of its own, at a pose with eight solutions."""
+    with Viewer(bare("zyyzyz_6r"), port=0) as viewer:
+        viewer.move_target(viewer.state.arm.fk(Q))
+        assert viewer.settle(PATIENCE)
+        opened = Shown(viewer, browser)
+        yield opened
+        opened.page.close()
+
+
+def test_a_pasted_joint_vector_is_there_to_be_copied(shown: Shown) -> None:
+    """What is typed into the field moves the arm; the text below it says the same vector, in Python and in JSON."""
+    shown.folder("Paste, copy, postures")
+    field = shown.field("Pose or q")
+    field.fill(f"q = {Q.tolist()}")
+    field.press("Enter")
+    shown.page.get_by_text(f"q = {Q.tolist()}").first.wait_for()
+    np.testing.assert_allclose(shown.viewer.state.q, Q)
+    shown.choose("Copy as", "JSON")
+    shown.page.get_by_text(f'{{"q": {Q.tolist()}').first.wait_for()
+    field.fill("1 2 three")
+    field.press("Enter")
+    shown.page.get_by_text("'three' is no number").wait_for()
+    np.testing.assert_allclose(shown.viewer.state.q, Q)
+
+
+def test_keys_go_to_the_next_solution_and_back(shown: Shown) -> None:
+    """N marks another branch as the one where the arm stands, P the first one again."""
+    marked = shown.page.get_by_role("button", name=re.compile("^● "))
+    shown.wait(lambda: marked.count() == 1, "the arm stands at a solution")
+    first = marked.inner_text()
+    shown.page.mouse.click(60, 60)
+    shown.page.keyboard.press("n")
+    shown.wait(lambda: marked.count() == 1 and marked.inner_text() != first, "another branch is marked")
+    shown.page.keyboard.press("p")
+    shown.wait(lambda: marked.count() == 1 and marked.inner_text() == first, "the first one is marked again")
+
+
+def test_the_camera_comes_back_to_arm_and_table_by_a_key(browser: Any) -> None:
+    """After the view was turned away, F shows the arm, the path and all corners of the table in the free part."""
+    arm, world = bare("zyyzyz_6r"), urdf_ik.World()
+    half = np.array([0.4, 0.9, 0.05])
+    world.add("table", urdf_ik.Box(2.0 * half), urdf_ik.pose([1.4, 0.6, 0.2]))
+    line = urdf_ik.line(arm.fk(Q), arm.fk(Q) @ urdf_ik.pose([0.0, 0.2, 0.0]), 10)
+    with Viewer(arm, port=0, world=world, plan=arm.follow(line, world=None)) as viewer:
+        shown = Shown(viewer, browser)
+        corners = [1.4, 0.6, 0.2] + half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        links = [pose[:3, 3] for pose in arm.link_poses(viewer.state.q).values()]
+        points = np.concatenate([corners, links, line[:, :3, 3]])
+
+        def is_away() -> bool:
+            # Each round turns it again: a new page is framed once, maybe after the first round.
+            shown.client.camera.position, shown.client.camera.look_at = (50.0, 0.0, 0.0), (60.0, 0.0, 0.0)
+            return bool((shown.project(points)[:, 2] < 0.0).all())
+
+        def is_framed() -> bool:
+            drawn = shown.project(points)
+            return bool((drawn > 0.0).all() and (drawn[:, :2] < TOOL_SIZE).all())
+
+        shown.wait(is_away, "the page looks away")
+        shown.page.mouse.click(60, 60)
+        shown.page.keyboard.press("f")
+        shown.wait(is_framed, "the page shows arm, path and table")
+        shown.page.close()
+
+
+def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
+    """With two megabytes of meshes on the arm, a move of the target sends places: less than a hundredth of that."""
+    import trimesh
+
+    arm = urdf_ik.load("zyyzyz_6r")
+    with Viewer(arm, port=0) as viewer:
+        ball = trimesh.creation.icosphere(subdivisions=6)  # 2.0 MB as vertices and faces of 4 bytes
+        viewer.server.scene.add_mesh_simple("/robot/tip/ball", ball.vertices, ball.faces)
+        assert 4 * (ball.vertices.size + ball.faces.size) > 1_400_000
+        shown = Shown(viewer, browser)
+        sent: list[int] = []
+
+        def listen(socket: Any) -> None:
+            socket.on("framereceived", lambda data: sent.append(len(data)))
+
+        shown.page.on("websocket", listen)
+        shown.enter()
+        shown.catch_up()
+        shown.wait(lambda: sum(sent) > 1_400_000, "the shapes have come")
+        sent.clear()
+        moves = 10
+        for k in range(moves):
+            viewer.move_target(arm.fk(Q + 0.02 * k))
+            shown.catch_up()
+        assert 0 < sum(sent) < moves * 20_000
+        shown.page.close()
+
+
+def test_a_narrow_window_shows_whole_labels(browser: Any) -> None:
+    """On a telephone no label is cut off or reaches beyond the page, and the panel is as wide as the page."""
+    with Viewer(bare("zyyzyz_6r"), port=0) as viewer:
+        seen = ViewerPage(viewer, browser, NARROW, 0)
+        page = seen.page
+        page.get_by_role("button", name="Save the scene as HTML").wait_for()
+        labels = page.locator(".mantine-Button-label")
+
+        def cut_off() -> list[str]:
+            return [
+                label
+                for label, beyond, below, right in labels.evaluate_all(MEASURE)
+                if not (beyond <= 1 and below <= 1 and right <= NARROW[0])
+            ]
+
+        assert labels.count() >= len(viewer.state.ghosts) == 8
+        seen.wait(lambda: not cut_off(), "no label is cut off")
+        panel = "e => e.closest('.mantine-ScrollArea-root').offsetWidth"
+        joints = page.get_by_text("Joints").first
+        seen.wait(lambda: joints.evaluate(panel) == NARROW[0], "the panel is as wide as the page")

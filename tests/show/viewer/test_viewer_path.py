@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command import ARM, call, succeed
 from seams import blocked_plan, seam
+from wire import PATIENCE, WirePage, wait
 
 import urdf_ik
 from urdf_ik import Arm, Box, Capsule, Cylinder, HalfSpace, Mesh, Plan, Points, Sphere, World
@@ -21,10 +20,7 @@ from urdf_ik.show.viewer import state as states
 pytest.importorskip("viser", reason="pip install viser")
 
 from urdf_ik.show.viewer import Viewer  # noqa: E402
-from urdf_ik.show.viewer.path_panel import PathPanel  # noqa: E402
 from urdf_ik.show.viewer.surroundings import triangles  # noqa: E402
-
-PATIENCE = 60.0
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +39,6 @@ def plan(arm: Arm) -> Plan:
 def blocked(arm: Arm) -> Plan:
     """One that was not, for a box on the way."""
     return blocked_plan(arm)
-
-
-def wait(what: Callable[[], bool]) -> None:
-    """Until that is so."""
-    end = time.monotonic() + PATIENCE
-    while not what():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
 
 
 def test_the_arm_stands_where_the_plan_puts_it(arm: Arm, plan: Plan) -> None:
@@ -94,7 +82,7 @@ def test_what_no_branch_gets_past_is_marked_where_it_is(arm: Arm) -> None:
         here = playback.first_of(track, states.start(arm), stop)
         assert np.array_equal(here.target, far[place])
     with Viewer(arm, port=0, plan=plan) as viewer:
-        labels = [button.label for button in viewer._path[0].ends]
+        labels = [button.label for button in viewer.path.ends]
     assert all(f"at {s.waypoint}" in x or f"before {s.waypoint}" in x for s, x in zip(plan.stops, labels, strict=True))
 
 
@@ -109,7 +97,7 @@ def test_a_world_marks_the_solutions_that_touch_it(arm: Arm, blocked: Plan) -> N
 
 
 def test_a_player_passes_the_path_and_ends() -> None:
-    """Places rise from where it begins to the last waypoint; once stopped it says nothing more."""
+    """Places rise from where it begins to the last waypoint; from the end it begins anew."""
     track = playback.Track(None, np.zeros((11, 3)), 10, {})
     places: list[float] = []
     ended: list[bool] = []
@@ -117,36 +105,25 @@ def test_a_player_passes_the_path_and_ends() -> None:
     player.start(track, 8.0)
     wait(lambda: bool(ended))
     assert not player.playing and places[-1] == 10.0 and places[0] > 8.0 and places == sorted(places)
-    player.start(track, 10.0)  # from the end it begins anew
-    wait(lambda: len(places) > 30 or places[-1] < 9.0)
+    player.start(track, 10.0)
+    wait(lambda: places[-1] < 9.0)
     player.stop()
-    count = len(places)
-    time.sleep(3.0 * playback.FRAME)
-    assert len(places) == count and len(ended) == 1
+    assert not player.playing and len(ended) == 1
 
 
-def test_the_page_plays_a_plan(arm: Arm, plan: Plan, blocked: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_page_plays_a_plan(arm: Arm, plan: Plan, blocked: Plan) -> None:
     """Slider, arm and path belong to the plan; another plan takes its place; another arm takes it away."""
-    shown: list[bool] = []
-    show_playing = PathPanel.show_playing
-
-    def shows(panel: PathPanel, playing: bool) -> None:
-        shown.append(playing)
-        show_playing(panel, playing)
-
-    monkeypatch.setattr(PathPanel, "show_playing", shows)
-    with Viewer(arm, port=0, plan=plan) as viewer:
-        panel, drawing = viewer._path
+    with Viewer(arm, port=0, plan=plan) as viewer, WirePage(viewer) as page:
+        panel, drawing = viewer.path, viewer.path_drawing
         assert np.allclose(viewer.state.q, plan.q[0]) and panel.slider.max == 29.0 and not panel.ends
         assert np.allclose(drawing.line.points[:, 0], plan.poses[:-1, :3, 3], atol=1e-6) and not drawing.ends
-        viewer.go_to(12)
+        page.change("Waypoint", 12.0)
+        wait(lambda: viewer.place == 12.0)
         assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[12])
-        assert panel.slider.value == 12.0 and viewer.place == 12
         viewer.go_to(28.5)
-        assert viewer.settle(PATIENCE)
+        assert viewer.settle(PATIENCE) and panel.slider.value == 28.5
         viewer.play()
-        wait(lambda: shown == [True, False])
-        assert panel.button.label == "Play"
+        wait(lambda: viewer.place == 29.0 and panel.button.label == "Play")
         assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[-1]) and panel.slider.value == 29.0
         viewer.play()
         assert panel.button.label == "Pause"
@@ -154,12 +131,12 @@ def test_the_page_plays_a_plan(arm: Arm, plan: Plan, blocked: Plan, monkeypatch:
         assert panel.button.label == "Play"
         viewer.show_plan(blocked)
         assert viewer.settle(PATIENCE)
-        panel, drawing = viewer._path
+        panel, drawing = viewer.path, viewer.path_drawing
         assert len(panel.ends) == len(blocked.stops) and sorted(drawing.ends) == sorted(viewer.track.ends)
         for waypoint, ball in drawing.ends.items():
             assert np.allclose(ball.position, blocked.poses[waypoint, :3, 3])
-        viewer._show_end(blocked.stops[-1])
-        assert viewer.settle(PATIENCE) and panel.slider.value == blocked.stops[-1].waypoint - 1
+        page.change(panel.ends[-1].label, True)
+        wait(lambda: viewer.place == blocked.stops[-1].waypoint - 1)
         viewer.open("srs_7r")
         assert viewer.settle(PATIENCE) and viewer.track is None
         viewer.play()  # nothing to play

@@ -54,7 +54,12 @@ def is_local(host: str) -> bool:
         return host == "localhost"
 
 
+def reachable(host: str) -> str:
+    """An address at which a server that listens on ``host`` answers on this machine."""
+    return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+
+
 def url(host: str, port: int) -> str:
     """The address to type into a browser on this machine."""
-    shown = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
-    return f"http://[{shown}]:{port}" if ":" in shown else f"http://{shown}:{port}"
+    name = reachable(host)
+    return f"http://[{name}]:{port}" if ":" in name else f"http://{name}:{port}"

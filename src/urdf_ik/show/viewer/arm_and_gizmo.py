@@ -15,7 +15,7 @@ from urdf_ik.show.viewer.state import State
 from urdf_ik.support import palette
 from urdf_ik.typing import Array
 
-_OPACITY, _PINNED_OPACITY = 0.4, 0.75
+_OPACITY = 0.4
 # rad, and share of the arm's size, by which links of two solutions differ that are not in the same place.
 _SAME = 1e-6
 # Where the camera stands, as seen from the arm; how far the arm is left of the middle, where the panel is not; and what
@@ -25,7 +25,6 @@ _FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
 _MOST_FACES = 4000
 _ABOVE = 0.45
 """Share of a narrow window's height that the panel below leaves for the arm."""
-_PINNED_WIDTH = 5.0
 _LINE, _LINE_ON_BLACK = (40, 40, 40), (215, 215, 215)
 _NAMED = 2
 """Greatest number of shapes that could not be read which the page names one by one."""
@@ -42,6 +41,9 @@ class Drawing:
     Attributes:
         root: the frame that holds arm and ghosts.
         target: the handles that are dragged.
+        bodies: link and handle of each of the arm's own shapes.
+        ghosts: link and handle of the shapes of all ghosts: an instance for each branch.
+        lines: handles of the lines along the links, the arm's own first; empty where all shapes are drawn.
         missing: a sentence for each shape that could not be read.
         has_shapes: whether any link has a shape; where it has not, or lacks some, there are frames and lines.
     """
@@ -56,22 +58,19 @@ class Drawing:
         self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
         self.root = scene.add_frame("/robot", show_axes=False)
         self._size = arm.chain.size
-        self._lines: list[Any] = []
-        self._bodies: list[tuple[str, Any]] = []
-        self._ghosts: list[tuple[str, Any]] = []
-        self._pinned: list[tuple[str, Any]] = []  # made when the first ghost is pinned
-        self._pinned_lines: list[Any] = []
+        self.lines: list[Any] = []
+        self.bodies: list[tuple[str, Any]] = []
         self._forms: dict[str, trimesh.Trimesh] = {}
         self._edges = [
             (joint.parent, joint.child) for joint in arm.model.joints if np.linalg.norm(joint.origin[:3, 3]) > 0.0
         ]
         for k, body in enumerate(shapes.bodies):
-            self._bodies.append((body.link, scene.add_mesh_trimesh(f"/robot/body_{k}", body.mesh)))
+            self.bodies.append((body.link, scene.add_mesh_trimesh(f"/robot/body_{k}", body.mesh)))
         moving = self._moving()
         for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
             whole = link_shapes.joined([body.mesh for body in shapes.bodies if body.link == link])
             self._forms[link] = link_shapes.simplified(whole, _MOST_FACES)
-        self._ghosts = self._add_ghosts("ghosts", _OPACITY)
+        self.ghosts = self._add_ghosts()
         self._axes: Any = None
         if self.missing or not self.has_shapes:
             self._add_lines()
@@ -87,35 +86,22 @@ class Drawing:
             keep_target: leave the handles alone, as they are being dragged.
         """
         drawn = state.drawn
-        vectors = np.stack([state.q, *(ghost.q for ghost in (*drawn, *state.pinned))])
-        every = self._arm.link_poses(vectors)
-        poses = {link: T[: 1 + len(drawn)] for link, T in every.items()}
-        for link, handle in self._bodies:
+        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in drawn)]))
+        for link, handle in self.bodies:
             _place(handle, poses[link][0])
         _place(self._tip, poses[self._arm.tip][0])
         columns = [ghost.column for ghost in drawn]
-        for link, handle in self._ghosts:
+        for link, handle in self.ghosts:
             # Two bodies in the same place would flicker: the arm goes before its ghosts, and the first of them.
             new = np.flatnonzero(_first_of_their_kind(poses[link], _SAME * self._size)[1:])
             self._place_ghosts(handle, [columns[k] for k in new], poses[link][1 + new])
-        if self._lines:
-            self._place_lines(self._lines, [0, *(1 + column for column in columns)], poses)
+        if self.lines:
+            self._place_lines(self.lines, [0, *(1 + column for column in columns)], poses)
             here = np.stack([poses[link][0] for link in self._arm.model.links])
             self._axes.batched_positions = here[:, :3, 3].astype(np.float32)
             self._axes.batched_wxyzs = to_quat_wxyz(here).astype(np.float32)
-        self._place_pinned([ghost.column for ghost in state.pinned], every)
         if not keep_target:
             _place(self.target, state.target)
-
-    def send_again(self) -> None:
-        """Send every page where the target is; viser itself sends changes alone."""
-        from viser import _messages as messages
-
-        own = self.target._impl
-        x, y, z = map(float, own.position)
-        a, b, c, d = map(float, own.wxyz)
-        own.api._queue_scene_message(messages.SetPositionMessage(own.name, (x, y, z)))
-        own.api._queue_scene_message(messages.SetOrientationMessage(own.name, (a, b, c, d)))
 
     @property
     def unseen(self) -> list[str]:
@@ -139,7 +125,7 @@ class Drawing:
             aspect: width of the window as a share of its height; a narrow one has the panel below. Default: a wide one.
             beside: (k, 3) m, what else is to be seen: waypoints, and obstacles.
         """
-        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in (*state.ghosts, *state.pinned))]))
+        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
         points = np.concatenate([poses[link].reshape(-1, 4, 4)[:, :3, 3] for link in self._arm.model.links])
         if beside is not None:
             points = np.concatenate([points, beside])
@@ -167,20 +153,20 @@ class Drawing:
         poses = self._arm.link_poses(np.stack([np.zeros(self._arm.dof), np.ones(self._arm.dof)]))
         return {link for link, (first, second) in poses.items() if not np.array_equal(first, second)}
 
-    def _add_ghosts(self, name: str, opacity: float) -> list[tuple[str, Any]]:
+    def _add_ghosts(self) -> list[tuple[str, Any]]:
         """Each moving link as many times as there are branches, in their colours and of no size yet."""
         return [
             (
                 link,
                 self._scene.add_batched_meshes_simple(
-                    f"/robot/{name}_{k}",
+                    f"/robot/ghosts_{k}",
                     one.vertices,
                     one.faces,
                     np.tile([1.0, 0.0, 0.0, 0.0], (self._capacity, 1)),
                     np.zeros((self._capacity, 3)),
                     batched_scales=np.zeros(self._capacity),
                     batched_colors=self._colours,
-                    opacity=opacity,
+                    opacity=_OPACITY,
                     lod="off",
                     cast_shadow=False,
                     receive_shadow=False,
@@ -199,17 +185,6 @@ class Drawing:
             places.astype(np.float32), turns.astype(np.float32), sizes.astype(np.float32)
         )  # fmt: skip
 
-    def _place_pinned(self, columns: list[int], every: dict[str, Array]) -> None:
-        if columns and not (self._pinned or self._pinned_lines):
-            self._pinned = self._add_ghosts("pinned", _PINNED_OPACITY)
-            if self._lines:
-                self._pinned_lines = self._add_segments("pinned_line", list(self._colours), [_PINNED_WIDTH])
-        behind = {link: T[len(T) - len(columns) :] for link, T in every.items()}
-        for link, handle in self._pinned:
-            self._place_ghosts(handle, columns, behind[link])
-        if self._pinned_lines:
-            self._place_lines(self._pinned_lines, columns, behind)
-
     def _add_segments(self, name: str, shades: list[Any], widths: list[float]) -> list[Any]:
         """An object of lines along the links for each shade; the last of the widths is that of all others."""
         shape = (max(len(self._edges), 1), 2, 3)
@@ -225,7 +200,7 @@ class Drawing:
         ]
 
     def _add_lines(self) -> None:
-        self._lines = self._add_segments("line", [self._own_line, *self._colours], [6.0, 3.0])
+        self.lines = self._add_segments("line", [self._own_line, *self._colours], [6.0, 3.0])
         count = len(self._arm.model.links)
         self._axes = self._scene.add_batched_axes(
             "/robot/axes",

@@ -1,4 +1,4 @@
-"""The viewer's page inside a notebook, and what stands in its place where no viewer runs."""
+"""The viewer's page outside the viewer: in a notebook, as a picture in its place, as a file."""
 
 from __future__ import annotations
 
@@ -8,8 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from urdf_ik.ik.solutions.tables import stick_picture
+from urdf_ik.show.viewer.arm_and_gizmo import colours as bytes_of_colours
 from urdf_ik.show.viewer.state import State
 from urdf_ik.support.palette import colours
+
+_LEGEND = (
+    "position:fixed;left:1em;bottom:1em;z-index:9;margin:0;padding:.6em .9em;border-radius:.4em;list-style:none;"
+    "font:13px/1.5 sans-serif;pointer-events:none;"
+)
 
 
 class Embedded(NamedTuple):
@@ -45,3 +51,20 @@ def picture(state: State) -> str:
         f"<figure>{stick_picture(arm.chain, figures, shades)}"
         f"<figcaption>{escape(words)}. The page itself needs the viewer to run.</figcaption></figure>"
     )
+
+
+def with_names(page: str, state: State, dark: bool = False) -> str:
+    """The HTML ``page`` of a scene with a list of its solutions in their colours; the arm's own is marked."""
+    shades = bytes_of_colours(max(len(state.arm.structure.branches), 1), dark)
+    lines = []
+    for k, ghost in enumerate(state.ghosts):
+        red, green, blue = shades[ghost.column]
+        here = " (the arm)" if k == state.chosen else ""
+        marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
+        dot = f'<span style="color:rgb({red},{green},{blue})">&#9679;</span>'
+        lines.append(f"<li>{dot} {escape(ghost.branch + marks + here)}</li>")
+    text, ground = ("#eee", "rgba(0,0,0,.6)") if dark else ("#222", "rgba(255,255,255,.8)")
+    title = f"<li><b>{escape(state.arm.name)}</b></li>"
+    legend = f'<ul id="branches" style="{_LEGEND}color:{text};background:{ground}">{title}{"".join(lines)}</ul>'
+    head, end, tail = page.rpartition("</body>")
+    return f"{head}{legend}{end}{tail}" if end else page + legend

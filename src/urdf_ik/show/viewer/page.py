@@ -17,26 +17,18 @@ from urdf_ik import export
 from urdf_ik.arm import Arm, load
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
-from urdf_ik.maps.workspaces import WorkspaceMap
 from urdf_ik.model.poses import pose
 from urdf_ik.paths import Plan
 from urdf_ik.paths.planned_motion import Stop
-from urdf_ik.show.viewer import address, guard, page_messages, playback
+from urdf_ik.show.viewer import address, guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
-from urdf_ik.show.viewer.arm_panel import READING, STYLE, Panel, plain
-from urdf_ik.show.viewer.embedding import Embedded, picture
-from urdf_ik.show.viewer.map_view import MapView
-from urdf_ik.show.viewer.path_panel import PathPanel
+from urdf_ik.show.viewer.embedding import Embedded, picture, with_names
+from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, WorkPanel, add_sources, plain
 from urdf_ik.show.viewer.playback import Track
 from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
-from urdf_ik.show.viewer.work import recording, saved_page, sources
-from urdf_ik.show.viewer.work.cameras import Cameras
-from urdf_ik.show.viewer.work.panel import WorkPanel
-from urdf_ik.show.viewer.work.uploads import Uploads
-from urdf_ik.support import inputs
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
 """The command that installs what the viewer needs."""
@@ -50,13 +42,12 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
-        work: the widgets to paste, copy, choose postures and ghosts, and measure with.
-        recorder: the widgets that record the page.
+        work: the widgets to paste, copy and choose postures.
+        path: the widgets of the plan that is shown, or None.
+        path_drawing: the path in the scene, or None.
         track: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
-        map: the workspace map in page and scene, or None.
-        uploads: the files that pages are sending.
         message: what the last request for another arm came to.
     """
 
@@ -69,7 +60,6 @@ class Viewer:
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
         plan: Plan | None = None,
         world: World | None = None,
-        workspace: WorkspaceMap | None = None,
         dark: bool = False,
     ) -> None:
         """Start the server.
@@ -81,17 +71,14 @@ class Viewer:
             mesh_roots: folders that meshes of arms that the page asks for may be read from.
             plan: of ``arm.follow``, found or not, to be played along its waypoints.
             world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
-            workspace: map of ``urdf_ik.maps.workspace(arm)`` to show, see :meth:`show_workspace`.
             dark: light on dark.
 
         Raises:
             MissingPackage: viser is not installed, or is one whose requests cannot be checked.
-            ArgumentError: the port is in use, the host is not this machine, or the plan or the map is another
-                arm's.
-            JobError: the map is in a store that is not complete, or damaged.
+            ArgumentError: the port is in use, the host is not this machine, or the plan is another arm's.
         """
         try:
-            import viser
+            import viser as _  # noqa: F401
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
         address.check(host, port)
@@ -101,20 +88,14 @@ class Viewer:
         if plan is not None and plan.obstacles is not None and world is None:
             world = plan.obstacles.model.world
         self.state = states.start(arm, world)
-        self._latest = Latest(self._agree)
         self.track: Track | None = None
         self.place = 0.0
-        self._path: tuple[PathPanel, PathDrawing] | None = None
-        self.map: MapView | None = None
+        self.path: PathPanel | None = None
+        self.path_drawing: PathDrawing | None = None
         self._player = playback.Player(self.go_to, self._ended)
         first = address.DEFAULT_PORT if port is None else port
-        with guard.quiet(), guard.guarding(self._guard, host) as guarded:
-            self.server = viser.ViserServer(host=guarded, port=first, label="urdf-ik", verbose=False)
-        try:
-            guard.require(self._guard, self.server)
-        except MissingPackage:
-            self.close()
-            raise
+        self.server = guard.start(self._guard, host, first)
+        self._latest = Latest(lambda: self.panel.show_intervals(self.state))
         if port and self.port != port:  # somebody took it since it was looked at
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
@@ -122,23 +103,18 @@ class Viewer:
         self.server.gui.add_html(STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
-        self._cameras = Cameras(self.server, self._latest.put, self._view)
         self._show_arm(self.state)
-        self._add_sources()
-        page_messages.check_messages(
-            self.server,
-            lambda why: self._latest.put("refused", lambda: self._say(why)),
-            lambda: self._latest.put("agree", lambda: None),
-        )
-        self.server.on_client_connect(self._cameras.greet)
+        add_sources(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
+        frame = self.server.gui.add_command("Frame arm, path and obstacles", hotkey="F")
+        frame.on_trigger(lambda event: self._ask_for_view(event.client))
+        self.server.on_client_connect(self._greet)
         try:
             if plan is not None:
                 self.show_plan(plan)
-            if workspace is not None:
-                self.show_workspace(workspace)
         except UrdfIkError:
             self.close()
             raise
+        self._latest.put("start", lambda: None)  # the intervals are drawn after a request
         self.settle()
 
     def __enter__(self) -> Viewer:
@@ -190,13 +166,13 @@ class Viewer:
 
     def html(self, *, scene: bool = False) -> str:
         """Page of :func:`urdf_ik.export.html`; where there is none, beside other things, or asked for: the scene."""
-        if not scene and self._path is None and self.map is None and self.state.world is None:
+        if not scene and self.path is None and self.state.world is None:
             with suppress(MissingPackage, UnsupportedArm):
                 return str(export.html(self.state.arm, q=self.state.q))
         target = self.drawing.target
         target.visible = False  # handles that would move nothing
         try:
-            return str(saved_page.with_names(self.server.scene.as_html(), self.state, self._dark))
+            return str(with_names(self.server.scene.as_html(), self.state, self._dark))
         finally:
             target.visible = True
 
@@ -226,44 +202,6 @@ class Viewer:
             raise ArgumentError(f"the plan is one of {plan.solver.name}, not of the arm that is shown")
         self._latest.put("plan", lambda: self._show_plan(plan))
 
-    def show_workspace(
-        self,
-        found: WorkspaceMap | None,
-        what: str = "reach",
-        axis: str | None = None,
-        at: float | None = None,
-    ) -> None:
-        """Show a map of this arm: a layer of voxels as coloured points, and in the page what chooses another one.
-
-        Args:
-            found: the map; None takes away the one that is shown.
-            what: value that colours the points, a key of ``urdf_ik.maps.workspaces.VALUES`` that the map holds.
-            axis: 'x', 'y' or 'z', which the layer lies across; default: the one with fewest layers.
-            at: m on that axis; default: the middle layer.
-
-        Raises:
-            ArgumentError: the map is another arm's, or holds no such value.
-            JobError: the map is in a store that is not complete, or damaged.
-        """
-        from urdf_ik.show.viewer import map_view
-
-        read = None if found is None else map_view.Voxels(found, self.state.arm)
-        if read is not None:
-            read.values(what)
-            axis = inputs.choice(axis or read.across, "axis", tuple("xyz"))
-
-        def do() -> None:
-            self._remove_map()
-            if read is not None and read.arm is self.state.arm:
-                self.map = map_view.MapView(self.server, read, self._latest.put, what=what, axis=axis, at=at)
-
-        self._latest.put("map", do)
-
-    def _remove_map(self) -> None:
-        if self.map is not None:
-            self.map.remove()
-        self.map = None
-
     def go_to(self, place: float) -> None:
         """Go to a place of the plan that is shown; 2.5 is half way from waypoint 2 to waypoint 3."""
         self._latest.put("place", lambda: self._go_to(place))
@@ -273,8 +211,8 @@ class Viewer:
         if self.track is None:
             return
         playing = self._player.playing
-        if self._path is not None:  # before it is played: its end is shown, too
-            self._path[0].show_playing(not playing)
+        if self.path is not None:  # before it is played: its end is shown, too
+            self.path.show_playing(not playing)
         if playing:
             self._player.stop()
         else:
@@ -295,7 +233,6 @@ class Viewer:
             self._say(f"a defect of this program; the terminal says more: {error!r}")
             raise
         self._show_plan(None)
-        self._remove_map()
         self.drawing.remove()
         self.panel.remove()
         self.work.remove()
@@ -313,21 +250,50 @@ class Viewer:
         self.drawing = Drawing(self.server.scene, arm, self._dark)
         self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
         self.obstacles = Obstacles(self.server.scene, state.world, arm.chain.size)
-        self.work = WorkPanel(
-            self.server.gui, self.server.scene, arm, lambda step: self._update(object(), step), self._say
-        )
+        self.work = WorkPanel(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         first = self.server.initial_camera
         with self.server.atomic():
-            first.position, first.look_at = self._view(first.fov)
-        self._cameras.frame(*self.server.get_clients().values())
+            first.position, first.look_at = self.view(first.fov)
+        self._frame(*self.server.get_clients().values())
         self._show(state)
 
-    def _view(self, fov: float, aspect: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def view(self, fov: float, aspect: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where a camera stands, and what it looks at, to see all there is; ``aspect`` is its window's."""
         beside = points_beside(self.track, self.state.world, self.state.arm.chain.size)
         return self.drawing.camera(self.state, fov, aspect, beside)
+
+    def _greet(self, client: Any) -> None:
+        """Have a new page see the whole arm, also after it went to viser's first view: a slow one does so late."""
+
+        async def moved(camera: Any) -> None:
+            first = self.server.initial_camera
+            if np.allclose(camera.position, first.position) and np.allclose(camera.look_at, first.look_at):
+                self._ask_for_view(client)
+
+        client.camera.on_update(moved)
+        self._ask_for_view(client)
+
+    def _ask_for_view(self, client: Any) -> None:
+        if client is not None:
+            self._latest.put(("view", client.client_id), lambda: self._frame(client))
+
+    def _frame(self, *clients: Any) -> None:
+        """Have pages see the whole arm, path and obstacles.
+
+        Their cameras are turned in the server's event loop, which reads the messages of pages. Elsewhere one with an
+        older view could be read between the two steps: viser would compare the second with it, and might not send it.
+        """
+
+        def turn(client: Any, position: NDArray[np.float64], look_at: NDArray[np.float64]) -> None:
+            with suppress(UserWarning):  # viser warns of each message to a closed page
+                if client.client_id in self.server.get_clients():
+                    client.camera.position, client.camera.look_at = position, look_at
+
+        for client in clients:
+            view = self.view(client.camera.fov, client.camera.aspect)
+            self.server.get_event_loop().call_soon_threadsafe(turn, client, *view)
 
     def _show(self, state: State, held: object = None) -> None:
         """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
@@ -339,60 +305,52 @@ class Viewer:
             self.obstacles.update()
         self.server.flush()
 
-    def _agree(self) -> None:
-        """Send all pages the sliders and the target: two that move them may differ, a single one has newer values."""
-        if len(self.server.get_clients()) > 1:
-            self._show(self.state)
-            for part in (self.panel, self.drawing):
-                part.send_again()
-            if self._path is not None:
-                self._path[0].show(self.place, again=True)
-            self.server.flush()
-
     def _show_plan(self, plan: Plan | None) -> None:
         self._player.stop()
-        if self._path is not None:
-            for part in self._path:
+        for part in (self.path, self.path_drawing):
+            if part is not None:
                 part.remove()
-        self.track, self._path = None, None
+        self.track = self.path = self.path_drawing = None
         if plan is None:
             return
         self.track = playback.track(plan)
-        self._path = (
-            PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end, self._dark),
-            PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
+        self.path = PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self.show_end, self._dark)
+        self.path_drawing = PathDrawing(
+            self.server.scene, self.track, self.state.arm.chain.size, self.show_end, self._dark
         )
         self._go_to(0.0)
-        self._cameras.frame(*self.server.get_clients().values())
+        self._frame(*self.server.get_clients().values())
 
     def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
         """Show a place of the plan; where it was chosen with the slider, that is left alone."""
-        if self.track is None or self._path is None:
+        if self.track is None or self.path is None:
             return
         self.place = place
         self._show(playback.at(self.track, self.state, place))
         if not scrubbed:
-            self._path[0].show(place)
+            self.path.show(place)
 
     def _scrubbed(self, place: float) -> None:
         self._player.stop()
-        if self._path is not None:
-            self._path[0].show_playing(False)
+        if self.path is not None:
+            self.path.show_playing(False)
         self._latest.put("place", lambda: self._go_to(place, scrubbed=True))
 
-    def _show_end(self, stop: Stop) -> None:
+    def show_end(self, stop: Stop) -> None:
+        """Go to where a branch ends, and to that branch's solution there."""
+
         def do() -> None:
-            if self.track is not None and self._path is not None:
+            if self.track is not None and self.path is not None:
                 self.place = playback.place_of(self.track.plan, stop)
                 self._show(playback.first_of(self.track, self.state, stop))
-                self._path[0].show(self.place)
+                self.path.show(self.place)
 
         self._player.stop()
         self._latest.put("place", do)
 
     def _ended(self) -> None:
-        if self._path is not None:
-            self._path[0].show_playing(False)
+        if self.path is not None:
+            self.path.show_playing(False)
 
     def _update(self, key: Hashable, step: Callable[[State], State], held: object = None) -> None:
         arm = self.state.arm
@@ -428,14 +386,3 @@ class Viewer:
     def _turned(self, which: int, value: float) -> None:
         change = partial(states.with_redundancy, value=value, which=which)
         self._update("redundancy", change, self.panel.redundancies[which])
-
-    def _add_sources(self) -> None:
-        """The widgets that stay: another arm, and the scene as a file."""
-        self.sources = sources.add(self.server.gui, self.open, lambda: self.state.arm.name, self.html)
-        self.recorder = recording.Recorder(self.server.gui, lambda: self.state.arm.name, self._say)
-        frame = self.server.gui.add_command("Frame arm, path and obstacles", hotkey="F")
-        frame.on_trigger(self._cameras.framed)
-        _, upload, base, tip, _ = self.sources
-        self.uploads = Uploads(
-            self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
-        )

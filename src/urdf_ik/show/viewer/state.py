@@ -18,8 +18,6 @@ from urdf_ik.ik.solutions import IKSolutions, Singular, distances, limits
 from urdf_ik.model import srdf
 from urdf_ik.typing import Array
 
-SHOWN = ("all", "inside the limits", "without a mark", "none")
-"""Which ghosts may be drawn."""
 # rad or m: the arm stands at a solution that is this close to it.
 _SAME = 1e-6
 
@@ -68,9 +66,6 @@ class State:
         model: what answers about contacts, with the world's obstacles; None where the URDF has nothing to check.
         intervals: where along its one redundancy parameter the target has solutions inside the limits; None for an
             arm without one, or one whose intervals are not known.
-        shown: which ghosts are drawn, one of ``SHOWN``.
-        hidden: columns of branches whose ghosts are not drawn.
-        pinned: solutions of earlier targets that stay where they are, at most one of each branch.
     """
 
     arm: Arm
@@ -83,16 +78,11 @@ class State:
     world: World | None = None
     model: CollisionModel | None = None
     intervals: Intervals | None = None
-    shown: str = SHOWN[0]
-    hidden: frozenset[int] = frozenset()
-    pinned: tuple[Ghost, ...] = ()
 
     @property
     def drawn(self) -> tuple[Ghost, ...]:
-        """The ghosts that are drawn: those that are to be shown, but for the one that the arm stands at."""
-        everything, inside, clean, _ = (self.shown == each for each in SHOWN)
-        kept = (g for k, g in enumerate(self.ghosts) if k != self.chosen and g.column not in self.hidden)
-        return tuple(g for g in kept if everything or (inside and not g.outside) or (clean and not g.marks))
+        """The ghosts that are drawn: all but the one that the arm stands at."""
+        return tuple(ghost for k, ghost in enumerate(self.ghosts) if k != self.chosen)
 
     @property
     def chosen(self) -> int | None:
@@ -153,28 +143,9 @@ def with_branch(state: State, column: int) -> State:
     return replace(state, q=found[0].q) if found else state
 
 
-def with_shown(state: State, what: str) -> State:
-    """The same with other ghosts drawn, ``what`` being one of ``SHOWN``."""
-    return replace(state, shown=what)
-
-
-def with_hidden(state: State, columns: frozenset[int], hidden: bool) -> State:
-    """The ghosts of these branches no longer drawn, or drawn again."""
-    return replace(state, hidden=state.hidden | columns if hidden else state.hidden - columns)
-
-
-def with_pinned(state: State, columns: frozenset[int], pinned: bool) -> State:
-    """The solutions of these branches drawn where they are now, wherever the target goes; or no longer."""
-    others = tuple(ghost for ghost in state.pinned if ghost.column not in columns)
-    return replace(state, pinned=(*others, *(g for g in state.ghosts if pinned and g.column in columns)))
-
-
 def with_next(state: State, step: int) -> State:
-    """The arm moved to the next solution of its target inside the limits, by branch; ``step`` -1: to the one before.
-
-    Solutions of hidden branches are passed over.
-    """
-    inside = [ghost for ghost in state.ghosts if not ghost.outside and ghost.column not in state.hidden]
+    """The arm moved to the next solution of its target inside the limits, by branch; ``step`` -1: to the one before."""
+    inside = [ghost for ghost in state.ghosts if not ghost.outside]
     if not inside:
         return state
     at = state.nearest(tuple(inside))

@@ -1,22 +1,19 @@
 """Show an arm in the browser: every solution of a target to drag, sliders for the joints.
 
 One pose is where the target begins. With more poses it also shows a plan to play along their path, or where each branch
-ends; with --world, obstacles; with --map, a layer of a workspace map and the boundary of the reachable region. Ctrl-C
-ends it.
+ends; with --world, obstacles. Ctrl-C ends it.
 
 Examples:
     urdf-ik view ur5
     urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000
     urdf-ik view panda -o panda.html
     urdf-ik view zyyzyz_6r --poses seam.csv --world cell.urdf
-    urdf-ik view zyyzyz_6r --map map.npz --show solutions
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -25,41 +22,15 @@ from typer import Option
 
 from urdf_ik.cli import console, interrupts, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
-from urdf_ik.cli.options import Value
 from urdf_ik.cli.path_options import PathOptions, followed
 from urdf_ik.errors import escaped
 from urdf_ik.show.viewer import Viewer
-
-
-@dataclass(frozen=True)
-class FirstLayer:
-    """Options of the map and its first layer, as typed; None for what was not given."""
-
-    GROUP: ClassVar[str] = "Workspace"
-    map: options.Map = None
-    axis: Annotated[str | None, Option(metavar="x|y|z", help="Axis across which a layer lies.")] = None
-    at: Annotated[
-        float | None,
-        Option(metavar="M", help="Place of the layer on that axis [m]. Default: the middle.", show_default=False),
-    ] = None
-    show: options.Shown = Value.REACH
-
-    def put_in(self, viewer: Viewer) -> None:
-        """Show it; nothing where no map was given."""
-        if self.map is not None:
-            from urdf_ik.maps import workspaces
-
-            viewer.show_workspace(workspaces.opened(self.map), self.show.value, self.axis, self.at)
-            viewer.settle()
-        elif self.axis is not None or self.at is not None:
-            raise console.usage("a layer is one of a map: give --map, too", "--axis" if self.axis else "--at")
 
 
 def command(
     *,
     typed: options.PoseOptions,
     path: PathOptions,
-    layer: FirstLayer,
     chosen: ArmOptions,
     degrees: options.Degrees = False,
     host: Annotated[
@@ -104,12 +75,12 @@ def command(
             typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
     if output is not None:
         with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
-            _begin(viewer, layer, first)
+            _begin(viewer, first)
             console.write(viewer.html(scene=True), output)
         return
     roots = chosen.mesh_root or ()
     with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
-        _begin(viewer, layer, first)
+        _begin(viewer, first)
         # From the line that shows the address on, not only once it is waited for.
         with interrupts.as_the_usual_end():
             typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
@@ -118,9 +89,8 @@ def command(
             viewer.wait()
 
 
-def _begin(viewer: Viewer, layer: FirstLayer, first: NDArray[np.float64] | None) -> None:
-    """Show what was asked for: the layer of a map, and the target's first pose."""
-    layer.put_in(viewer)
+def _begin(viewer: Viewer, first: NDArray[np.float64] | None) -> None:
+    """Show the target's first pose."""
     if first is not None:
         viewer.move_target(first)
         viewer.settle()
