@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arms import random_arm
-from cases import from_catalogue
+from cases import from_catalogue, thinned
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -55,7 +55,7 @@ def vectors(arm: urdf_ik.Arm, count: int, seed: int, *, of_round_values: bool) -
 
 @pytest.mark.parametrize("of_round_values", [False, True])
 @pytest.mark.parametrize("choice", CHOICES, ids=str)
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", thinned(ARMS, 2))
 def test_nearest_of_all_turns(name: str, choice: dict[str, Any], of_round_values: bool) -> None:
     """No image inside the limits is nearer; where no image is within the bounds, nothing is returned."""
     arm = from_catalogue(name).arm

@@ -19,6 +19,7 @@ from cases import (
     named,
     nearest,
     rows,
+    thinned,
 )
 from oracle import Oracle, angle_distance
 
@@ -72,7 +73,7 @@ def test_solutions_have_a_column_for_each_branch(name: str) -> None:
     assert np.asarray(solutions.q).shape == (len(solutions.branches), 6)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", thinned(ALL, 4))
 def test_no_solution_is_missing(name: str) -> None:
     """Every solution that a multi-start Newton search on Pinocchio's model finds is there."""
     contract.is_complete(named(name), 2, 3)

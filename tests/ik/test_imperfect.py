@@ -67,6 +67,7 @@ def test_contract_whatever_the_imperfection(kind: str, eps: float) -> None:
     contract.holds(near(kind, eps), 40, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wrist, 2||3", "wrist, 2||3, 1x2", "2||3||4, 5x6", "2||3||4, 1x2, 5x6"])
 @pytest.mark.parametrize("eps", [1e-5, 1e-4, 3e-4])
 def test_none_of_many_is_lost(kind: str, eps: float) -> None:

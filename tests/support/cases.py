@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import pytest
 from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
 from numpy.typing import NDArray
 from oracle import Oracle, angle_distance
@@ -82,6 +83,11 @@ _MEMBERS = {
 }
 ALL = (*CATALOGUE, *MADE, *_MEMBERS)
 MEMBERS_OF = {kind: tuple(name for name, key in _MEMBERS.items() if key[0] == kind) for kind in KINDS}
+
+
+def thinned(values: Iterable[Any], every: int) -> list[Any]:
+    """Parameters of a wide sweep: one in ``every`` is in the fast suite, the others are slow."""
+    return [value if k % every == 0 else pytest.param(value, marks=pytest.mark.slow) for k, value in enumerate(values)]
 
 
 def rows(solutions: IKSolutions) -> Array:

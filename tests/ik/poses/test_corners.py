@@ -13,7 +13,7 @@ from arms_few import BUILDS, SLIDES, apart, few
 from arms_general import near_member
 from arms_mimic import LINKAGES, linkage
 from arms_seven import SEVEN
-from cases import MEMBERS_OF, assert_exact, described, from_catalogue, named, nearest, rows, worst_error
+from cases import MEMBERS_OF, assert_exact, described, from_catalogue, named, nearest, rows, thinned, worst_error
 from with_reference import arm_and_reference, distances, scaled_jacobian
 
 FAMILIES = tuple(arms.KINDS)
@@ -21,27 +21,27 @@ MORE = tuple(arms_closed_forms.KINDS)
 CATALOGUE = ("zyyzyz_6r", "dh_6r", "ur5", "ur10")
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("name", thinned(CATALOGUE, 2))
 def test_catalogue(name: str) -> None:
     """Arms of the catalogue."""
     contract.holds_at_corners(from_catalogue(name), 24, 1)
 
 
-@pytest.mark.parametrize("kind", FAMILIES)
+@pytest.mark.parametrize("kind", thinned(FAMILIES, 4))
 def test_families(kind: str) -> None:
     """Spherical wrists and three parallel axes, oblique, at right angles, and with rounded frames."""
     for name in MEMBERS_OF[kind]:
         contract.holds_at_corners(named(name), 12, 2)
 
 
-@pytest.mark.parametrize("kind", MORE)
+@pytest.mark.parametrize("kind", thinned(MORE, 8))
 def test_closed_forms(kind: str) -> None:
     """Three parallel axes at one end, a spherical triple in the middle."""
     for case in closed_forms.members(kind)[:2]:
         contract.holds_at_corners(case, 8, 3)
 
 
-@pytest.mark.parametrize("kind", FAMILIES)
+@pytest.mark.parametrize("kind", thinned(FAMILIES, 4))
 @pytest.mark.parametrize("eps", [1e-9, 1e-5, 1e-3])
 def test_imperfect_members(kind: str, eps: float) -> None:
     """Members that are off by rounded decimals or a calibration."""
@@ -67,7 +67,7 @@ def test_seven_joints(kind: str) -> None:
             assert tolerance > 1e-3 or nearest(found, q) <= tolerance, (case.name, q.tolist())
 
 
-@pytest.mark.parametrize("name", [*BUILDS, *SLIDES])
+@pytest.mark.parametrize("name", thinned([*BUILDS, *SLIDES], 3))
 def test_few_joints_and_slides(name: str) -> None:
     """One to five joints, and six with slides."""
     for seed in range(2):
@@ -81,7 +81,7 @@ def test_few_joints_and_slides(name: str) -> None:
             assert tolerance > 1e-3 or apart(case, found, q).min() <= tolerance, (case.name, q.tolist())
 
 
-@pytest.mark.parametrize("name", LINKAGES)
+@pytest.mark.parametrize("name", thinned(LINKAGES, 3))
 def test_joints_that_mimic(name: str) -> None:
     """Chains in which joints mimic others."""
     for seed in range(2):

@@ -10,7 +10,7 @@ import pytest
 from arms import X, Y, Z
 from arms_degenerate import planted, random_degenerate
 from arms_few import few_urdf
-from cases import Array
+from cases import Array, thinned
 from lxml import etree
 
 import urdf_ik
@@ -151,7 +151,9 @@ def without_origins(text: bytes, joint: str, what: str) -> str:
     return etree.tostring(tree).decode()
 
 
-@pytest.mark.parametrize("name", ["puma_560", "zyyzyz_6r", "ur5", "srs_7r", "stanford_rrprrr", "scara_rrpr"])
+@pytest.mark.parametrize(
+    "name", thinned(["puma_560", "zyyzyz_6r", "ur5", "srs_7r", "stanford_rrprrr", "scara_rrpr"], 3)
+)
 def test_catalogue_arms_without_an_origin(name: str) -> None:
     """With each joint's ``<origin>`` left out, or half of it, no pose is lost, or the refusal names the joints."""
     whole, rng = urdf_ik.load(name), np.random.default_rng(4)
@@ -165,8 +167,8 @@ def test_catalogue_arms_without_an_origin(name: str) -> None:
                 assert sum(re.search(rf"\b{each}\b", str(error)) is not None for each in arm.joint_names) >= 2
 
 
-@pytest.mark.parametrize("length", [0.0, 1e-18, 1e-16, 1e-12, 1e-9, 1e-7])
-@pytest.mark.parametrize("step", range(1, 6))
+@pytest.mark.parametrize("length", thinned([0.0, 1e-18, 1e-16, 1e-12, 1e-9, 1e-7], 3))
+@pytest.mark.parametrize("step", thinned(range(1, 6), 2))
 def test_tiny_lengths(step: int, length: float) -> None:
     """A step of 0 to 1e-7 m between two axes of a 6R arm, parallel ones too, loses no pose."""
     rng = np.random.default_rng(5)
@@ -177,10 +179,11 @@ def test_tiny_lengths(step: int, length: float) -> None:
         assert_reached(arm, planted(arm, rng, 3))
 
 
-def test_random_degenerate_arms() -> None:
-    """120 random degenerate arms: no pose is lost, and an arm that is not solved is refused as UnsupportedArm."""
+@pytest.mark.parametrize("first", thinned(range(0, 120, 20), 6))
+def test_random_degenerate_arms(first: int) -> None:
+    """20 random degenerate arms: no pose is lost, and an arm that is not solved is refused as UnsupportedArm."""
     solved = 0
-    for seed in range(120):
+    for seed in range(first, first + 20):
         rng = np.random.default_rng([7, seed])
         arm = urdf_ik.load(random_degenerate(rng), "base", "tool")
         try:
@@ -188,4 +191,4 @@ def test_random_degenerate_arms() -> None:
             solved += 1
         except UrdfIkError as error:
             assert isinstance(error, UnsupportedArm), f"seed {seed}: {error}"
-    assert solved > 60
+    assert solved > 10

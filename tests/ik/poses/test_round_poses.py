@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from arms import DescribedArm, X, Y, Z
 from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, unstructured
-from cases import Case, assert_exact, described
+from cases import Case, assert_exact, described, thinned
 from numpy.typing import NDArray
 from oracle import angle_distance
 
@@ -62,7 +62,7 @@ def assert_found(case: Case, Q: Array) -> None:
     assert not lost.any(), f"{lost.sum()} of {len(Q)} lost, the first at {Q[lost][0].tolist()}"
 
 
-@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize("noise", thinned(NOISES, 3))
 @pytest.mark.parametrize("name", MAKERS)
 def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
     """Regular joint vectors with all joints at, or near, multiples of 90 degrees are found."""
@@ -72,7 +72,7 @@ def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
     assert_found(case, Q + noise * rng.uniform(-1.0, 1.0, Q.shape))
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", thinned(MAKERS, 3))
 def test_rounding_does_not_change_the_number(name: str) -> None:
     """A regular pose keeps its number of solutions when its entries change by a few units in the last place."""
     case, rng = named(name), np.random.default_rng(2)
@@ -89,7 +89,7 @@ def test_rounding_does_not_change_the_number(name: str) -> None:
         assert np.array_equal(case.arm.ik(moved).count, counts)
 
 
-@pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("distance", thinned([1e-1, 1e-3, 1e-4, 1e-5, 1e-6], 3))
 def test_folding_arm_near_its_folded_elbow_loses_nothing(distance: float) -> None:
     """Next to q3 = -90 degrees every joint vector is nearly singular, and every planted one is found."""
     case, rng = named("folding"), np.random.default_rng(3)

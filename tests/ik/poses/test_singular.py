@@ -18,6 +18,7 @@ from cases import (
     named,
     nearest,
     rows,
+    thinned,
     worst_error,
 )
 from hypothesis import given
@@ -107,13 +108,13 @@ def test_exact_singularities_are_flagged(name: str, kind: str) -> None:
         assert [int(one.singular) for one in solutions] == marks.tolist()
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", thinned(ALL, 3))
 def test_on_any_singularity(name: str) -> None:
     """Where the determinant of Pinocchio's Jacobian changes sign, solutions are exact, marked, and none given twice."""
     contract.holds_on_singularities(named(name), 8, 3)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", thinned(ALL, 3))
 def test_planted_near_any_singularity(name: str) -> None:
     """At 1e-1 to 1e-8 rad from where the determinant of Pinocchio's Jacobian changes sign, the planted one is found."""
     contract.holds_near_singularities(named(name), 8, 3, decades=8)
@@ -314,7 +315,9 @@ def assert_planted(case: Case, q: Array) -> None:
     assert nearest(found, q) <= case.oracle.tolerance(q) or case.oracle.sigma_min(q) < 1e-9
 
 
-@pytest.mark.parametrize("name", ["zyyzyz_6r", "dh_6r", "ur5", "industrial-lateral", "ur_like-negated-middle"])
+@pytest.mark.parametrize(
+    "name", thinned(["zyyzyz_6r", "dh_6r", "ur5", "industrial-lateral", "ur_like-negated-middle"], 3)
+)
 @given(q=joint_vectors)
 def test_drawn_joint_vectors(name: str, q: Array) -> None:
     """Some joints at, or 1e-1 to 1e-12 rad from, quarter turns: solutions are exact, and the planted one is found."""
