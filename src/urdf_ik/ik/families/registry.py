@@ -6,6 +6,7 @@ A new family is a row here: see CONTRIBUTING.md.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from urdf_ik.ik.families import (
     axis_added,
@@ -24,6 +25,7 @@ from urdf_ik.ik.families import (
     srs,
     three_parallel,
 )
+from urdf_ik.ik.families.parts.branches import geometric
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, mirrored
 from urdf_ik.kinematics.chain import Chain, typical_stretch
 from urdf_ik.kinematics.structure import Structure, analyse
@@ -141,7 +143,7 @@ def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:
             if not plan.is_exact:
                 near.append((plan, seen))
                 continue
-            plan = mirrored(plan) if seen is back else plan
+            plan = mirrored(plan) if seen is back else _named(plan, chain)
             if family.by_quadratics:
                 return plan
             quartic = quartic or plan
@@ -151,7 +153,13 @@ def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:
     if not _is_guide(plan, seen):
         return None
     plan = imperfect.prepare(plan, seen)
-    return mirrored(plan) if seen is back else plan
+    return mirrored(plan) if seen is back else _named(plan, chain)
+
+
+def _named(plan: FamilyMember, chain: Chain) -> FamilyMember:
+    """The plan with the names of shoulder and elbow by geometry, where axes 2 and 3 are parallel."""
+    wrist = {"6R spherical wrist, 2||3": (3, 4), "6R 2||3||4 and 5x6": (4, 5)}.get(plan.family.name)
+    return plan if wrist is None else replace(plan, branches=geometric(plan.branches, plan.solver, chain, wrist))
 
 
 def _is_guide(plan: FamilyMember, chain: Chain) -> bool:

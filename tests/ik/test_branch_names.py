@@ -1,0 +1,77 @@
+"""Names of branches are geometry: front, back, up and down are where Pinocchio puts the links."""
+
+from __future__ import annotations
+
+import itertools
+import re
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from cases import from_catalogue
+
+import urdf_ik
+from urdf_ik.model import catalogue
+
+# Shoulder and wrist far from the shoulder's axis, where the sides are clear.
+LOW, HIGH = (-2.5, 0.3, 0.5, -2.5, 0.3, -2.5), (2.5, 1.2, 1.8, 2.5, 1.8, 2.5)
+
+
+def is_named_right(arm: urdf_ik.Arm, draws: np.ndarray) -> int:
+    """Number of pairs in front that differ in the elbow alone: of each, Pinocchio puts the elbow named up higher."""
+    model = arm.cell.reference.pin_model
+    data, elbow = model.createData(), model.getJointId(arm.joint_names[2])
+
+    def height(q: np.ndarray) -> float:
+        pin.forwardKinematics(model, data, arm.to_pinocchio(q))
+        return float(data.oMi[elbow].translation[2])
+
+    pairs = 0
+    for q in draws:
+        found = {one.branch: one.q for one in arm.ik(arm.fk(q))}
+        for name in [name for name in found if "front, elbow up" in name]:
+            if (down := found.get(name.replace("elbow up", "elbow down"))) is not None:
+                assert height(found[name]) > height(down), (name, q)
+                pairs += 1
+    return pairs
+
+
+@pytest.mark.parametrize("signs", list(itertools.product((1, -1), repeat=3)), ids=str)
+def test_up_is_the_higher_elbow_whatever_the_signs_of_the_axes(signs: tuple[int, ...]) -> None:
+    """Negating axes 1, 2 or 3 and the joint's values changes no name."""
+    text = catalogue.resolve("zyyzyz_6r").path.read_text()
+    for k, sign in enumerate(signs, 1):
+        if sign < 0:
+            joint = re.search(rf'<joint name="joint_{k}".*?</joint>', text, re.DOTALL)
+            assert joint is not None
+            x, y, z = map(float, re.search(r'<axis xyz="([^"]+)"', joint[0])[1].split())
+            turned = re.sub(r'<axis xyz="[^"]+"', f'<axis xyz="{-x} {-y} {-z}"', joint[0])
+            turned = re.sub(r'lower="([^"]+)" upper="([^"]+)"', r'lower="-5" upper="5"', turned)
+            text = text.replace(joint[0], turned)
+    flipped, plain = urdf_ik.load(text), urdf_ik.load("zyyzyz_6r")
+    draws = np.random.default_rng(4).uniform(LOW, HIGH, (20, 6))
+    factors = np.array([*signs, 1, 1, 1])
+    assert is_named_right(flipped, draws * factors) > 30
+    for q in draws:
+        names = {one.branch[:23]: one.q[:3] for one in plain.ik(plain.fk(q)) if "noflip" in one.branch}
+        others = {one.branch[:23]: one.q[:3] * signs for one in flipped.ik(plain.fk(q)) if "noflip" in one.branch}
+        assert names.keys() == others.keys()
+        for name, vector in names.items():
+            turns = (vector - others[name]) / (2.0 * np.pi)
+            assert np.abs(turns - turns.round()).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10", "ur3", "puma_560"])
+def test_up_is_the_higher_elbow_of_arms_in_use(name: str) -> None:
+    """With the wrist well in front of the shoulder, the elbow that is named up stands higher."""
+    arm = from_catalogue(name).arm
+    low, high = ((-2.5, -1.2, 0.5, -2.5, 0.3, -2.5), (2.5, -0.3, 1.5, -0.5, 1.8, 2.5)) if "ur" in name else (LOW, HIGH)
+    assert is_named_right(arm, np.random.default_rng(4).uniform(low, high, (40, 6))) > 20
+
+
+def test_front_is_where_a_ur_reaches_at_zero() -> None:
+    """A UR lies along its forward side at zero: a posture that reaches to that side is in front."""
+    arm = from_catalogue("ur5").arm
+    q = np.array([0.4, -0.6, 1.0, -0.8, 0.9, 0.2])
+    name = next(one.branch for one in arm.ik(arm.fk(q)) if np.abs(one.q - q).max() < 1e-9)
+    assert name.startswith("shoulder front, elbow up")
