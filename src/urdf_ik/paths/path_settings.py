@@ -49,9 +49,9 @@ class PathSettings:
     cost: str = _setting(
         "l2",
         "choice",
-        "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time it takes (time).",
+        "Cost of a step: the sum of abs(dq) (l1), of dq^2 (l2), the largest abs(dq) (max), or the time it takes (time).",
     )
-    weights: Any = _setting(None, "per joint", "Factor on |dq| of setting joint, on dq^2 for l2; by default 1.")
+    weights: Any = _setting(None, "per joint", "Factor on abs(dq) of each joint, on dq^2 for l2; by default 1.")
     limit_cost: float = _setting(
         0.0,
         "number",
