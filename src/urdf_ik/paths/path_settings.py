@@ -49,7 +49,7 @@ class PathSettings:
     cost: str = _setting(
         "l2",
         "choice",
-        "Cost of a step: the sum of abs(dq) (l1), of dq^2 (l2), the largest abs(dq) (max), or the time it takes (time).",
+        "Cost of a step: the sum of abs(dq) (l1), of dq^2 (l2), the largest (max), or its time (time).",
     )
     weights: Any = _setting(None, "per joint", "Factor on abs(dq) of each joint, on dq^2 for l2; by default 1.")
     limit_cost: float = _setting(
