@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -94,7 +92,7 @@ def test_several_parameters() -> None:
 
 
 def test_settings_that_make_no_sense() -> None:
-    """Invalid widths, angles, tasks and metrics are refused; a region can be pickled and compared."""
+    """Invalid widths, angles, tasks and metrics are refused."""
     for wrong in ({"box": -1.0}, {"box": [1, 2]}, {"cone": 4.0}, {"rotation": -0.1}, {"axis": "w"}):
         with pytest.raises(ArgumentError):
             Region(**wrong)
@@ -105,5 +103,3 @@ def test_settings_that_make_no_sense() -> None:
         arm.with_free_axis("z").ik_nearest(np.eye(4), np.zeros(6), region=Region())
     with pytest.raises(ArgumentError):
         urdf_ik.load("positioning_3r").for_task("position").ik_nearest([0, 0, 0], np.zeros(3), region=Region())
-    region = Region(box=0.1, cone=0.2, axis=(1, 2, 3))
-    assert pickle.loads(pickle.dumps(region)) == region

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from typing import Any
 
 import numpy as np
@@ -113,18 +112,6 @@ def test_filters_leave_the_solutions_as_they_were() -> None:
     np.testing.assert_array_equal(s.q, ONE.q)
     np.testing.assert_array_equal(s.valid, ONE.valid)
     assert s.filters == ()
-
-
-def test_pickle() -> None:
-    """Solutions, filtered ones too, survive pickling where their arm does."""
-    picked = ONE.turns().nearest([0, 0, 0])
-    for s in (ONE, picked):
-        got = pickle.loads(pickle.dumps(s))
-        np.testing.assert_array_equal(got.q, s.q)
-        np.testing.assert_array_equal(got.valid, s.valid)
-        np.testing.assert_array_equal(got.singular, s.singular)
-        assert got.branches == s.branches
-        assert got.names.tolist() == s.names.tolist()
 
 
 def test_construction_copies_nothing() -> None:

@@ -42,13 +42,8 @@ def _along_parameter(
     target = as_pose_array(T)
     shape = target.shape[:-2]
     measure = distances.measure(solver, metric, weights, within)
-    reference = solver.chain.check(q_ref)
-    try:
-        each = np.broadcast_to(reference, (*shape, solver.dof)).reshape(-1, solver.dof)
-    except ValueError:
-        raise ArgumentError(
-            f"q_ref of shape {reference.shape} and poses of shape {shape} given: one joint vector, or one a pose"
-        ) from None
+    reference = distances.reference(q_ref, solver.joint_names, shape)
+    each = np.broadcast_to(reference, (*shape, solver.dof)).reshape(-1, solver.dof)
     stack = target.reshape(-1, 4, 4)
     values = np.full(len(stack), np.nan)
     for limited in (True, False) if within_limits else (False,):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -111,13 +112,13 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
         method=f"With a sixth axis {role}: {six.method[0].lower()}{six.method[1:]}; verified on the five joints",
         branches=columns(most),
         imperfection=six.imperfection,
-        explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
+        explain=partial(off_by, chain, aim=aim),
         solver=Solver(arm),
     )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AxisFree:
+class _AxisFree:
     """An arm whose targets are turned about an axis of the tip: ``GivenJoint`` of the core, behind the target.
 
     Attributes:
@@ -139,7 +140,7 @@ class AxisFree:
 def prepare_free(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> RedundantMember:
     """The plan of an arm that ``plan`` solves for whole poses, with one parameter more, which comes first."""
     parameter = free_axis(axis)
-    arm = AxisFree(motion=axis.motion, value=parameter.default, solver=plan.solver.arm)
+    arm = _AxisFree(motion=axis.motion, value=parameter.default, solver=plan.solver.arm)
     own = plan.parameters if isinstance(plan, RedundantMember) else ()
 
     def value_of(Q: Array, T: Array) -> Array:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -141,7 +142,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         + (f", with {added} joint{'s' * (added > 1)} added that must stay at zero" if added else "")
         + "; verified and polished on the URDF as written",
         branches=columns(_COLUMNS[chain.n]),
-        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        explain=partial(off_by, chain),
         solver=Solver(_arm(chain, Aim(), chosen, _COLUMNS[chain.n])),
     )
 
@@ -202,7 +203,7 @@ def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> FamilyMem
         method="Closed form: two equations without the first joint, one of them without the second; verified and "
         "polished on the URDF as written",
         branches=columns(count),
-        explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
+        explain=partial(off_by, chain, aim=aim),
         solver=Solver(_arm(chain, aim, ways, count)),
     )
 

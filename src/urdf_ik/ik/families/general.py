@@ -3,28 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.written import Aim
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure
 
 
-def _prepare_6r(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The elimination's constant matrices, and poses of which all solutions are known."""
-    triples = " and ".join(map(str, structure.triples))
-    none = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
+    triples, reason = " and ".join(map(str, structure.triples)), family.reason
+    if structure.is_6r:
+        reason = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
+        reason = f"{triples}, but no closed form applies to these six axes" if triples else reason
     return FamilyMember(
         family=family,
-        name=family.name,
-        reason=f"{triples}, but no closed form applies to these six axes" if triples else none,
+        name=f"{kinds_of(chain)} general",
+        reason=reason,
         method=family.steps,
         branches=family.branches,
         solver=Solver(elimination_arm(chain)),
-        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        explain=partial(off_by, chain),
     )
 
 
@@ -37,7 +39,7 @@ TURNING = Family(
     by_quadratics=False,
     by_elimination=True,
     matches=lambda structure, chain: structure.is_6r,
-    prepare=_prepare_6r,
+    prepare=_prepare,
 )
 
 
@@ -51,19 +53,6 @@ def _matches(structure: Structure) -> bool:
     return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
 
 
-def _prepare_slides(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
-    """The plan by elimination alone."""
-    return FamilyMember(
-        family=family,
-        name=f"{kinds_of(chain)} general",
-        reason=family.reason,
-        method=family.steps,
-        branches=family.branches,
-        solver=Solver(elimination_arm(chain)),
-        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-    )
-
-
 WITH_SLIDES = Family(
     name="six joints with slides, general",
     reason="one or two of six joints slide, and no three axes at an end meet in a point, so no closed form applies",
@@ -73,7 +62,7 @@ WITH_SLIDES = Family(
     by_quadratics=False,
     by_elimination=True,
     matches=lambda structure, chain: _matches(structure) and not is_redundant(chain),
-    prepare=_prepare_slides,
+    prepare=_prepare,
 )
 
 

@@ -30,7 +30,7 @@ _ALIGNED = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class HollowWristArm:
+class _HollowWristArm:
     """A 6R arm with a hollow wrist: ``HollowWristArm`` of the core.
 
     Attributes:
@@ -69,7 +69,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     home = axes.P.sum(axis=0)
     wrist = position.solver.arm
     assert isinstance(wrist, spherical_wrist.SphericalWristArm)
-    arm = HollowWristArm(
+    arm = _HollowWristArm(
         written=driven(chain, np.ones(6)),
         position=wrist,
         samples=len(values),

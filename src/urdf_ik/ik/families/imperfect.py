@@ -38,7 +38,7 @@ def prepare(plan: FamilyMember, chain: Chain) -> FamilyMember:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ImperfectArm:
+class _ImperfectArm:
     """An arm that has a family's structure only nearly: ``ImperfectArm`` of the core.
 
     Attributes:
@@ -66,10 +66,10 @@ def without_boxes(arm: Any) -> Any:
     Args:
         arm: the dataclass of a solver.
     """
-    return replace(arm, boxes=0) if isinstance(arm, ImperfectArm) else arm
+    return replace(arm, boxes=0) if isinstance(arm, _ImperfectArm) else arm
 
 
-def _arm(family: ClosedFormArm, chain: Chain) -> ImperfectArm:
+def _arm(family: ClosedFormArm, chain: Chain) -> _ImperfectArm:
     ideal = family.ideal
     base, tool = np.eye(4), np.eye(4)
     base[:3, :3], base[:3, 3] = ideal.base_rotation.T, ideal.base_origin
@@ -79,7 +79,7 @@ def _arm(family: ClosedFormArm, chain: Chain) -> ImperfectArm:
     back = np.array([rotation_z(-offset)[:3, :3] for offset in (*ideal.offset, 0.0)])
     inner, steps = np.ascontiguousarray(inner[:, :3]), ideal.steps.copy()
     inner[:, :, :3], steps[:, :, :3] = inner[:, :, :3] @ back, steps[:, :, :3] @ back
-    return ImperfectArm(
+    return _ImperfectArm(
         family=family,
         elimination=elimination_arm(chain, near=bool(ideal.imperfection < _NEAR)),
         inner_steps=inner,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families import sampled
 from urdf_ik.ik.families.imperfect import without_boxes
+from urdf_ik.ik.families.parts.explanations import given_in_words
 from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
 from urdf_ik.ik.families.parts.written import FreeArm, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of, typical_stretch
@@ -20,13 +21,12 @@ from urdf_ik.kinematics.chain import sampled as sampled_vectors
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.kinematics.structure import Structure, analyse
-from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OneGiven:
+class _OneGiven:
     """An arm with one joint given; its value moves the target: ``GivenJoint`` of the core.
 
     Attributes:
@@ -109,7 +109,7 @@ def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
     parameter, twin = locked_joint(chain, k), chain.joint_names[k + 1]
     still = np.zeros((3, 3, 4))
     still[0, :, :3] = np.eye(3)
-    arm = OneGiven(
+    arm = _OneGiven(
         motion=still,
         turns=not bool(chain.prismatic[k]),
         last=False,
@@ -120,7 +120,7 @@ def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
     )
 
     def explain_at(T: Array, at: Array) -> str:
-        return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
+        return f"{given_in_words(parameter, at[0])}, or at any other: {plan.explain(T)}"
 
     return RedundantMember(
         family=plan.family,
@@ -179,7 +179,7 @@ def prepare_middle(
             why = "the other joints have no solver"
         else:
             why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(T)
-        return f"with {quoted(name)} at {at[0]:.6g} {parameter.unit}: {why}"
+        return f"{given_in_words(parameter, at[0])}: {why}"
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])
@@ -193,7 +193,7 @@ def prepare_middle(
 
     parameters = (parameter, *inner)
     defaults = np.array([each.default for each in parameters])
-    solver: Any = SolverAtEach(at_value, k, chain.n, len(branches), defaults)
+    solver: Any = _SolverAtEach(at_value, k, chain.n, len(branches), defaults)
     return RedundantMember(
         family=first.family,
         name=f"joint {number} given: {first.name}",
@@ -211,7 +211,7 @@ def prepare_middle(
     )
 
 
-class SolverAtEach:
+class _SolverAtEach:
     """Solves like a compiled solver, by a plan for each value of a joint."""
 
     numbers = 16
@@ -390,7 +390,7 @@ def cost(plan: FamilyMember) -> int:
 def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> RedundantMember:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
-    arm = OneGiven(
+    arm = _OneGiven(
         motion=motion, turns=turns, last=last, value=parameter.default, solver=without_boxes(plan.solver.arm)
     )
     inner = plan if isinstance(plan, RedundantMember) else None
@@ -405,7 +405,7 @@ def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> Re
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
         moved = T @ back if last else back @ T
         reason = plan.explain(moved) if inner is None else inner.explain_at(moved, at[1:])
-        return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}: {reason}"
+        return f"{given_in_words(parameter, value)}: {reason}"
 
     parameters = (parameter, *(() if inner is None else inner.parameters))
     defaults = np.array([each.default for each in parameters])

@@ -37,7 +37,7 @@ _PLANAR = "the rest is a planar arm"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ParallelShoulderArm(ClosedFormArm):
+class _ParallelShoulderArm(ClosedFormArm):
     """An arm whose axes 1, 2 and 3 are parallel: ``ParallelShoulderArm`` of the core.
 
     Attributes:
@@ -75,7 +75,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
     ideal = ideal_arm(frames, error, chain)
-    arm = ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain))
+    arm = _ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain))
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     off = imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds])
     return closed_form(family, chain, arm, error, off, partial(_explain, ideal))

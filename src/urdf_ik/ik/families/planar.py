@@ -25,7 +25,7 @@ _SHORT = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PlanarPoints:
+class _PlanarPoints:
     """Two or three parallel turning joints and at most one slide along them, for points: ``PlanarArm`` of the core.
 
     Attributes:
@@ -53,7 +53,7 @@ class PlanarPoints:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PlanarArm(PlanarPoints):
+class _PlanarArm(_PlanarPoints):
     """The same for poses.
 
     Attributes:
@@ -70,7 +70,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     plane = _plane(chain)
     if plan is None or plane is None:
         return None
-    arm = PlanarArm(number=chain.n, **_ways(plan), **plane)
+    arm = _PlanarArm(number=chain.n, **_ways(plan), **plane)
     slide = "height by the slide, " if chain.prismatic.any() else ""
     last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
     return replace(
@@ -103,7 +103,7 @@ def for_points(chain: Chain, plan: FamilyMember) -> FamilyMember:
     plane = _plane(chain)
     if plane is None:
         return plan
-    arm = PlanarPoints(**_ways(plan), **plane)
+    arm = _PlanarPoints(**_ways(plan), **plane)
     return replace(
         plan,
         method="Closed form: elbow by the law of cosines",
@@ -168,7 +168,7 @@ def _in_frame(ends: Ends, point: Array) -> Array:
     return out
 
 
-def _explain(chain: Chain, arm: PlanarPoints, rotation: Array | None, point: Array) -> str:
+def _explain(chain: Chain, arm: _PlanarPoints, rotation: Array | None, point: Array) -> str:
     """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
     tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
     if tilt > DEFAULT.reach:

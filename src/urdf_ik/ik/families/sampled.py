@@ -8,23 +8,23 @@ nothing can be prepared for them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.explanations import off_by
+from urdf_ik.ik.families.parts.explanations import given_in_words, off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, RedundantMember
-from urdf_ik.ik.families.parts.written import Aim, FreeArm, Written, written
+from urdf_ik.ik.families.parts.written import FreeArm, Written, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.kinematics.structure import Structure
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SampledArm:
+class _SampledArm:
     """Six joints that are singular everywhere: ``SampledArm`` of the core.
 
     Attributes:
@@ -36,7 +36,7 @@ class SampledArm:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SampledHeldArm:
+class _SampledHeldArm:
     """Seven joints, one of them held: ``SampledHeldArm`` of the core.
 
     Attributes:
@@ -59,8 +59,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         reason=family.reason,
         method=family.steps,
         branches=family.branches,
-        solver=Solver(SampledArm(written=written(chain))),
-        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        solver=Solver(_SampledArm(written=written(chain))),
+        explain=partial(off_by, chain),
     )
 
 
@@ -79,12 +79,12 @@ FAMILY = Family(
 def prepare_held(chain: Chain, k: int) -> RedundantMember:
     """The plan of seven joints that holds joint ``k``, any of them, and looks for what the six others leave."""
     parameter = locked_joint(chain, k)
-    arm = SampledHeldArm(written=written(chain), held=k, value=parameter.default)
+    arm = _SampledHeldArm(written=written(chain), held=k, value=parameter.default)
 
     def explain_at(T: Array, at: Array) -> str:
         rest = chain.lock({parameter.joint: float(at[0])})
-        why = off_by(rest, Aim(), T[:3, :3], T[:3, 3])
-        return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}: {why}"
+        why = off_by(rest, T)
+        return f"{given_in_words(parameter, at[0])}: {why}"
 
     return RedundantMember(
         family=FAMILY,

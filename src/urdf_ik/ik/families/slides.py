@@ -6,6 +6,7 @@ The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/co
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +16,7 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families.few_joints import Joint, PositionStep, position_step
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.written import Aim, Written, written
+from urdf_ik.ik.families.parts.written import Written, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
@@ -23,7 +24,7 @@ from urdf_ik.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SlidesArm:
+class _SlidesArm:
     """Six joints with slides, three turns of which make the orientation: ``SlidesArm`` of the core.
 
     Attributes:
@@ -99,7 +100,7 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMem
         branches=columns(most),
         imperfection=(0.0, off),
         error=0.0 if exact else error,
-        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        explain=partial(off_by, chain),
         solver=Solver(arm),
     )
 
@@ -115,7 +116,7 @@ def _prepare_three(family: Family, structure: Structure, chain: Chain) -> Family
         reason=family.why(),
         method=f"Closed form: {family.steps}",
         branches=family.branches,
-        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        explain=partial(off_by, chain),
         solver=Solver(arm),
     )
 
@@ -149,7 +150,7 @@ def _arm(
     error: float,
     step: PositionStep | None = None,
     in_tip: Array | None = None,
-) -> SlidesArm | None:
+) -> _SlidesArm | None:
     """The arm for the compiled solver; None where two of its turns are parallel.
 
     Args:
@@ -166,7 +167,7 @@ def _arm(
     if min(sa, sb) < 1e-6:
         return None
     side, side_too = side / sa, side_too / sb
-    return SlidesArm(
+    return _SlidesArm(
         written=written(chain),
         columns=most,
         step=step,

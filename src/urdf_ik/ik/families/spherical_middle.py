@@ -33,7 +33,7 @@ _CENTRE = "where axes 2 to 4 meet is"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SphericalMiddleArm(ClosedFormArm):
+class _SphericalMiddleArm(ClosedFormArm):
     """An arm whose axes 2, 3 and 4 meet in a point: ``SphericalMiddleArm`` of the core.
 
     Attributes:
@@ -72,7 +72,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
     ideal = ideal_arm(frames, error, chain)
     a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
-    arm = SphericalMiddleArm(
+    arm = _SphericalMiddleArm(
         variant=wrist,
         ideal=ideal,
         written=written(chain),
@@ -117,7 +117,7 @@ GENERAL = Family(
 )
 
 
-def _explain(arm: SphericalMiddleArm, rotation: Array, point: Array) -> str:
+def _explain(arm: _SphericalMiddleArm, rotation: Array, point: Array) -> str:
     centre, centre_5, size = arm.centre, arm.centre_5, arm.ideal.size
     name = "the point where axes 2 to 4 meet"
     radius, up = math.hypot(centre[0], centre[1]), centre[2] - point[2]

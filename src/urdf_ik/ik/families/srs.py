@@ -34,7 +34,7 @@ _ON_AXIS = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MeetingAxes:
+class _MeetingAxes:
     """Three axes that meet in a point: the two twists between them.
 
     Attributes:
@@ -78,8 +78,8 @@ class SrsArm:
     kind: ClassVar = "S-R-S"
     ideal: Ends
     written: Written
-    shoulder: MeetingAxes
-    wrist: MeetingAxes
+    shoulder: _MeetingAxes
+    wrist: _MeetingAxes
     to_frame_3: Array
     from_frame_5: Array
     upper: float
@@ -164,10 +164,10 @@ FAMILY = Family(
 )
 
 
-def _meeting(twists: Array) -> MeetingAxes:
+def _meeting(twists: Array) -> _MeetingAxes:
     """Three meeting axes, by the numbers of ``_triple``."""
     cos_alpha, sin_alpha, cos_beta, sin_beta, shift = twists.tolist()
-    return MeetingAxes(
+    return _MeetingAxes(
         cos_alpha=cos_alpha,
         sin_alpha=sin_alpha,
         cos_beta=cos_beta,

@@ -27,7 +27,7 @@ _PLANAR = "the rest is a planar arm"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ThreeParallelArm(ClosedFormArm):
+class _ThreeParallelArm(ClosedFormArm):
     """An arm whose axes 2, 3 and 4 are parallel: ``ThreeParallelArm`` of the core.
 
     Attributes:
@@ -73,7 +73,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     ideal = ideal_arm(frames, error, chain)
     ca, sa, d = ideal.cos_alpha, ideal.sin_alpha, ideal.d
     turn_3, turn_4 = float(ca[1]), float(ca[1] * ca[2])
-    arm = ThreeParallelArm(
+    arm = _ThreeParallelArm(
         variant=family.variant,
         ideal=ideal,
         written=written(chain),
@@ -113,7 +113,7 @@ GENERAL = Family(
 )
 
 
-def _explain(arm: ThreeParallelArm, crossing: bool, solver: Solver, rotation: Array, point: Array) -> str:
+def _explain(arm: _ThreeParallelArm, crossing: bool, solver: Solver, rotation: Array, point: Array) -> str:
     ideal, (upper, lower) = arm.ideal, arm.ideal.a[1:3]
     if crossing:
         side = (ideal.cos_alpha[0] * point[2] - arm.along) / ideal.sin_alpha[0]

@@ -204,13 +204,7 @@ def nearest_in_region(
     threads = inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
-    reference = solver.chain.check(q_ref)
-    try:
-        reference = np.broadcast_to(reference, (*shape, solver.dof))
-    except ValueError:
-        raise ArgumentError(
-            f"q_ref of shape {reference.shape} and poses of shape {shape} given: one joint vector, or one a pose"
-        ) from None
+    reference = np.broadcast_to(distances.reference(q_ref, solver.joint_names, shape), (*shape, solver.dof))
     bounds = solver.limits if within_limits else np.tile([-np.inf, np.inf], (solver.dof, 1))
     free = solver.free_axis
     sought = region or Region()

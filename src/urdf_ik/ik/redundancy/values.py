@@ -71,15 +71,7 @@ def nearest_values(solver: Solver, q: Array, T: Array) -> Array:
 
     The rotation about a free axis is the one that comes nearest.
     """
-    member = solver.redundant_member
-    Q, target = solver.chain.check(q), check_poses(T)
-    many = (len(Q),) if Q.ndim == 2 else None
-    if many is None or target.shape[:-2] not in ((), many):
-        raise ArgumentError(
-            f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; (m, {solver.dof}) and "
-            "(m, 4, 4) are needed"
-        )
-    return member.value_of(Q, np.broadcast_to(target, (*many, 4, 4)))
+    return solver.redundant_member.value_of(q, np.broadcast_to(T, (len(q), 4, 4)))
 
 
 def only_parameter(solver: Solver, what: str) -> RedundantMember:

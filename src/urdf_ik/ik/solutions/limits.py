@@ -29,7 +29,7 @@ MAX_ENTRIES = 2**27
 """Greatest number of joint values that :func:`turns` puts into one array: one gigabyte."""
 
 
-class Turned(NamedTuple):
+class _Turned(NamedTuple):
     """What :func:`turns` found.
 
     Attributes:
@@ -215,7 +215,7 @@ def margin(q: Array, limits: Array) -> Array:
     return np.where(np.isnan(q).any(axis=-1), np.nan, least)
 
 
-def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Turned:
+def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> _Turned:
     """Every combination of images inside the limits; arguments as :func:`nearest_image`.
 
     Every branch gets the same number M of columns, the product of the greatest number of images that each
@@ -251,7 +251,7 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
     out = out.reshape(*q.shape[:-2], q.shape[-2] * len(ranks), q.shape[-1])
     valid = np.asarray(~np.isnan(out).any(axis=-1))
     out[~valid] = np.nan
-    return Turned(out, valid, tuple(steps), ranks)
+    return _Turned(out, valid, tuple(steps), ranks)
 
 
 def iter_turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Iterator[Array]:

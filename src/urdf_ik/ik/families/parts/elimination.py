@@ -38,8 +38,8 @@ _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Variants:
-    """Variants of the elimination, v of them; see ``EliminationVariant`` of the core.
+class _Variants:
+    """_Variants of the elimination, v of them; see ``EliminationVariant`` of the core.
 
     Attributes:
         first: (v,) the joint behind which the loop is cut, from 0.
@@ -65,13 +65,13 @@ class Variants:
     slides: Array
     inexact: Array
 
-    def at(self, rows: NDArray[np.intp]) -> Variants:
+    def at(self, rows: NDArray[np.intp]) -> _Variants:
         """Some of the variants, by their places."""
-        return Variants(**{each.name: np.ascontiguousarray(getattr(self, each.name)[rows]) for each in fields(self)})
+        return _Variants(**{each.name: np.ascontiguousarray(getattr(self, each.name)[rows]) for each in fields(self)})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class KnownPoses:
+class _KnownPoses:
     """Poses whose complex solutions are all known, up to 16; see ``KnownPose`` of the core.
 
     Attributes:
@@ -90,7 +90,7 @@ class KnownPoses:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EliminationSetup:
+class _EliminationSetup:
     """An arm of six joints, before a variant is chosen.
 
     Attributes:
@@ -105,11 +105,11 @@ class EliminationSetup:
     home_inverse: Array
     centre: Array
     scale: float
-    known: KnownPoses
+    known: _KnownPoses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EliminationArm(EliminationSetup):
+class EliminationArm(_EliminationSetup):
     """An arm of six joints for the elimination and the continuation behind it.
 
     Attributes:
@@ -119,8 +119,8 @@ class EliminationArm(EliminationSetup):
     """
 
     kind: ClassVar = "elimination"
-    variant: Variants
-    counter: Variants
+    variant: _Variants
+    counter: _Variants
     counter_rest: PreciseFactors
 
 
@@ -142,12 +142,12 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN_WITH_SLIDES if chain.prismatic.any() else _KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / math.pi
     as_written = written(chain)
-    setup = EliminationSetup(
+    setup = _EliminationSetup(
         written=as_written,
         home_inverse=np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
         centre=centre,
         scale=scale,
-        known=KnownPoses(**known_poses(as_written, Q, near)),
+        known=_KnownPoses(**known_poses(as_written, Q, near)),
     )
     targets = chain.fk(Q[:_KNOWN])
     every = _all_variants(H, points, chain.prismatic, rng)
@@ -157,7 +157,7 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
     return EliminationArm(**common, variant=_with_bounds(best, setup)[0], counter=counter, counter_rest=rest)
 
 
-def _with_bounds(variant: Variants, setup: EliminationSetup) -> tuple[Variants, PreciseFactors]:
+def _with_bounds(variant: _Variants, setup: _EliminationSetup) -> tuple[_Variants, PreciseFactors]:
     """One variant with bounds on how far it is from the arm, if all joints turn, and what its factors lack."""
     left, right = variant.left[0], variant.right[0]
     if variant.slides.any():
@@ -168,13 +168,13 @@ def _with_bounds(variant: Variants, setup: EliminationSetup) -> tuple[Variants, 
     return replace(variant, inexact=bound[None]), rest
 
 
-def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> tuple[Variants, PreciseFactors]:
+def _counter(setup: _EliminationSetup, variants: _Variants, targets: Array) -> tuple[_Variants, PreciseFactors]:
     """The variant of the axes as they are whose determinant's zeros prove most of the poses (m, 4, 4) complete."""
     unmoved = variants.at(np.arange(len(variants.first) // len(_SHIFTS)))
     if unmoved.slides.any():
         return _with_bounds(unmoved.at(np.array([0])), setup)
 
-    def proven(of: Variants) -> NDArray[np.int64]:
+    def proven(of: _Variants) -> NDArray[np.int64]:
         out: NDArray[np.int64] = np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
         return out
 
@@ -184,7 +184,7 @@ def _counter(setup: EliminationSetup, variants: Variants, targets: Array) -> tup
     return max(few, key=lambda each: int(proven(each[0])[0]))
 
 
-def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: int) -> Variants:
+def _best(setup: _EliminationSetup, variants: _Variants, targets: Array, count: int) -> _Variants:
     """The ``count`` variants that are rightly certain of most of the poses (m, 4, 4); the best one last."""
     counts, found = _tried(setup, variants, targets)
     certain = found & 1
@@ -194,7 +194,9 @@ def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: in
     return variants.at(order[-count:])
 
 
-def _tried(setup: EliminationSetup, variants: Variants, targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+def _tried(
+    setup: _EliminationSetup, variants: _Variants, targets: Array
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Try each variant alone on the poses (m, 4, 4).
 
     Returns:
@@ -217,7 +219,7 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     return chain.H, points * scale, centre, scale
 
 
-def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> Variants:
+def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> _Variants:
     """Every variant, on the axes as they are and on axes moved a little."""
     shifts = np.array(_SHIFTS)[:, None, None]
     turned = np.empty((len(_SHIFTS), 6, 3))
@@ -247,7 +249,7 @@ def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.ra
                 part["first"] = np.full(len(_SHIFTS), float(first))
                 part["reversed"] = np.full(len(_SHIFTS), float(reverse))
                 parts.append(part)
-    rows = Variants(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    rows = _Variants(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
     # Ordered by shift: among equals the unmoved axes are preferred.
     return rows.at(np.argsort(np.tile(np.arange(len(_SHIFTS)), len(parts)), kind="stable"))
 

@@ -9,8 +9,9 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import ClosedFormArm
-from urdf_ik.ik.families.parts.written import Aim, Ends
+from urdf_ik.ik.families.parts.written import WHOLE_POSE, Aim, Ends
 from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -25,6 +26,11 @@ def compared(*lengths: float) -> tuple[str, ...]:
 def too_far(actual: float, least: float, most: float) -> str:
     """How far a length is outside a range, in words to stand behind both."""
     return f": {actual - most:.3g} m too far" if actual > most else f": {least - actual:.3g} m too near"
+
+
+def given_in_words(parameter: Redundancy, value: float) -> str:
+    """The beginning of an explanation: which joint is given, and where."""
+    return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}"
 
 
 def beyond_links(what: str, far: float, size: float) -> str:
@@ -85,25 +91,16 @@ def seen_in_frame_1(chain: Chain, ends: Ends, explain: Callable[[Array, Array], 
     def explain_pose(T: Array) -> str:
         R, base = T[:3, :3], ends.base_rotation
         point = base @ (R @ ends.tool_point + T[:3, 3] - ends.base_origin)
-        return explain(base @ R @ ends.tool_rotation, point) or off_by(chain, Aim(), R, T[:3, 3])
+        return explain(base @ R @ ends.tool_rotation, point) or off_by(chain, T)
 
     return explain_pose
 
 
-def off_by(chain: Chain, aim: Aim, rotation: Array, point: Array) -> str:
-    """The error, in words, of the nearest pose to the target that a search finds.
-
-    Args:
-        chain: the arm.
-        aim: what the joints control of the tip.
-        rotation: (3, 3) of the target in the base.
-        point: (3,) m of the target in the base.
-    """
-    far = float(np.linalg.norm(point - chain.points[0]))
+def off_by(chain: Chain, target: Array, aim: Aim = WHOLE_POSE) -> str:
+    """The error, in words, of the nearest pose to a target (4, 4) that a search finds; ``aim``: what is controlled."""
+    far = float(np.linalg.norm(target[:3, 3] - chain.points[0]))
     if far > chain.size and not chain.prismatic.any():
         return beyond_links("the tip", far, chain.size)
-    target = np.eye(4)
-    target[:3, :3], target[:3, 3] = rotation, point
     e = _least(chain, aim, target)
     worst = np.abs(e).max()
     parts = [

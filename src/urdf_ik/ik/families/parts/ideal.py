@@ -30,7 +30,7 @@ _STEP_ROUNDING = 2e-15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Displacement:
+class _Displacement:
     """Bounds on the motion between the tips of two arms at the same joint vector, by the steps that remain.
 
     An arm is a chain of seven constant steps with a turn between two of them: A0 turn A1 turn ... A6 for the ideal arm,
@@ -51,7 +51,7 @@ class Displacement:
     length: Array
 
 
-def displacement(frames: DHFrames, chain: Chain) -> Displacement:
+def displacement(frames: DHFrames, chain: Chain) -> _Displacement:
     """Bounds for an ideal arm's frames and the chain that they replace, of six turning joints."""
     ideal = frames.steps()
     written = [np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)]
@@ -69,7 +69,7 @@ def displacement(frames: DHFrames, chain: Chain) -> Displacement:
     offs = np.array([np.linalg.norm(a[:3, 3] - b[:3, 3]) for a, b in zip(ideal, steps, strict=True)])
     offs += _STEP_ROUNDING * (chain.size + np.abs(frames.base[:3, 3]).max())
     left = _sums(lengths)
-    return Displacement(turn=_sums(turns), shift=_sums(offs + turns * (left - lengths)), length=left)
+    return _Displacement(turn=_sums(turns), shift=_sums(offs + turns * (left - lengths)), length=left)
 
 
 def _sums(values: Array) -> Array:
@@ -125,7 +125,7 @@ class IdealFrames(Ends):
     clamp: float
     imperfection: float
     signs: Array
-    displacement: Displacement
+    displacement: _Displacement
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -90,9 +90,12 @@ class Aim:
         )
 
 
+WHOLE_POSE = Aim()
+
+
 def written(chain: Chain) -> Written:
     """The arm as its URDF has it, for whole poses."""
-    return Aim().written(chain)
+    return WHOLE_POSE.written(chain)
 
 
 def driven(chain: CoupledChain, units: Array) -> Driven:
