@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, too_far
+from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, links_beyond_reach, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
@@ -149,14 +149,8 @@ def _explain(ideal: IdealFrames, solver: Solver, rotation: Array, point: Array) 
             f"further than {reach} m in the wanted direction{too_far(abs(level), 0.0, links)}"
         )
     distances = distances_of(solver, rotation, point)
-    if len(distances) and distances.min() > longest:
-        far, reach = compared(distances.min(), longest)
-        off = too_far(distances.min(), shortest, longest)
-        return f"axis 3 would have to be {far} m or more from axis 1, reach {reach} m{off}"
-    if len(distances) and distances.max() < shortest:
-        near, folded = compared(distances.max(), shortest)
-        off = too_far(distances.max(), shortest, longest)
-        return f"axis 3 would be {near} m or less from axis 1, the folded links' {folded} m away{off}"
+    if why := links_beyond_reach(("axis 3", "axis 1"), distances, shortest, longest):
+        return why
     if len(distances):
         return (
             f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "

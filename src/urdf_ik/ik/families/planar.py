@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import few_joints
-from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1, too_far
+from urdf_ik.ik.families.parts.explanations import beyond_reach, seen_in_frame_1
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.written import Ends, Written
 from urdf_ik.kinematics.chain import Chain, kinds_of
@@ -178,13 +178,8 @@ def _explain(chain: Chain, arm: _PlanarPoints, rotation: Array | None, point: Ar
     a, b = arm.links
     far = math.hypot(point[0], point[1])
     end = "axis 3" if arm.joints[2] >= 0.0 else "the tip"
-    if far > a + b:
-        at, reach = compared(far, a + b)
-        return f"{end} is {at} m from axis 1, reach {reach} m{too_far(far, 0.0, a + b)}"
-    if far < abs(a - b):
-        at, folded = compared(far, abs(a - b))
-        near = too_far(far, abs(a - b), a + b)
-        return f"{end} is {at} m from axis 1, closer than the folded arm's {folded} m{near}"
+    if why := beyond_reach(f"{end} is {{}} m from axis 1", np.array([far]), abs(a - b), a + b):
+        return why
     # Two joints: whichever way the elbow bends, the tip is turned as they have it.
     turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])
     ahead = math.atan2(point[1], point[0])

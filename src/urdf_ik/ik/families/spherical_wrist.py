@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.explanations import beyond_links, closed_form, compared, too_far
+from urdf_ik.ik.families.parts.explanations import beyond_links, beyond_reach, closed_form, compared, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
@@ -231,16 +231,9 @@ def _explain(arm: SphericalWristArm, rotation: Array, point: Array) -> str:
             )
         ahead = math.sqrt(radius**2 - side**2)
         reach = [math.hypot(sign * ahead - a[0], up) for sign in (1.0, -1.0)]
-        longest = a[1] + rho
-        shortest = abs(a[1] - rho)
-        if min(reach) > longest:
-            far, most = compared(min(reach), longest)
-            off = too_far(min(reach), shortest, longest)
-            return f"wrist centre {far} m from the shoulder (axis 2), reach {most} m{off}"
-        if max(reach) < shortest:
-            near, folded = compared(max(reach), shortest)
-            off = too_far(max(reach), shortest, longest)
-            return f"wrist centre {near} m from the shoulder (axis 2), closer than the folded arm's {folded} m{off}"
+        what = "wrist centre {} m from the shoulder (axis 2)"
+        if why := beyond_reach(what, np.array(reach), abs(a[1] - rho), a[1] + rho):
+            return why
     elif shoulder in ("1x2", "1||2"):
         square = float(point @ point) if shoulder == "1x2" else ca * point[2]
         if abs(square * swing + shift) > 1.0:

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.explanations import compared, too_far
+from urdf_ik.ik.families.parts.explanations import beyond_reach
 from urdf_ik.ik.families.parts.family import Family, RedundantMember, in_words
 from urdf_ik.ik.families.parts.ideal import snapped
 from urdf_ik.ik.families.parts.written import Ends, FreeArm, Written, written
@@ -235,12 +235,8 @@ def _triple(H: Array) -> tuple[Array, Array, Array]:
 def _explain(arm: SrsArm, T: Array, value: float) -> str:
     far = float(np.linalg.norm(T[:3, :3] @ arm.ideal.tool_point + T[:3, 3] - arm.ideal.base_origin))
     a, b, c = arm.upper, arm.fore, arm.along
-    longest, shortest = math.hypot(a + b, c), math.hypot(a - b, c)
-    if far > longest:
-        at, reach = compared(far, longest)
-        return f"wrist centre {at} m from the shoulder, reach {reach} m{too_far(far, shortest, longest)}"
-    if far < shortest:
-        at, folded = compared(far, shortest)
-        off = too_far(far, shortest, longest)
-        return f"wrist centre {at} m from the shoulder, closer than the folded arm's {folded} m{off}"
-    return f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"
+    what = "wrist centre {} m from the shoulder"
+    why = beyond_reach(what, np.array([far]), math.hypot(a - b, c), math.hypot(a + b, c))
+    return (
+        why or f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"
+    )

@@ -8,7 +8,7 @@ from functools import partial
 from typing import ClassVar
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, too_far
+from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, links_beyond_reach, too_far
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import (
     NAMES,
@@ -125,13 +125,4 @@ def _explain(arm: _ThreeParallelArm, crossing: bool, solver: Solver, rotation: A
                 f"{off} m away{too_far(radius, abs(side), math.inf)}"
             )
     distances = distances_of(solver, rotation, point)
-    longest, shortest = upper + lower, abs(upper - lower)
-    if len(distances) and distances.min() > longest:
-        far, reach = compared(distances.min(), longest)
-        off = too_far(distances.min(), shortest, longest)
-        return f"axis 4 would have to be {far} m or more from axis 2, reach {reach} m{off}"
-    if len(distances) and distances.max() < shortest:
-        near, folded = compared(distances.max(), shortest)
-        off = too_far(distances.max(), shortest, longest)
-        return f"axis 4 would be {near} m or less from axis 2, the folded links' {folded} m away{off}"
-    return ""
+    return links_beyond_reach(("axis 4", "axis 2"), distances, abs(upper - lower), upper + lower)

@@ -28,6 +28,34 @@ def too_far(actual: float, least: float, most: float) -> str:
     return f": {actual - most:.3g} m too far" if actual > most else f": {least - actual:.3g} m too near"
 
 
+def beyond_reach(what: str, lengths: Array, shortest: float, longest: float) -> str:
+    """Why no length (k,) is from ``shortest`` to ``longest`` [m], in words; '' where they are not all on one side.
+
+    ``what`` has a place for the length, as in 'axis 3 is {} m from axis 1'.
+    """
+    if lengths.min() > longest:
+        far, most = compared(float(lengths.min()), longest)
+        return f"{what.format(far)}, reach {most} m{too_far(lengths.min(), shortest, longest)}"
+    if lengths.max() < shortest:
+        near, folded = compared(float(lengths.max()), shortest)
+        off = too_far(lengths.max(), shortest, longest)
+        return f"{what.format(near)}, closer than the folded arm's {folded} m{off}"
+    return ""
+
+
+def links_beyond_reach(axes: tuple[str, str], lengths: Array, shortest: float, longest: float) -> str:
+    """Why two links cannot join ``axes`` at any of the distances (k,) [m] that a pose requires; '' where they can."""
+    if len(lengths) and lengths.min() > longest:
+        far, reach = compared(lengths.min(), longest)
+        off = too_far(lengths.min(), shortest, longest)
+        return f"{axes[0]} would have to be {far} m or more from {axes[1]}, reach {reach} m{off}"
+    if len(lengths) and lengths.max() < shortest:
+        near, folded = compared(lengths.max(), shortest)
+        off = too_far(lengths.max(), shortest, longest)
+        return f"{axes[0]} would be {near} m or less from {axes[1]}, the folded links' {folded} m away{off}"
+    return ""
+
+
 def given_in_words(parameter: Redundancy, value: float) -> str:
     """The beginning of an explanation: which joint is given, and where."""
     return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}"
