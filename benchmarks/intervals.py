@@ -24,11 +24,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import adapters
 import numpy as np
 from seven_joints import IIWA, PANDA
 
 import urdf_ik
-from urdf_ik.verify.judging import peers
 
 try:
     import frankik
@@ -80,7 +80,7 @@ def ways(
         "urdf-ik, grid of 4096": grid(4096),
     }
     if robot == PANDA.name and frankik is not None:
-        sampled = peers.frankik(arm)
+        sampled = adapters.frankik(arm)
         found[f"frankik {frankik.__version__}, 60 values"] = lambda T: [len(sampled(pose)) > 0 for pose in T]
     try:
         import ssik

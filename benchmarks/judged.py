@@ -11,9 +11,11 @@ from __future__ import annotations
 import argparse
 import sys
 
+from adapters import solver_of
+
 import urdf_ik
 from urdf_ik.verify import judge
-from urdf_ik.verify.judging import Kind, solver_of
+from urdf_ik.verify.judging import Kind
 
 SOLVERS = ("eaik", "ik-geo", "py-opw", "ssik", "ssik-built", "roboticstoolbox:python", "roboticstoolbox:c")
 ARMS = ("ur5", "puma_560", "zyyzyz_6r")

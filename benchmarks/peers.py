@@ -12,11 +12,11 @@ from collections.abc import Callable
 from importlib.metadata import version
 from typing import Any
 
+import adapters
 import numpy as np
 from robots import Robot
 
 import urdf_ik
-from urdf_ik.verify.judging import peers as adapters
 
 
 class Unavailable(Exception):  # noqa: N818 - it is an answer, not a failure

@@ -19,7 +19,7 @@ import pytest
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.verify.baselines import Baseline, Verification
-    from urdf_ik.verify.crosscheck.report import Report
+    from urdf_ik.verify.crosscheck import CrossCheck
 
 MARK = "urdf"
 READABLE = "can be read"
@@ -180,7 +180,7 @@ class CheckedArm(pytest.Collector):
             yield Unchanged.from_parent(self, name=f"unchanged {kind}", kind=kind)
 
     @cached_property
-    def report(self) -> Report | Exception:
+    def report(self) -> CrossCheck | Exception:
         """The cross-check's report, or why there is none."""
         import urdf_ik
         from urdf_ik.verify import crosscheck
@@ -251,7 +251,7 @@ class Unchanged(_Stated):
     def runtest(self) -> None:
         """Fail where there is one; skip where there is no lock."""
         import urdf_ik
-        from urdf_ik.verify.change import summed
+        from urdf_ik.verify.differences import summed
 
         assert isinstance(self.parent, CheckedArm)
         given = self.parent.given

@@ -37,7 +37,8 @@ _PUBLIC = {
     "model.poses": ("pose",),
     "paths": ("Plan", "arc", "line", "polyline", "read_waypoints"),
     "verify.baselines": ("freeze",),
-    "verify.comparison": ("Comparison", "compare", "compare_many"),
+    "verify.comparison": ("Comparison", "compare"),
+    "verify.many_arms": ("compare_many",),
 }
 
 __all__ = sorted(name for names in _PUBLIC.values() for name in names)

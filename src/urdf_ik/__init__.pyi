@@ -42,7 +42,7 @@ from urdf_ik.paths import read_waypoints as read_waypoints
 from urdf_ik.verify.baselines import freeze as freeze
 from urdf_ik.verify.comparison import Comparison as Comparison
 from urdf_ik.verify.comparison import compare as compare
-from urdf_ik.verify.comparison import compare_many as compare_many
+from urdf_ik.verify.many_arms import compare_many as compare_many
 from urdf_ik.version import __version__ as __version__
 
 def __getattr__(name: str) -> Any: ...

@@ -15,6 +15,7 @@ import jsonschema
 import native_arms
 import numpy as np
 import pytest
+from c_library import CLibrary
 from cases import from_catalogue
 from core_samples import fresh
 from numpy.typing import NDArray
@@ -25,7 +26,6 @@ from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
 from urdf_ik.export import require_current
 from urdf_ik.ik.solutions import limits
 from urdf_ik.verify import judge
-from urdf_ik.verify.judging import solver_of
 
 Array = NDArray[np.float64]
 
@@ -255,12 +255,10 @@ def test_the_judge_passes_a_library_with_the_c_interface(tmp_path: Path) -> None
     archive = str(native_arms.FOLDER / "liburdf_ik_library.a")
     whole = ("-Wl,--whole-archive", archive, "-Wl,--no-whole-archive")
     native_arms.run(native_arms.compiler("CXX"), "-shared", "-fPIC", *whole, "-o", str(library))
-    solve = solver_of(f"library:{library},{file}", arm)
+    solve = CLibrary(library, file)
     assert judge(arm, solve, n=3, name="the C interface").passed
     np.testing.assert_array_equal(solve(arm.fk(np.ones(6))), arm.ik(arm.fk(np.ones(6))).to_array())
     with pytest.raises(ArgumentError, match="cannot be read"):
-        solver_of(f"library:{library},{tmp_path / 'none.json'}", arm)
+        CLibrary(library, tmp_path / "none.json")
     with pytest.raises(ArgumentError, match="cannot be loaded"):
-        solver_of(f"library:{tmp_path / 'none.so'},{file}", arm)
-    with pytest.raises(ArgumentError, match="names no compiled arm"):
-        solver_of(f"library:{library}", arm)
+        CLibrary(tmp_path / "none.so", file)

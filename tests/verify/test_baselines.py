@@ -19,10 +19,9 @@ from urdf_ik.arm import Arm
 from urdf_ik.cli import app
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.model import catalogue
-from urdf_ik.verify.baselines import Baseline
-from urdf_ik.verify.baselines.freezing import SIZE
-from urdf_ik.verify.change_search import differences
+from urdf_ik.verify.baselines import SIZE, Baseline
 from urdf_ik.verify.description import described
+from urdf_ik.verify.differences import differences
 
 ARM = "zyyzyz_6r"
 TEXT = catalogue.resolve(ARM).path.read_text()

@@ -18,7 +18,7 @@ import urdf_ik
 from urdf_ik.arm import with_positioner
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfError, UrdfIkError
-from urdf_ik.verify.crosscheck import Report, Row, check, replay
+from urdf_ik.verify.crosscheck import CrossCheck, Row, check, replay
 
 ROWS = (
     "joints and limits",
@@ -388,13 +388,13 @@ def test_a_report_survives_json() -> None:
     data = json.loads(report.to_json(), parse_constant=refuse)
     assert data["passed"] is False
     assert data["rows"][1]["worst"] == "inf"
-    assert Report.from_dict(data) == report
-    assert Report.from_json(report.to_json()) == report
+    assert CrossCheck.from_dict(data) == report
+    assert CrossCheck.from_json(report.to_json()) == report
 
 
-def report_with(*rows: Row) -> Report:
+def report_with(*rows: Row) -> CrossCheck:
     """A report made by hand."""
-    return Report("r", "base", "tool", ("a", "b"), 7, 5, "Pinocchio 0", rows, (("collision", "no shapes"),))
+    return CrossCheck("r", "base", "tool", ("a", "b"), 7, 5, "Pinocchio 0", rows, (("collision", "no shapes"),))
 
 
 def test_a_report_reads_as_a_table() -> None:

@@ -10,6 +10,7 @@ from browser import CHROMIUM, INSTALL, chromium
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 def test_the_swap_notebook_can_be_read_without_a_kernel(tmp_path: Path) -> None:
     """Run and exported, a browser shows the tables of the comparison, the picture of the arms and the verdicts."""
@@ -23,7 +24,7 @@ def test_the_swap_notebook_can_be_read_without_a_kernel(tmp_path: Path) -> None:
     with chromium() as browser:
         page = browser.new_page()
         page.goto(file.as_uri(), wait_until="domcontentloaded")
-        tables, pictures = page.locator("table"), page.locator("svg[role=img], .jp-RenderedImage img")
+        tables, pictures = page.locator("table"), page.locator(".jp-RenderedHTMLCommon svg, .jp-RenderedImage img")
         assert tables.count() >= 5 and pictures.count() >= 1
         for shown in (*tables.all(), *pictures.all()):
             box = shown.bounding_box()

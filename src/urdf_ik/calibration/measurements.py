@@ -57,15 +57,7 @@ class Measurements:
         return KINDS[self.kind]
 
     def part(self, rows: NDArray[Any]) -> Measurements:
-        """Some of the measurements.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = [[0.1, 0.2], [0.3, 0.4]]
-            >>> len(measured(arm, q, arm.fk(q)).part(np.array([True, False])))
-            1
-        """
+        """Some of the measurements."""
         return Measurements(self.kind, self.q[rows], self.values[rows])
 
 
@@ -81,13 +73,6 @@ def measured(arm: Arm, q: ArrayLike, values: Any = None, kind: str | None = None
     Raises:
         ArgumentError: shapes do not fit, a number is not finite, two rows are the same, or units look mixed up.
         PoseError: a pose is none.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("planar_2r")
-        >>> q = [[0.1, 0.2], [0.3, 0.4]]
-        >>> measured(arm, q, arm.fk(q)[:, :3, 3]).kind
-        'position'
     """
     Q = arm.chain.check(q)
     if Q.ndim != 2:

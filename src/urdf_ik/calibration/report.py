@@ -102,15 +102,6 @@ class Calibration:
 
         Raises:
             UrdfError: the file is no longer what it was.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> found.urdf().decode().splitlines()[0]
-            '<?xml version="1.0" encoding="utf-8"?>'
         """
         return with_numbers(text_of(self.nominal.model), self._numbers())
 
@@ -119,16 +110,6 @@ class Calibration:
 
         Raises:
             ArgumentError: it cannot be written.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> found.write("calibrated.urdf")
-            >>> urdf_ik.load("calibrated.urdf").joint_names
-            ('joint_1', 'joint_2')
         """
         files.write(path, self.urdf())
 
@@ -163,17 +144,7 @@ class Calibration:
         return out
 
     def sections(self) -> tuple[Section, ...]:
-        """The report as tables.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> [section.title for section in found.sections()][:2]
-            ['errors', 'parameters']
-        """
+        """The report as tables."""
         errors = [("before", self.before), ("after", self.after)]
         if self.validated is not None:
             errors.append(("not seen by the fit", self.validated))
@@ -205,17 +176,7 @@ class Calibration:
         return tuple(out)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain lists, numbers and text.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> found.to_dict()["measurements"]
-            20
-        """
+        """Plain lists, numbers and text."""
         out: dict[str, Any] = plain(
             {
                 "robot": self.nominal.name,
@@ -241,31 +202,11 @@ class Calibration:
         return out
 
     def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> found.to_json()[0]
-            '{'
-        """
+        """:meth:`to_dict` as strict JSON."""
         return json_text(self.to_dict())
 
     def to_html(self) -> str:
-        """A page with the tables, and with pictures of the errors and of the changes with their standard deviations.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> found.to_html()[:15]
-            '<!doctype html>'
-        """
+        """A page with the tables, and with pictures of the errors and of the changes with their standard deviations."""
         drawn = (
             pictures.residuals(self.residuals_before, self.residuals_after, self.given.kind)
             + pictures.changes(self.changes)
@@ -277,17 +218,7 @@ class Calibration:
         )
 
     def verdict(self) -> str:
-        """The result in a line.
-
-        Example:
-            >>> import numpy as np
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
-            >>> found = urdf_ik.calibrate(arm, q, arm.fk(q + 0.001))
-            >>> found.verdict().split(" to ")[0][:18]
-            'errors fall from 0'
-        """
+        """The result in a line."""
         unseen = "" if self.validated is None else f"; of measurements that it did not see {self.validated}"
         ended = f"; {self.unlooked}" if self.unlooked else ""
         return f"errors fall from {self.before} to {self.after}{unseen}{ended}"

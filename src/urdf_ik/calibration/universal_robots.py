@@ -49,12 +49,7 @@ class UrKinematics:
     hash: str = ""
 
     def to_yaml(self) -> str:
-        """The file's text.
-
-        Example:
-            >>> print(UrKinematics({link: (0.0,) * 6 for link in JOINTS}, "calib_1").to_yaml().splitlines()[-1])
-              hash: calib_1
-        """
+        """The file's text."""
         lines = ["kinematics:"]
         for link in JOINTS:
             lines.append(f"  {link}:")
@@ -67,12 +62,6 @@ def read_ur_kinematics(source: str | os.PathLike[str] | IO[bytes]) -> UrKinemati
 
     Raises:
         ArgumentError: the file cannot be read, or lacks a link or a number; the message names it.
-
-    Example:
-        >>> import io
-        >>> text = UrKinematics({link: (0.0, 0.0, 0.1, 0.0, 0.0, 0.0) for link in JOINTS}).to_yaml()
-        >>> read_ur_kinematics(io.BytesIO(text.encode())).origins["forearm"]
-        (0.0, 0.0, 0.1, 0.0, 0.0, 0.0)
     """
     import yaml
 
@@ -116,13 +105,6 @@ def with_ur_kinematics(arm: Arm, kinematics: UrKinematics) -> bytes:
     Raises:
         UrdfError: the URDF lacks one of the joints, or its frames are others than those of the manufacturer's
             description package, as in packages older than 2019.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("puma_560")
-        >>> with_ur_kinematics(arm, UrKinematics({link: (0.0,) * 6 for link in JOINTS}))
-        Traceback (most recent call last):
-        urdf_ik.errors.UrdfError: ...: no joint 'shoulder_pan_joint'...
     """
     inputs.arm(arm)
     joints = _joints(arm)
@@ -150,12 +132,6 @@ def ur_kinematics(arm: Arm, calibration_hash: str = "") -> UrKinematics:
 
     Raises:
         UrdfError: the URDF lacks one of the joints, or its axes are not the z axes of their frames.
-
-    Example:
-        >>> import urdf_ik
-        >>> ur_kinematics(urdf_ik.load("puma_560"))
-        Traceback (most recent call last):
-        urdf_ik.errors.UrdfError: ...: no joint 'shoulder_pan_joint'...
     """
     inputs.arm(arm)
     origins = {link: (*map(float, joint.origin[:3, 3]), *map(float, joint.rpy)) for link, joint in _joints(arm).items()}

@@ -18,7 +18,7 @@ __getattr__ = attributes(
         "Verification": "baselines",
         "check_proof": "proof",
         "compare": "comparison",
-        "compare_many": "comparison",
+        "compare_many": "many_arms",
         "freeze": "baselines",
         "judge": "judging",
     },

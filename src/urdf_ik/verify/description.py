@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from lxml import etree
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import UrdfIkError, printable
+from urdf_ik.errors import UrdfIkError
 from urdf_ik.model.poses import pose
 from urdf_ik.model.urdf import resolve_mesh
+from urdf_ik.support.report import from_plain
 from urdf_ik.typing import Array
-from urdf_ik.verify.arms import parameters_of
 
 MISSING = "missing"
-"""Stands for the digest of a mesh whose file is not there."""
+"""The digest of a mesh whose file cannot be read."""
 
-_BLOCK = 2**20
 _SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length"),
           "mesh": ("scale",)}  # fmt: skip
 
@@ -114,7 +111,7 @@ class Description:
     followers: tuple[tuple[str, str, float, float], ...]
     steps: tuple[Step, ...]
     shapes: tuple[Shape, ...]
-    allowed: tuple[tuple[str, str], ...] = ()
+    allowed: tuple[tuple[str, str], ...]
     locked: tuple[tuple[str, float], ...] = ()
     redundancy: tuple[str, ...] = ()
     task: str = "pose"
@@ -128,27 +125,8 @@ class Description:
 
     @property
     def title(self) -> str:
-        """The arm in a line.
-
-        Example:
-            >>> import urdf_ik
-            >>> described(urdf_ik.load("planar_2r")).title
-            'planar_2r, base_link to tool0'
-        """
+        """The arm in a line."""
         return f"{self.robot}, {self.base} to {self.tip}"
-
-    def __repr__(self) -> str:
-        return f"<Description of {printable(self.title)}: {self.dof} joints, {len(self.shapes)} shapes>"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Lists, numbers and text; see :func:`from_dict` for the way back.
-
-        Example:
-            >>> import urdf_ik
-            >>> described(urdf_ik.load("planar_2r")).to_dict()["joint_names"]
-            ('joint_1', 'joint_2')
-        """
-        return asdict(self)
 
 
 def described(arm: Arm, *, shapes: bool = True) -> Description:
@@ -157,11 +135,6 @@ def described(arm: Arm, *, shapes: bool = True) -> Description:
     Args:
         arm: the arm.
         shapes: whether to read the shapes of its links, too: every mesh is read once.
-
-    Example:
-        >>> import urdf_ik
-        >>> described(urdf_ik.load("scara_rrpr")).joint_types
-        ('revolute', 'revolute', 'prismatic', 'revolute')
     """
     axes = arm.chain.axes
     structure = arm.structure
@@ -175,7 +148,7 @@ def described(arm: Arm, *, shapes: bool = True) -> Description:
         moving=_moving(arm),
         directions=_rows(axes.H),
         points=_rows(axes.points),
-        sliding=tuple(bool(each) for each in axes.prismatic),
+        sliding=tuple(map(bool, axes.prismatic)),
         home=flat(arm.fk(np.zeros(arm.dof))),
         followers=tuple((f.name, f.driver, float(f.multiplier), float(f.offset)) for f in arm.chain.followers),
         steps=_steps(arm),
@@ -189,47 +162,37 @@ def described(arm: Arm, *, shapes: bool = True) -> Description:
     )
 
 
-def from_dict(data: Mapping[str, Any]) -> Description:
-    """The description that :meth:`Description.to_dict` gave.
+def from_dict(data: Any) -> Description:
+    """The description that was written as plain lists, numbers and text.
 
     Raises:
-        KeyError, TypeError, ValueError: it is something else.
-
-    Example:
-        >>> import urdf_ik
-        >>> found = described(urdf_ik.load("planar_2r"))
-        >>> from_dict(found.to_dict()) == found
-        True
+        TypeError, ValueError: it is something else; the message names the part.
     """
-    held = {name: _tuples(value) for name, value in data.items()}
-    held["steps"] = tuple(Step(**{name: _tuples(value) for name, value in each.items()}) for each in data["steps"])
-    held["shapes"] = tuple(Shape(**{name: _tuples(value) for name, value in each.items()}) for each in data["shapes"])
-    held["limits"] = tuple((float(low), float(high)) for low, high in data["limits"])
-    held["allowed"] = tuple((one, other) for one, other in held["allowed"])
-    if not all(isinstance(link, str) for pair in held["allowed"] for link in pair):
-        raise ValueError("a link of an allowed pair is no text")
-    out = Description(**held)
-    for rows, width in ((out.limits, 2), (out.directions, 3), (out.points, 3), ((out.home,), 12)):
-        array = np.array(rows, dtype=np.float64).reshape(-1, width)
-        if len(array) != len(rows) or np.isnan(array).any():
-            raise ValueError("numbers are missing")
-    steps = np.array([[*each.origin, *each.axis, each.held] for each in out.steps], dtype=np.float64)
-    if not np.isfinite(steps).all() or (len(steps) and steps.shape[1] != 16):
-        raise ValueError("a step's numbers are missing")
+    out: Description = from_plain(Description, data, "arm")
+    for name, rows, width in (
+        ("limits", out.limits, 2),
+        ("directions", out.directions, 3),
+        ("points", out.points, 3),
+        ("home", (out.home,), 12),
+        ("steps", tuple((*step.origin, *step.axis, step.held) for step in out.steps), 16),
+    ):
+        valid = np.isfinite if name != "limits" else lambda row: ~np.isnan(row)
+        if any(len(row) != width or not valid(row).all() for row in rows):
+            raise ValueError(f"arm.{name}: rows of {width} numbers are needed")
     lengths = {len(out.joint_names), len(out.joint_types), len(out.limits)}
     if len(lengths) != 1 or len({len(out.moving), len(out.directions), len(out.points), len(out.sliding)}) != 1:
         raise ValueError("the lists of the joints are not equally long")
     return out
 
 
-def without_shapes(description: Description) -> Description:
-    """The description without its shapes."""
-    return replace(description, shapes=())
+def parameters_of(arm: Arm) -> tuple[str, ...]:
+    """The arm's redundancy parameters in words, such as 'swivel of joint_3'."""
+    return tuple(f"{parameter.kind} of {parameter.joint}" for parameter in arm.solver.parameters)
 
 
 def flat(T: Array) -> Row:
     """The upper three rows of a pose (4, 4), 12 numbers."""
-    return tuple(float(each) for each in T[:3].reshape(-1))
+    return tuple(map(float, T[:3].reshape(-1)))
 
 
 def matrix(row: Row) -> Array:
@@ -238,19 +201,17 @@ def matrix(row: Row) -> Array:
 
 
 def _rows(array: Array) -> tuple[Row, ...]:
-    return tuple(tuple(float(each) for each in row) for row in np.asarray(array))
-
-
-def _tuples(value: Any) -> Any:
-    return tuple(_tuples(each) for each in value) if isinstance(value, list | tuple) else value
+    return tuple(tuple(map(float, row)) for row in np.asarray(array))
 
 
 def _moving(arm: Arm) -> tuple[str, ...]:
     """Names of the joints that move between base and tip, those that mimic others included."""
-    held = dict(arm.chain.locked)
-    path = arm.model.path_between(arm.base, arm.tip)
-    followed = {each.name: arm.model.driver(each)[0].name for each in path}
-    return tuple(each.name for each in path if each.type != "fixed" and followed[each.name] not in held)
+    locked = dict(arm.chain.locked)
+    return tuple(
+        joint.name
+        for joint in arm.model.path_between(arm.base, arm.tip)
+        if joint.type != "fixed" and arm.model.driver(joint)[0].name not in locked
+    )
 
 
 def _steps(arm: Arm) -> tuple[Step, ...]:
@@ -260,14 +221,15 @@ def _steps(arm: Arm) -> tuple[Step, ...]:
         backwards = joint.child == link
         link = joint.parent if backwards else joint.child
         driver, multiplier, offset = arm.model.driver(joint)
-        held = multiplier * locked[driver.name] + offset if driver.name in locked else 0.0
-        axis = tuple(float(each) for each in joint.axis)
-        out.append(Step(joint.name, joint.type, flat(joint.origin), axis, float(held), backwards))
+        value = multiplier * locked[driver.name] + offset if driver.name in locked else 0.0
+        axis = tuple(map(float, joint.axis))
+        out.append(Step(joint.name, joint.type, flat(joint.origin), axis, float(value), backwards))
     return tuple(out)
 
 
 def _shapes(arm: Arm) -> tuple[Shape, ...]:
-    tree, known, out = etree.fromstring(arm.model.xml), {}, []
+    tree, out = etree.fromstring(arm.model.xml), []
+    digests: dict[str, str] = {}
     in_body: dict[str, Array] = {}
     for role in ("collision", "visual"):
         for body in tree.iterfind(f"link/{role}"):
@@ -277,16 +239,14 @@ def _shapes(arm: Arm) -> tuple[Shape, ...]:
             T = np.eye(4)
             if origin is not None:
                 T = pose(_numbers(origin.get("xyz")) or (0.0,) * 3, rpy=_numbers(origin.get("rpy")) or (0.0,) * 3)
-            name, digest = geometry.get("filename") or "", ""
-            if geometry.tag == "mesh":
-                if name not in known:
-                    known[name] = _digest(arm, name)
-                digest = known[name]
+            name = geometry.get("filename") or ""
+            if geometry.tag == "mesh" and name not in digests:
+                digests[name] = _digest(arm, name)
             file = name.replace("\\", "/").rpartition("/")[2]
             link = body.getparent().get("name")
             if link not in in_body:
                 in_body[link] = _in_body(arm, link)
-            out.append(Shape(link, role, geometry.tag, size, flat(in_body[link] @ T), file, digest))
+            out.append(Shape(link, role, geometry.tag, size, flat(in_body[link] @ T), file, digests.get(name, "")))
     return tuple(out)
 
 
@@ -299,16 +259,12 @@ def _in_body(arm: Arm, link: str) -> Array:
 
 
 def _numbers(text: str | None) -> Row:
-    return tuple(float(each) for each in (text or "").split())
+    return tuple(map(float, (text or "").split()))
 
 
 def _digest(arm: Arm, name: str) -> str:
     try:
-        path: Path = resolve_mesh(arm.model, name)
-        digest = hashlib.sha256()
-        with path.open("rb") as file:
-            while block := file.read(_BLOCK):
-                digest.update(block)
+        with resolve_mesh(arm.model, name).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
     except (UrdfIkError, OSError):
         return MISSING
-    return digest.hexdigest()

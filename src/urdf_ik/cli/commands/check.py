@@ -34,7 +34,7 @@ from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
-from urdf_ik.verify import ProofCheck, completeness, crosscheck, surveys
+from urdf_ik.verify import ProofCheck, completeness, crosscheck, folders
 
 
 def command(
@@ -68,11 +68,11 @@ def command(
         raise console.usage("--complete compares solutions and nothing else", "--collisions")
     if proof and (complete or collisions is not None):
         raise console.usage("--proof checks proofs and nothing else", "--proof")
-    report: surveys.Survey | crosscheck.Report | completeness.Completeness | ProofCheck
+    report: folders.FolderCheck | crosscheck.CrossCheck | completeness.Completeness | ProofCheck
     if Path(chosen.robot).is_dir():
         if proof:
             raise console.usage("proofs are checked one arm at a time, and this is a folder", "--proof")
-        report = _survey(chosen, n, seed, complete, collisions, time_limit)
+        report = _folder(chosen, n, seed, complete, collisions, time_limit)
     else:
         if proof:
             report = _proofs(chosen, n, seed, time_limit)
@@ -85,7 +85,7 @@ def command(
 
 def _report(
     chosen: ArmOptions, n: int, seed: int, complete: bool, collisions: bool | None, time_limit: float | None
-) -> crosscheck.Report | completeness.Completeness:
+) -> crosscheck.CrossCheck | completeness.Completeness:
     from urdf_ik.verify import completeness, crosscheck
 
     arm = chosen.load()
@@ -108,19 +108,19 @@ def _proofs(chosen: ArmOptions, n: int, seed: int, time_limit: float | None) -> 
         return check_proof(arm, solutions, time_limit=time_limit, progress=progress.tick)
 
 
-def _survey(
+def _folder(
     chosen: ArmOptions,
     n: int,
     seed: int,
     complete: bool,
     collisions: bool | None,
     time_limit: float | None,
-) -> surveys.Survey:
-    from urdf_ik.verify import surveys
+) -> folders.FolderCheck:
+    from urdf_ik.verify import folders
 
     chosen.require_only(("base", "tip", "mesh_root"), f"{chosen.robot} is a folder")
     with Progress("checking arms", "checking") as progress:
-        return surveys.survey(
+        return folders.check_folder(
             chosen.robot,
             n=n,
             seed=seed,

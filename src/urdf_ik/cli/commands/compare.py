@@ -27,7 +27,8 @@ from urdf_ik.cli.commands.verify import Degrees, Ignored, Millimetres
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.several_arms import SeveralArms
-from urdf_ik.verify.comparison import Comparison, ManyArms
+from urdf_ik.verify.comparison import Comparison
+from urdf_ik.verify.many_arms import ManyArms
 
 TimeLimit = Annotated[
     float | None,
@@ -54,7 +55,7 @@ def command(
     from urdf_ik.cli.progress import Progress
     from urdf_ik.cli.solutions import targets
     from urdf_ik.support.text import json_text
-    from urdf_ik.verify import comparison
+    from urdf_ik.verify import comparison, many_arms
 
     chosen = arms.each()
     for each in chosen:
@@ -79,7 +80,7 @@ def command(
     many = None
     if own is not None:
         with Progress("comparing", "solving") as progress:
-            many = comparison.compare_many(
+            many = many_arms.compare_many(
                 {_called(k, arms.robots): arm for k, arm in enumerate(loaded)}, own, time_limit=time_limit,
                 progress=progress.tick,
             )  # fmt: skip
@@ -97,12 +98,14 @@ def as_text(found: list[Comparison], many: ManyArms | None) -> str:
     from urdf_ik.cli import tables
 
     parts: list[Any] = []
-    sections = [section for each in found for section in each.sections()]
-    for section in [*sections, *([] if many is None else [many.section()])]:
-        parts += [""] * bool(parts) + [section.title]
-        if section.rows:
-            parts.append(tables.grid(section.header, section.rows, left=section.left))
-        parts += section.remarks
+    for report in [*found, *([] if many is None else [many])]:
+        parts += [""] * bool(parts) + [report.title()]
+        for section in report.sections():
+            parts += ["", section.title]
+            if section.rows:
+                parts.append(tables.grid(section.header, section.rows, left=section.left))
+            parts += section.remarks
+        parts += ["", *report.lines(), report.verdict()]
     return tables.render(*parts)
 
 

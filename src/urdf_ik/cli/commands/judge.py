@@ -7,13 +7,11 @@ A process reads {"T": 4x4} and answers {"q": [[...], ...]}, a line each, in the 
 
 Examples:
     urdf-ik judge ur5 --solver my_solver.py:solve
-    urdf-ik judge my_arm.urdf --tip tool0 --solver ikfast:libmy_arm_ikfast.so -n 200
-    urdf-ik judge puma_560 --solver eaik -f junit -o eaik.xml
+    urdf-ik judge my_arm.urdf --tip tool0 --solver "process:./my_solver" -n 200 --json
 """
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -21,32 +19,20 @@ import typer
 from urdf_ik.cli import options
 from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.errors import Status
-
-
-class JudgeFormat(StrEnum):
-    """Output of a judgement."""
-
-    TABLE = "table"
-    JSON = "json"
-    JUNIT = "junit"
-
+from urdf_ik.cli.options import ReportFormat
 
 Solver = Annotated[
     str,
     typer.Option(
         "--solver",
         metavar="SPEC",
-        help="module:function, file.py:function, process:COMMAND (a line of JSON a pose), ikfast:LIBRARY.so, or eaik, "
-        "ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
+        help="module:function, file.py:function, or process:COMMAND (a line of JSON a pose).",
     ),
 ]
 MaxError = Annotated[
     float | None, typer.Option("--max-error", metavar="E", min=0.0, help="Error [m; rad] of a solution. Default: 1e-7.")
 ]
 Within = Annotated[bool, typer.Option("--within-limits", help="The solver returns only what is inside the limits.")]
-Printed = Annotated[
-    JudgeFormat, typer.Option("--format", "-f", help="How to print it.", rich_help_panel=options.OUTPUT)
-]
 
 
 def command(
@@ -58,18 +44,18 @@ def command(
     within_limits: Within = False,
     time_limit: options.TimeLimit = None,
     chosen: ArmOptions,
-    printed_as: Printed = JudgeFormat.TABLE,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
     output: options.Output = None,
 ) -> None:
     """Print the judgement."""
     from urdf_ik.cli import console
     from urdf_ik.cli.progress import Progress
-    from urdf_ik.verify.judging import SolverProcess, solver_of
+    from urdf_ik.verify.judging import TOLERANCE
     from urdf_ik.verify.judging import judge as judged
-    from urdf_ik.verify.judging.judge import TOLERANCE
+    from urdf_ik.verify.solvers import SolverProcess, solver_of
 
     arm = chosen.load()
-    solve = solver_of(solver, arm)
+    solve = solver_of(solver)
     try:
         with Progress("judging poses", "solving") as progress:
             found = judged(
@@ -80,11 +66,6 @@ def command(
     finally:
         if isinstance(solve, SolverProcess):
             solve.close()
-    written = {
-        JudgeFormat.TABLE: lambda: f"{found}\n",
-        JudgeFormat.JSON: found.to_json,
-        JudgeFormat.JUNIT: found.to_junit,
-    }
-    console.write(written[printed_as](), output)
+    console.write(found.to_json() if printed_as is ReportFormat.JSON else f"{found}\n", output)
     if not found.passed:
         raise typer.Exit(Status.FAILED)

@@ -59,7 +59,7 @@ def command(
     from urdf_ik.cli.progress import Progress
     from urdf_ik.errors import ChainError, message
     from urdf_ik.verify.baselines import Baseline, freeze
-    from urdf_ik.verify.change import Tolerance, ignored
+    from urdf_ik.verify.differences import Tolerance, ignored
 
     Tolerance.read(tolerance_mm, tolerance_deg)
     ignored(ignore or ())

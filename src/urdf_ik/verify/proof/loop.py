@@ -72,9 +72,7 @@ class Loop:
     def out_of_reach(self) -> bool:
         """Whether axis 6 would be further from axis 1 than the steps between the axes' points are long together."""
         first, last = self.axes[0][1], self.axes[5][1]
-        moved = [
-            sum((self.G[i, k].real * last[k] for k in range(3)), self.G[i, 3].real) - first[i] for i in range(3)
-        ]
+        moved = [sum((self.G[i, k].real * last[k] for k in range(3)), self.G[i, 3].real) - first[i] for i in range(3)]
         steps = [[b - a for a, b in zip(self.axes[k][1], self.axes[k + 1][1], strict=True)] for k in range(5)]
         return bool(_length(moved) > sum((_length(step) for step in steps), arb(0)))
 

@@ -23,8 +23,8 @@ from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import largest_apart, shortest
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
-from urdf_ik.verify.completeness.newton import descend, errors
-from urdf_ik.verify.crosscheck.properties import EXACT
+from urdf_ik.verify.crosscheck import EXACT
+from urdf_ik.verify.second_method import descend, errors
 
 SAME = 1e-6
 ROUNDING = 1e-13
@@ -36,78 +36,6 @@ NEIGHBOURS = 1e-2
 
 STEP, STEPS = 0.02, 2000
 """Length [rad] and greatest number of steps of a walk along a continuum, each way."""
-
-DISTANCES = tuple(10.0**-k for k in range(1, 9))
-"""How far [rad] from a singularity the poses near one are, in turn."""
-
-CORNER = 0.0
-"""The value in place of that distance for poses with joints at right angles."""
-
-NOISES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2)
-"""How far [rad] from right angles their joints are, in turn. Nearer to one, rounding of the pose decides."""
-
-REGULAR = 1e-2
-"""Smallest singular value of their Jacobians, lengths as shares of the arm's size."""
-
-
-def distance_to_singularity(n: int, index: int) -> float | None:
-    """How far [rad] from a singularity pose ``index`` is planted.
-
-    None for the n random ones that come first, ``CORNER`` for those at right angles, from 2 n on.
-    """
-    if index >= 2 * n:
-        return CORNER
-    return None if index < n else DISTANCES[(index - n) % len(DISTANCES)]
-
-
-def plant(chain: Chain, n: int, seed: int, index: int) -> Array:
-    """Joint vector (6,) [rad] of pose ``index``, over the whole torus."""
-    rng = np.random.default_rng([seed, index])
-    near = distance_to_singularity(n, index)
-    if near == CORNER:
-        return _at_right_angles(chain, rng, NOISES[index % len(NOISES)])
-    return rng.uniform(-np.pi, np.pi, chain.n) if near is None else _beside_singularity(chain, rng, near)
-
-
-def _at_right_angles(chain: Chain, rng: np.random.Generator, noise: float) -> Array:
-    """A regular joint vector (6,) of quarter turns, up to three joints anywhere; each up to ``noise`` [rad] off."""
-    q: Array = rng.uniform(-np.pi, np.pi, chain.n)
-    for _ in range(200):
-        q[:] = 0.5 * np.pi * rng.integers(-1, 3, chain.n)
-        anywhere = rng.permutation(chain.n)[: rng.integers(0, 4)]
-        q[anywhere] = rng.uniform(-np.pi, np.pi, len(anywhere))
-        J = np.array(chain.jacobian(q))
-        J[:3] /= chain.size
-        if np.linalg.svd(J, compute_uv=False)[-1] > REGULAR:
-            break
-    q += noise * rng.uniform(-1.0, 1.0, chain.n)
-    return q
-
-
-def _beside_singularity(chain: Chain, rng: np.random.Generator, near: float) -> Array:
-    """A joint vector (6,) at which one joint is ``near`` [rad] from where the Jacobian's determinant changes sign."""
-    grid = np.linspace(-np.pi, np.pi, 25)
-    q = rng.uniform(-np.pi, np.pi, chain.n)
-    for _ in range(200):
-        q = rng.uniform(-np.pi, np.pi, chain.n)
-        joint = int(rng.integers(chain.n))
-        line = np.tile(q, (len(grid), 1))
-        line[:, joint] = grid
-        values = np.linalg.det(chain.jacobian(line))
-        crossings = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-        if not len(crossings):
-            continue
-        i = int(rng.choice(crossings))
-        low, high = grid[i], grid[i + 1]
-        while (middle := 0.5 * (low + high)) not in (low, high):
-            q[joint] = middle
-            if np.linalg.det(chain.jacobian(q)) * values[i] > 0.0:
-                low = middle
-            else:
-                high = middle
-        q[joint] = middle + near * rng.choice([-1.0, 1.0])
-        return q
-    return q  # an arm that is singular nowhere, or everywhere
 
 
 @dataclass

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import io
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,20 +14,24 @@ from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError, printable
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
-from urdf_ik.support.display import html_of, short
+from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
-from urdf_ik.verify import arms as of_arms
-from urdf_ik.verify.baselines.pose_sampling import contacts
-from urdf_ik.verify.reports import Written
+from urdf_ik.verify.description import parameters_of
+from urdf_ik.verify.sampling import contacts, solutions_of
 
 NOT_CHECKED = "not checked"
-UNREACHED, OUTSIDE, TOUCHING, FREE, UNKNOWN = "not reached", "outside limits", "contact", "free", "contacts not checked"
-"""Labels of a branch at a pose in the picture."""
 
-_SHADES = {UNREACHED: "#e0e0e0", OUTSIDE: "#f9a825", TOUCHING: "#c62828", FREE: "#2e7d32", UNKNOWN: "#7cb342"}
-_ROW, _WIDTH, _LABEL = 16, 640, 260
+SHADES = {
+    "not reached": "#e0e0e0",
+    "outside limits": "#f9a825",
+    "contact": "#c62828",
+    "free": "#2e7d32",
+    "contacts not checked": "#7cb342",
+}
+"""Colours of the picture: what a branch can do at a pose."""
+
 _AT_ONCE = 32
 """Poses that every arm solves before the time is looked at."""
 
@@ -56,7 +61,7 @@ class Row(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class ManyArms(Written):
+class ManyArms(Report):
     """The answers of many arms to the same poses.
 
     Attributes:
@@ -65,13 +70,6 @@ class ManyArms(Written):
         rows: one a solution, and one for each pose that an arm does not reach.
         notes: what was not checked, and why.
         unlooked: what the time limit left out; '' where every pose was looked at.
-
-    Example:
-        >>> import urdf_ik
-        >>> a, b = urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit")
-        >>> found = urdf_ik.compare_many([a, b], a.fk([[0.3, -0.5], [0.2, -1.0]]))
-        >>> len(found.rows), found.reached("planar_2r")
-        (8, 2)
     """
 
     arms: tuple[str, ...]
@@ -81,14 +79,7 @@ class ManyArms(Written):
     unlooked: str = ""
 
     def reached(self, arm: str) -> int:
-        """Number of poses that an arm reaches, limits and contacts aside.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> urdf_ik.compare_many([arm], arm.fk([[0.3, -0.5]])).reached("planar_2r")
-            1
-        """
+        """Number of poses that an arm reaches, limits and contacts aside."""
         return len({row.pose for row in self.rows if row.arm == arm and row.reachable})
 
     def to_frame(self) -> Any:
@@ -96,12 +87,6 @@ class ManyArms(Written):
 
         Raises:
             MissingPackage: pandas is not installed.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> urdf_ik.compare_many([arm], arm.fk([[0.3, -0.5]])).to_frame().columns[:3].tolist()
-            ['arm', 'pose', 'branch']
         """
         try:
             import pandas
@@ -109,82 +94,85 @@ class ManyArms(Written):
             raise MissingPackage("to_frame() needs pandas: pip install 'urdf-ik[tables]'") from None
         return pandas.DataFrame([row._asdict() for row in self.rows], columns=list(Row._fields))
 
-    def section(self) -> Section:
-        """A line an arm: how many poses it reaches, inside its limits, free of contact.
+    def to_dict(self) -> dict[str, Any]:
+        """The table as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'."""
+        content = super().to_dict()
+        del content["passed"]
+        return content
 
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> urdf_ik.compare_many([arm], arm.fk([[0.3, -0.5]])).section().rows[0][:4]
-            ('planar_2r', '1', '1', '1')
-        """
+    @property
+    def faulty(self) -> bool:
+        """False: a table is no check."""
+        return False
+
+    def title(self) -> str:
+        """The number of arms and poses."""
+        return f"{len(self.arms)} arms, {self.poses} poses"
+
+    def sections(self) -> tuple[Section, ...]:
+        """A table with a line an arm: how many poses it reaches, inside its limits, free of contact."""
         rows = []
         for name in self.arms:
             own = [row for row in self.rows if row.arm == name]
             inside = [row for row in own if row.in_limits]
-            free = {row.pose for row in inside if row.contact is False}
+            margins: dict[int, float] = {}
+            for row in inside:
+                margins[row.pose] = max(row.limit_margin, margins.get(row.pose, -np.inf))
             unchecked = any(row.contact == NOT_CHECKED for row in own)
-            margin = [max(r.limit_margin for r in inside if r.pose == pose) for pose in {r.pose for r in inside}]
-            rows.append((
-                name, str(self.poses), str(self.reached(name)), str(len({row.pose for row in inside})),
-                NOT_CHECKED if unchecked else str(len(free)), str(sum(row.reachable for row in own)),
-                f"{min(margin):.3g}" if margin else "-",
-            ))  # fmt: skip
+            free = len({row.pose for row in inside if row.contact is False})
+            numbers = (self.poses, self.reached(name), len(margins), NOT_CHECKED if unchecked else free)
+            least = f"{min(margins.values()):.3g}" if margins else "-"
+            rows.append((name, *map(str, numbers), str(sum(row.reachable for row in own)), least))
         header = ("arm", "poses", "reached", "within limits", "free of contact", "solutions", "least best margin")
-        return Section("the same poses", header, tuple(rows), self._remarks, left=("arm",))
+        return (Section("the same poses", header, tuple(rows), left=("arm",)),)
 
-    @property
-    def _remarks(self) -> tuple[str, ...]:
-        return (*((self.unlooked,) if self.unlooked else ()), *self.notes)
+    def lines(self) -> tuple[str, ...]:
+        """What was not checked."""
+        return self.notes
 
-    def __str__(self) -> str:
-        return str(self.section())
+    def summary(self) -> str:
+        """How many poses each arm reaches."""
+        return ", ".join(f"{name} reaches {self.reached(name)} of {self.poses}" for name in self.arms)
 
-    def __repr__(self) -> str:
-        lines = [f"{row[0]}: {row[2]} of {row[1]} reached, {row[3]} within limits, {row[4]} free of contact"
-                 for row in self.section().rows]  # fmt: skip
-        return short(f"{len(self.arms)} arms, {self.poses} poses", [*self._remarks, *lines])
+    def verdict(self) -> str:
+        """How many poses each arm reaches, and what was left out."""
+        return "; ".join(part for part in (self.summary(), self.unlooked) if part)
 
     def _repr_html_(self) -> str:
-        return html_of(f"{len(self.arms)} arms, {self.poses} poses", "", True, [self.section()]) + self.svg()
+        with suppress(MissingPackage):
+            return super()._repr_html_() + self.svg()
+        return super()._repr_html_()
 
     def svg(self) -> str:
         """A picture: a row an arm and branch, a column a pose, its colour what the arm can do there.
 
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r")
-            >>> urdf_ik.compare_many([arm], arm.fk([[0.3, -0.5]])).svg()[:4]
-            '<svg'
+        Raises:
+            MissingPackage: matplotlib is not installed.
         """
+        try:
+            from matplotlib.colors import ListedColormap
+            from matplotlib.figure import Figure
+            from matplotlib.patches import Patch
+        except ImportError:
+            raise MissingPackage("svg() needs matplotlib: pip install 'urdf-ik[plot]'") from None
         lines = list(dict.fromkeys((row.arm, row.branch) for row in self.rows if row.reachable))
         lines += [(name, "") for name in self.arms if not any(line[0] == name for line in lines)]
         lines.sort(key=lambda line: self.arms.index(line[0]))
-        at = {(row.arm, row.branch, row.pose): _state(row) for row in self.rows}
-        step = (_WIDTH - 1) / max(1, self.poses)
-        parts = []
-        for k, (name, branch) in enumerate(lines):
-            y = k * _ROW
-            label = escape(printable(f"{name}: {branch}" if branch else name, 44))
-            parts.append(f'<text x="0" y="{y + _ROW - 5}" font-size="11">{label}</text>')
-            states = [at.get((name, branch, pose), UNREACHED) for pose in range(self.poses)]
-            start = 0
-            for end in range(1, self.poses + 1):
-                if end == self.poses or states[end] != states[start]:
-                    x, width = _LABEL + start * step, (end - start) * step
-                    parts.append(f'<rect x="{x:.1f}" y="{y + 1}" width="{width:.1f}" height="{_ROW - 2}" '
-                                 f'fill="{_SHADES[states[start]]}"/>')  # fmt: skip
-                    start = end
-        bottom = len(lines) * _ROW + 4
-        for k, (state, shade) in enumerate(_SHADES.items()):
-            x = 4 + k * 170
-            parts.append(f'<rect x="{x}" y="{bottom}" width="10" height="10" fill="{shade}"/>'
-                         f'<text x="{x + 14}" y="{bottom + 10}" font-size="11">{state}</text>')  # fmt: skip
-        size = f'width="{_LABEL + _WIDTH}" height="{bottom + 16}"'
-        return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" font-family="sans-serif" '
-            f'aria-label="what each arm reaches along the poses">{"".join(parts)}</svg>'
-        )
+        states = np.zeros((len(lines), self.poses))
+        for row in self.rows:
+            if row.reachable:
+                states[lines.index((row.arm, row.branch)), row.pose] = list(SHADES).index(_state(row))
+        figure = Figure(figsize=(9.0, 1.0 + 0.22 * len(lines)), layout="constrained")
+        axes = figure.add_subplot(xlabel="pose")
+        axes.pcolormesh(states, cmap=ListedColormap(list(SHADES.values())), vmin=-0.5, vmax=len(SHADES) - 0.5)
+        labels = [printable(f"{name}: {branch}" if branch else name, 44) for name, branch in lines]
+        axes.set_yticks(np.arange(len(lines)) + 0.5, labels, fontsize=8)
+        axes.invert_yaxis()
+        handles = [Patch(color=shade, label=state) for state, shade in SHADES.items()]
+        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=8)
+        text = io.StringIO()
+        figure.savefig(text, format="svg")
+        return text.getvalue()[text.getvalue().index("<svg") :]  # without the XML declaration
 
 
 def compare_many(
@@ -228,8 +216,8 @@ def compare_many(
         shapes_of[name], unchecked = arm.cell.to_check(collisions)
         if unchecked:
             notes.append(f"{name}: contacts {NOT_CHECKED}: {unchecked}")
-        if of_arms.parameters_of(arm):
-            notes.append(f"{name}: solved at the default of its redundancy parameter, {of_arms.parameters_of(arm)[0]}")
+        if parameters_of(arm):
+            notes.append(f"{name}: solved at the default of its redundancy parameter, {parameters_of(arm)[0]}")
     rows: dict[str, list[Row]] = {name: [] for name in named}
     unsolved: dict[str, str] = {}
     looked_at = 0
@@ -256,25 +244,26 @@ def compare_many(
 
 
 def _named(arms: Mapping[str, Arm] | Iterable[Arm]) -> dict[str, Arm]:
-    if hasattr(arms, "items"):
-        named = dict(inputs.mapping(arms, "arms", "an arm for each name"))
+    """The arms by their names; where two robots have the same name, the second gets a number."""
+    named: dict[str, Arm] = {}
+    if isinstance(arms, Mapping):
+        named = {str(name): arm for name, arm in arms.items()}
     else:
-        held: Sequence[Arm] = list(inputs.items(arms, "arms", "arms, as urdf_ik.load returns them,"))
-        named = {}
-        for k, arm in enumerate(held):
+        every = inputs.items(arms, "arms", "arms, as urdf_ik.load returns them,")
+        for k, arm in enumerate(every):
             inputs.arm(arm, f"arms[{k}]")
-            names = (arm.name, *(f"{arm.name} ({i})" for i in range(2, len(held) + 2)))
+            names = (arm.name, *(f"{arm.name} ({i})" for i in range(2, len(every) + 2)))
             named[next(name for name in names if name not in named)] = arm
     if not named:
         raise ArgumentError("no arm given; one or more are needed")
     for name, arm in named.items():
         inputs.arm(arm, f"arms[{name!r}]")
-    return {str(name): arm for name, arm in named.items()}
+    return named
 
 
 def _rows(name: str, arm: Arm, T: Array, some: range, shapes: Any) -> list[Row]:
     """The rows of some of the poses (m, 4, 4)."""
-    found = of_arms.solutions_of(arm, T[some.start : some.stop])
+    found = solutions_of(arm, T[some.start : some.stop])
     within = found.within_limits()
     valid, inside, all_q, inner, names = found.valid, within.valid, found.q, within.q, found.names
     out = []
@@ -301,8 +290,7 @@ def _unreached(name: str, pose: int) -> Row:
 
 
 def _state(row: Row) -> str:
-    if not row.reachable:
-        return UNREACHED
+    """One of ``SHADES``, of a reached pose."""
     if not row.in_limits:
-        return OUTSIDE
-    return UNKNOWN if row.contact == NOT_CHECKED else TOUCHING if row.contact else FREE
+        return "outside limits"
+    return "contacts not checked" if row.contact == NOT_CHECKED else "contact" if row.contact else "free"

@@ -1,4 +1,4 @@
-"""The properties that a cross-check compares, and their worst values."""
+"""Cross-checks of an arm with Pinocchio, over random poses and every branch."""
 
 from __future__ import annotations
 
@@ -7,17 +7,279 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.pinocchio_reference import Reference, finite, pose_errors
-from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm, UrdfError
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
+from urdf_ik.support.report import Report
+from urdf_ik.support.text import Section, quoted
+from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
-from urdf_ik.verify.crosscheck.report import Row
+
+PROPERTIES = (
+    "joints and limits",
+    "forward kinematics, position",
+    "forward kinematics, rotation",
+    "Jacobian",
+    "links, position",
+    "links, rotation",
+    "batch = single, kinematics",
+    "solutions, position",
+    "solutions, rotation",
+    "planted joint vector",
+    "batch = single, solutions",
+    "duplicates",
+    "collision, verdict",
+    "collision, distance",
+)
+"""The rows of a report, in order; it omits a row that cannot be checked, and ``Report.skipped`` gives the reason."""
+
+COLLISION_POSES = 2000
+"""Joint vectors whose collision is compared: a distance between meshes takes a millisecond."""
+
+_CHUNK = 256  # poses at a time: the link poses and solutions of all need not be in memory together
+
+
+def check(
+    arm: Arm,
+    n: int = 200,
+    seed: int = 0,
+    collision: bool | None = None,
+    *,
+    collision_poses: int | None = COLLISION_POSES,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+) -> CrossCheck:
+    """Compare an arm against Pinocchio's own model of the same URDF.
+
+    Joint vectors are drawn within the limits, Pinocchio makes the poses, the arm solves them. Compared are: joints and
+    limits, forward kinematics, Jacobian, the pose of every link, batch and single answers, the error of every
+    solution, whether the planted joint vector is among the solutions, duplicates, and collision: coal's shapes placed
+    with the arm's link poses, against the same shapes placed by Pinocchio, for planted joint vectors and solutions.
+
+    Args:
+        arm: what :func:`urdf_ik.load` returned.
+        n: number of poses.
+        seed: the same seed gives the same report; :func:`replay` gives pose i of it again.
+        collision: compare collision, too; None: where the URDF has collision shapes and all of them can be read.
+        collision_poses: most joint vectors whose collision is compared; None: all.
+        time_limit: s after which no more poses are checked; what was left out did not pass.
+        progress: called with (poses done, n).
+
+    Returns:
+        The report; ``report.passed`` says whether all is well.
+
+    Raises:
+        UrdfError: ``collision`` is true, and there are no collision shapes or not all of them can be read.
+        ArgumentError: n is below 1, the seed is negative, or ``time_limit`` is no number of seconds.
+
+    Example:
+        >>> import urdf_ik
+        >>> check(urdf_ik.load("planar_2r"), n=5).passed
+        True
+    """
+    inputs.arm(arm)
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    watch = Watch(time_limit, progress)
+    reference = arm.cell.reference
+    tallies, skipped, unlooked = [_limits(arm, reference)], [], ""
+    if tuple(arm.joint_names) != reference.joint_names:
+        skipped.append(("all else", "the arm's joints are not Pinocchio's"))
+    else:
+        kinematics, inverse = _Kinematics(arm, reference), _Inverse(arm, reference)
+        touching, reason = _collision(arm, collision, collision_poses)
+        for start in range(0, n, _CHUNK):
+            if watch.is_over:
+                unlooked = watch.ended(f"with {start} of {n} poses: the others were")
+                break
+            indices = range(start, min(start + _CHUNK, n))
+            Q = np.array([_draw(reference, seed, index) for index in indices])
+            T = reference.pose(Q)
+            kinematics.take(indices, Q, T)
+            solutions = inverse.take(indices, Q, T)
+            if touching is not None:
+                touching.take(indices, Q, solutions)
+            watch.step(indices.stop, n)
+        tallies += kinematics.tallies + inverse.tallies
+        tallies += [] if touching is None else touching.tallies
+        skipped += inverse.skipped + ([("collision", reason)] if reason else [])
+    return CrossCheck(
+        robot=arm.name,
+        base=reference.base,
+        tip=reference.tip,
+        joint_names=reference.joint_names,
+        n=n,
+        seed=seed,
+        reference=f"Pinocchio {pin.__version__}",
+        # What time left nothing to compare of is no failure.
+        rows=tuple(tally.row() for tally in tallies if tally.checked or not unlooked),
+        skipped=tuple(skipped),
+        unlooked=unlooked,
+    )
+
+
+def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
+    """Pose ``index`` of a check once more: it depends on the arm, the seed and the index alone.
+
+    Args:
+        arm: the arm that was checked.
+        seed: the report's seed.
+        index: the row's index.
+
+    Returns:
+        The planted joint vector (n,) [rad or m] and Pinocchio's pose for it, (4, 4) [m].
+
+    Raises:
+        ArgumentError: the seed or the index is negative.
+    """
+    inputs.arm(arm)
+    seed, index = inputs.whole(seed, "seed", high=2**64), inputs.whole(index, "index")
+    q = _draw(arm.cell.reference, seed, index)
+    return q, arm.cell.reference.pose(q)
+
+
+def _draw(reference: Reference, seed: int, index: int) -> Array:
+    """Joint vector (n,) of pose ``index``, within the limits or one turn."""
+    lower, upper = reference.ranges.T
+    q: Array = np.random.default_rng([seed, index]).uniform(lower, upper)
+    return q
+
+
+def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[_Collision | None, str]:
+    """The comparison of collisions, or None and the reason why it is skipped."""
+    if wanted is False:
+        return None, "not asked for"
+    shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
+    if not shapes.has_geometry:
+        if wanted:
+            raise UrdfError(shapes.missing, source=arm.model.source)
+        return None, shapes.missing
+    if not shapes.checked_pairs:
+        return None, "no pair of links is left that must not touch"
+    return _Collision(arm, shapes, most), ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One property of an arm, held against Pinocchio.
+
+    Attributes:
+        name: the property.
+        unit: unit of ``worst`` and ``tolerance``.
+        worst: the worst value found, infinite where something was missing or not a number; a number of cases for the
+            properties that are counted.
+        tolerance: the most that is accepted; where it depends on the pose, that of the worst one.
+        passed: whether every value was accepted.
+        checked: how many values were compared.
+        index: number of the pose in which the worst value, or the first counted case, was found; None where there is
+            no such pose.
+        q: joint vector (n,) [rad or m] at which it was found.
+        detail: branch, link or joint that it belongs to, or what was missing.
+    """
+
+    name: str
+    unit: str
+    worst: float
+    tolerance: float
+    passed: bool
+    checked: int
+    index: int | None = None
+    q: tuple[float, ...] | None = None
+    detail: str = ""
+
+    def place(self) -> str:
+        """Where the worst value was found, in words."""
+        parts = [
+            "" if self.index is None else f"pose {self.index}",
+            self.detail,
+            "" if self.q is None else f"q = [{', '.join(map(repr, self.q))}]",
+        ]
+        return ", ".join(filter(None, parts))
+
+
+@dataclass(frozen=True, repr=False)
+class CrossCheck(Report):
+    """An arm of this package against Pinocchio.
+
+    Attributes:
+        robot: the robot's name.
+        base: base link.
+        tip: tip link.
+        joint_names: joints of a joint vector, base to tip.
+        n: number of random poses.
+        seed: seed of the joint vectors that made them.
+        reference: name and version of the reference.
+        rows: one a property.
+        skipped: (property, reason) of what could not be checked.
+        unlooked: what the time limit left out; '' where every pose was checked.
+    """
+
+    robot: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    n: int
+    seed: int
+    reference: str
+    rows: tuple[Row, ...]
+    skipped: tuple[tuple[str, str], ...] = ()
+    unlooked: str = ""
+
+    @property
+    def failed(self) -> tuple[Row, ...]:
+        """The rows that did not pass."""
+        return tuple(row for row in self.rows if not row.passed)
+
+    @property
+    def faulty(self) -> bool:
+        """Whether a property does not hold; ``skipped`` says what was not checked."""
+        return bool(self.failed)
+
+    def row(self, name: str) -> Row:
+        """The row of a property.
+
+        Raises:
+            ArgumentError: there is no such row; the message lists the rows.
+        """
+        for row in self.rows:
+            if row.name == name:
+                return row
+        raise ArgumentError(f"no row {quoted(name)}; rows: {', '.join(row.name for row in self.rows)}")
+
+    def title(self) -> str:
+        """The arm, the poses and the reference."""
+        poses = "1 random pose" if self.n == 1 else f"{self.n} random poses"
+        return f"{self.robot}, {self.base} to {self.tip}: {poses}, seed {self.seed}, against {self.reference}"
+
+    def sections(self) -> tuple[Section, ...]:
+        """A table with a row a property."""
+        header = ("property", "worst", "tolerance", "unit", "checked", "result")
+        rows = tuple(
+            (r.name, f"{r.worst:.2g}", f"{r.tolerance:.2g}", r.unit, str(r.checked), "passed" if r.passed else "FAILED")
+            for r in self.rows
+        )
+        return (Section("", header, rows, left=("property", "unit", "result")),)
+
+    def lines(self) -> tuple[str, ...]:
+        """What was not checked, where each failure is, and how to replay it."""
+        lines = [f"not checked: {name}: {reason}" for name, reason in self.skipped]
+        lines += [f"FAILED {row.name}: {row.place() or 'at no particular pose'}" for row in self.failed]
+        indices = [row.index for row in self.failed if row.index is not None]
+        if indices:
+            call = f"urdf_ik.verify.crosscheck.replay(arm, seed={self.seed}, index={indices[0]})"
+            lines.append(f"replay: q, T = {call}")
+        return tuple(lines)
+
+    def summary(self) -> str:
+        """How many properties hold."""
+        return f"{sum(row.passed for row in self.rows)} of {len(self.rows)} properties hold"
+
 
 ROUNDING = 1e-12
 """Kinematics: two programs that evaluate the same formula in a different order [m per m of the arm; rad]."""
@@ -44,7 +306,7 @@ CONTACT = 2e-6
 
 
 @dataclass
-class Tally:
+class _Tally:
     """The worst value of one property so far.
 
     Attributes:
@@ -103,9 +365,9 @@ class Tally:
         )
 
 
-def limits(arm: Arm, reference: Reference) -> Tally:
+def _limits(arm: Arm, reference: Reference) -> _Tally:
     """Joint names in order, and limits."""
-    tally = Tally("joints and limits", "rad, m", 0.0)
+    tally = _Tally("joints and limits", "rad, m", 0.0)
     if tuple(arm.joint_names) != reference.joint_names:
         tally.add(np.inf, None, None, f"joints {', '.join(arm.joint_names)}, not {', '.join(reference.joint_names)}")
         return tally
@@ -117,19 +379,19 @@ def limits(arm: Arm, reference: Reference) -> Tally:
     return tally
 
 
-class Kinematics:
+class _Kinematics:
     """Forward kinematics, Jacobian, the pose of every link; batch against single."""
 
     def __init__(self, arm: Arm, reference: Reference) -> None:
         self._arm, self._reference = arm, reference
         length = ROUNDING * max(1.0, reference.size)
         self._fk = (
-            Tally("forward kinematics, position", "m", length),
-            Tally("forward kinematics, rotation", "rad", ROUNDING),
+            _Tally("forward kinematics, position", "m", length),
+            _Tally("forward kinematics, rotation", "rad", ROUNDING),
         )
-        self._jacobian = Tally("Jacobian", "m, 1", length)
-        self._links = Tally("links, position", "m", length), Tally("links, rotation", "rad", ROUNDING)
-        self._single = Tally("batch = single, kinematics", "m, 1", length)
+        self._jacobian = _Tally("Jacobian", "m, 1", length)
+        self._links = _Tally("links, position", "m", length), _Tally("links, rotation", "rad", ROUNDING)
+        self._single = _Tally("batch = single, kinematics", "m, 1", length)
         self.tallies = [*self._fk, self._jacobian, *self._links, self._single]
 
     def take(self, indices: Sequence[int], Q: Array, T: Array) -> None:
@@ -143,7 +405,7 @@ class Kinematics:
         for link in sorted(set(ours) ^ set(theirs)):
             for tally in self._links:
                 tally.add(np.inf, indices[0], Q[0], f"link {link!r} {'too many' if link in ours else 'is missing'}")
-        for link in ours.keys() & theirs.keys():
+        for link in sorted(set(ours) & set(theirs)):
             for tally, values in zip(self._links, _difference(np.asarray(ours[link]), theirs[link]), strict=True):
                 worst = int(np.argmax(np.nan_to_num(values, nan=np.inf)))
                 tally.checked += len(values) - 1
@@ -153,7 +415,7 @@ class Kinematics:
             self._single.add(float(apart), index, Q[i])
 
 
-class Inverse:
+class _Inverse:
     """Every solution's error, the planted joint vector, duplicates; batch against single.
 
     Attributes:
@@ -162,10 +424,10 @@ class Inverse:
 
     def __init__(self, arm: Arm, reference: Reference) -> None:
         self._arm, self._reference = arm, reference
-        self._error = Tally("solutions, position", "m", EXACT), Tally("solutions, rotation", "rad", EXACT)
-        self._planted = Tally("planted joint vector", "rad, m", PLANTED)
-        self._single = Tally("batch = single, solutions", "rad, m", SAME)
-        self._duplicates = Tally("duplicates", "pairs", 0.0, counted=True)
+        self._error = _Tally("solutions, position", "m", EXACT), _Tally("solutions, rotation", "rad", EXACT)
+        self._planted = _Tally("planted joint vector", "rad, m", PLANTED)
+        self._single = _Tally("batch = single, solutions", "rad, m", SAME)
+        self._duplicates = _Tally("duplicates", "pairs", 0.0, counted=True)
         self.tallies = [*self._error, self._planted, self._single, self._duplicates]
         self.skipped: list[tuple[str, str]] = []
         # An arm with a redundancy parameter is asked for the planted vector's own value of it.
@@ -261,14 +523,14 @@ class Inverse:
         return (shortest(ahead - behind) / 2e-6).reshape(len(Q), Q.shape[-1], -1).swapaxes(1, 2)
 
 
-class Collision:
+class _Collision:
     """coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio."""
 
     def __init__(self, arm: Arm, shapes: CollisionModel, most: int | None) -> None:
         self._arm, self._shapes = arm, shapes
         self._left: float = np.inf if most is None else inputs.whole(most, "collision_poses")
-        self._verdict = Tally("collision, verdict", "cases", 0.0, counted=True)
-        self._distance = Tally("collision, distance", "m", CONTACT)
+        self._verdict = _Tally("collision, verdict", "cases", 0.0, counted=True)
+        self._distance = _Tally("collision, distance", "m", CONTACT)
         self.tallies = [self._verdict, self._distance]
 
     def take(self, indices: Sequence[int], Q: Array, solutions: Sequence[Array]) -> None:

@@ -17,13 +17,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from toolbox import in_c, in_python
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, printable
 from urdf_ik.model.poses import pose
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
-from urdf_ik.verify.judging.toolbox import in_c, in_python
+from urdf_ik.verify import judging
 
 Solve = Callable[[Any], Any]
 
@@ -257,7 +258,15 @@ PEERS: dict[str, Callable[..., Solve]] = {
     "ssik-built": ssik_built,
     "ssik-prebuilt": ssik_prebuilt,
 }
-"""Every adapter by the name that ``urdf-ik judge --solver`` takes."""
+"""Every adapter by its name."""
+
+
+def solver_of(spec: str, arm: Arm) -> Solve:
+    """The adapter of a name, with what follows a colon as its second argument; or a solver of ``urdf-ik judge``."""
+    kind, _, rest = spec.partition(":")
+    if kind not in PEERS:
+        return judging.solver_of(spec)
+    return PEERS[kind](arm, rest) if rest else PEERS[kind](arm)
 
 
 def missing(package: str, install: str) -> MissingPackage:

@@ -3,26 +3,146 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from urdf_ik.cell.pinocchio_reference import pose_errors
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
-from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, angle_between, apart, moved, same_limit, within
 from urdf_ik.verify.description import MISSING, Description, Shape, Step, matrix
+
+KINDS = ("kinematics", "limits", "names", "collisions", "visuals")
+"""Kinds of differences; each but the first can be ignored."""
+
+_MOST_LENGTH = 1e6
+_MOST_PLACES, _MOST_SHAPES = 6, 3
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Tolerances up to which values count as the same.
+
+    Attributes:
+        distance: [m].
+        angle: [rad].
+        limit: of a joint limit [rad or m], relative to the limit if it is beyond 1 rad or 1 m.
+    """
+
+    distance: float = 1e-9
+    angle: float = 1e-9
+    limit: float = 1e-9
+
+    @classmethod
+    def read(cls, mm: object = None, deg: object = None) -> Tolerance:
+        """From millimetres and degrees; None: the default.
+
+        Raises:
+            ArgumentError: a value is not a number, or is negative.
+        """
+        out = cls()
+        if mm is not None:
+            out = replace(out, distance=inputs.number(mm, "tolerance_mm", low=0.0, high=_MOST_LENGTH, unit="mm") / 1e3)
+        if deg is not None:
+            angle = math.radians(inputs.number(deg, "tolerance_deg", low=0.0, high=180.0, unit="deg"))
+            out = replace(out, angle=angle, limit=max(cls.limit, angle))
+        return out
+
+
+DEFAULT = Tolerance()
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One thing that is not the same.
+
+    Attributes:
+        kind: one of ``KINDS``, or 'solutions'.
+        name: the joint or link that it is about; '' where it is about the whole arm.
+        words: what is different.
+        distance: how far [m], 0 where that says nothing.
+        angle: how far [rad].
+        replay: Python that shows it, '' where the words say it all.
+    """
+
+    kind: str
+    name: str
+    words: str
+    distance: float = 0.0
+    angle: float = 0.0
+    replay: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.words}" if self.name else self.words
+
+
+def ignored(kinds: str | Iterable[str]) -> frozenset[str]:
+    """Kinds of differences that do not count, as a list or as text with commas.
+
+    Raises:
+        ArgumentError: a kind that there is not, or kinematics, which cannot be ignored.
+    """
+    parts = kinds.replace(",", " ").split() if isinstance(kinds, str) else list(kinds)
+    for part in parts:
+        if part not in KINDS[1:]:
+            raise ArgumentError(f"{quoted(part)} cannot be ignored; what can: {', '.join(KINDS[1:])}")
+    return frozenset(parts)
+
+
+def summed(differing: Sequence[Difference]) -> tuple[str, ...]:
+    """Differences, a line each; those of many shapes in one line."""
+    lines: list[str] = []
+    for kind in dict.fromkeys(difference.kind for difference in differing):
+        alike = [difference for difference in differing if difference.kind == kind]
+        named = [difference for difference in alike if difference.name]
+        if kind not in ("collisions", "visuals") or len(named) <= _MOST_SHAPES:
+            lines += map(str, alike)
+            continue
+        links = list(dict.fromkeys(difference.name for difference in named))
+        shown = ", ".join(links[:_MOST_PLACES]) + (", ..." if len(links) > _MOST_PLACES else "")
+        lines.append(f"{shown}: {len(named)} {kind[:-1]} shapes differ; the first: {named[0].words}")
+        lines += [str(difference) for difference in alike if not difference.name]
+    return tuple(lines)
+
+
+def within(change: tuple[float, float], tolerance: Tolerance) -> bool:
+    """Whether a change [m, rad] is tolerated."""
+    return change[0] <= tolerance.distance and change[1] <= tolerance.angle
+
+
+def same_limit(a: float, b: float, tolerance: Tolerance = DEFAULT) -> bool:
+    """Whether two limits [rad or m] are the same to rounding."""
+    return a == b or abs(a - b) <= tolerance.limit * max(1.0, abs(a), abs(b))
+
+
+def moved(distance: float, angle: float) -> str:
+    """How far something moved, in words."""
+    parts = [f"moved by {length(distance)}"] if distance > DEFAULT.distance or angle <= DEFAULT.angle else []
+    parts += [f"turned by {math.degrees(angle):.4g} deg"] if angle > DEFAULT.angle else []
+    return " and ".join(parts)
+
+
+def length(distance: float) -> str:
+    """A length in mm."""
+    return f"{distance * 1e3:.4g} mm"
+
+
+def apart(A: Array, B: Array) -> tuple[float, float]:
+    """Distance [m] and angle [rad] between two poses (4, 4)."""
+    position, rotation = pose_errors(A, B)
+    return float(position), float(rotation)
+
+
+def angle_between(u: Array, v: Array) -> float:
+    """Angle [rad] between two directions (3,)."""
+    return float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
 
 
 def differences(a: Description, b: Description, tolerance: Tolerance = DEFAULT) -> tuple[Difference, ...]:
-    """The differences of ``b`` from ``a``, in ``a``'s names; empty if both are the same arm within the tolerance.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.verify.description import described
-        >>> a = described(urdf_ik.load("planar_2r"))
-        >>> differences(a, a)
-        ()
-    """
+    """The differences of ``b`` from ``a``, in ``a``'s names; empty if both are the same arm within the tolerance."""
     out = [*_names(a, b), *_joints(a, b)]
     if a.sliding == b.sliding:
         out += _kinematics(a, b, tolerance)
@@ -66,7 +186,7 @@ def _names(a: Description, b: Description) -> list[Difference]:
 def _joints(a: Description, b: Description) -> list[Difference]:
     """Numbers, types and mimicry of the joints, and what is held."""
     out = []
-    before, after = ({each[0]: each for each in side.followers} for side in (a, b))
+    before, after = ({follower[0]: follower for follower in side.followers} for side in (a, b))
     for name in (*before, *(name for name in after if name not in before)):
         if before.get(name) == after.get(name):
             continue
@@ -90,9 +210,9 @@ def _joints(a: Description, b: Description) -> list[Difference]:
                 kind = "limits" if "prismatic" not in (was, now) else "kinematics"
                 out.append(Difference(kind, name, f"was {was}, and is {now}"))
     if a.locked != b.locked:
-        held = [", ".join(f"{name} = {value:g}" for name, value in side.locked) or "nothing" for side in (a, b)]
+        locked = [", ".join(f"{name} = {value:g}" for name, value in side.locked) or "nothing" for side in (a, b)]
         names = sorted({name for name, _ in {*a.locked, *b.locked} - ({*a.locked} & {*b.locked})})
-        out.append(Difference("kinematics", ", ".join(names), f"held: {held[0]} before, {held[1]} now"))
+        out.append(Difference("kinematics", ", ".join(names), f"held: {locked[0]} before, {locked[1]} now"))
     if a.task != b.task:
         out.append(Difference("kinematics", "", f"controlled the {a.task}, and controls the {b.task}"))
     return out
@@ -127,15 +247,7 @@ def _kinematics(a: Description, b: Description, tolerance: Tolerance) -> list[Di
 
 
 def greatest_change(a: Description, b: Description) -> tuple[float, float]:
-    """How far [m, rad] any axis, or the tip at q = 0, is from where it was.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.verify.description import described
-        >>> a = described(urdf_ik.load("planar_2r"))
-        >>> greatest_change(a, a)
-        (0.0, 0.0)
-    """
+    """How far [m, rad] any axis, or the tip at q = 0, is from where it was."""
     changes = [*(_line(a, b, k) for k in range(len(a.moving))), apart(matrix(a.home), matrix(b.home))]
     return max(each[0] for each in changes), max(each[1] for each in changes)
 
@@ -167,11 +279,11 @@ def _pose(steps: Sequence[Step]) -> Array:
     """Pose (4, 4) of the last joint's frame in the frame before the first one."""
     T = np.eye(4)
     for step in steps:
-        T = T @ (np.linalg.inv(matrix(step.origin)) if step.backwards else matrix(step.origin) @ _held(step))
+        T = T @ (np.linalg.inv(matrix(step.origin)) if step.backwards else matrix(step.origin) @ _at_value(step))
     return T
 
 
-def _held(step: Step) -> Array:
+def _at_value(step: Step) -> Array:
     """Transform (4, 4) of a locked joint at its value."""
     T = np.eye(4)
     if step.held:
@@ -211,22 +323,37 @@ def _limits(a: Description, b: Description, tolerance: Tolerance) -> list[Differ
         for what, was, now in zip(("lower", "upper"), a.limits[k], b.limits[k], strict=True):
             if same_limit(was, now, tolerance):
                 continue
-            words = f"its {what} limit was {_shown(was * scale)} {unit}, and is {_shown(now * scale)} {unit}"
+            before, after = _shown(was * scale, now * scale)
+            words = f"its {what} limit was {before} {unit}, and is {after} {unit}"
             gap = abs(was - now) if math.isfinite(was - now) else 0.0
             out.append(Difference("limits", name, words, gap if slides else 0.0, 0.0 if slides else gap))
     return out
 
 
-def _shown(value: float) -> str:
-    return f"{value:.6g}" if math.isfinite(value) else "none"
+def _shown(*values: float) -> list[str]:
+    """Two limits, with as many digits as tell them apart."""
+    texts: list[str] = []
+    for digits in range(6, 18):
+        texts = [f"{value:.{digits}g}" if math.isfinite(value) else "none" for value in values]
+        if texts[0] != texts[1]:
+            break
+    return texts
 
 
 def _shapes(a: Description, b: Description, tolerance: Tolerance) -> list[Difference]:
     out: list[Difference] = []
+
+    def same_place(shape: Shape, other: Shape) -> bool:
+        content = (shape.kind, shape.digest) == (other.kind, other.digest)
+        return content and not _changed_shape("", shape, other, tolerance)
+
+    def same_name(shape: Shape, other: Shape) -> bool:
+        return (shape.link, shape.file, shape.kind) == (other.link, other.file, other.kind)
+
     for role, kind in (("collision", "collisions"), ("visual", "visuals")):
-        left = [each for each in a.shapes if each.role == role]
-        right = [each for each in b.shapes if each.role == role]
-        for same in (_same_place(tolerance), lambda p, q: p.link == q.link and p.file == q.file and p.kind == q.kind):
+        left = [shape for shape in a.shapes if shape.role == role]
+        right = [shape for shape in b.shapes if shape.role == role]
+        for same in (same_place, same_name):
             kept = []
             for shape in left:
                 match = next((other for other in right if same(shape, other)), None)
@@ -236,32 +363,25 @@ def _shapes(a: Description, b: Description, tolerance: Tolerance) -> list[Differ
                 right.remove(match)
                 out += _changed_shape(kind, shape, match, tolerance)
             left = kept
-        out += [Difference(kind, each.link, f"its {_called(each)} is gone") for each in left]
-        out += [Difference(kind, each.link, f"its {_called(each)} is new") for each in right]
+        out += [Difference(kind, shape.link, f"its {_called(shape)} is gone") for shape in left]
+        out += [Difference(kind, shape.link, f"its {_called(shape)} is new") for shape in right]
     return out
 
 
-def _same_place(tolerance: Tolerance):  # type: ignore[no-untyped-def]
-    def same(one: Shape, other: Shape) -> bool:
-        return (one.kind, one.digest) == (other.kind, other.digest) and not _changed_shape("", one, other, tolerance)
-
-    return same
-
-
-def _changed_shape(kind: str, one: Shape, other: Shape, tolerance: Tolerance) -> list[Difference]:
-    if one.digest != other.digest:
-        words = "is missing: its file cannot be read" if other.digest == MISSING else "has another content"
-        words = "was missing, and is there" if one.digest == MISSING else words
-        return [Difference(kind, other.link, f"its {_called(other)} {words}")]
-    if len(one.size) != len(other.size) or np.abs(np.subtract(one.size, other.size)).max(initial=0.0) > max(
+def _changed_shape(kind: str, before: Shape, after: Shape, tolerance: Tolerance) -> list[Difference]:
+    if before.digest != after.digest:
+        words = "is missing: its file cannot be read" if after.digest == MISSING else "has another content"
+        words = "was missing, and is there" if before.digest == MISSING else words
+        return [Difference(kind, after.link, f"its {_called(after)} {words}")]
+    if len(before.size) != len(after.size) or np.abs(np.subtract(before.size, after.size)).max(initial=0.0) > max(
         tolerance.distance, DEFAULT.distance
     ):
-        return [Difference(kind, other.link, f"its {_called(other)} has another size")]
-    if one.file != other.file and one.digest == MISSING:
-        return [Difference(kind, other.link, f"its {_called(other)} was {one.file}")]
-    change = apart(matrix(one.place), matrix(other.place))
+        return [Difference(kind, after.link, f"its {_called(after)} has another size")]
+    if before.file != after.file and before.digest == MISSING:
+        return [Difference(kind, after.link, f"its {_called(after)} was {before.file}")]
+    change = apart(matrix(before.place), matrix(after.place))
     if not within(change, tolerance):
-        return [Difference(kind, other.link, f"its {_called(other)} {moved(*change)}", *change)]
+        return [Difference(kind, after.link, f"its {_called(after)} {moved(*change)}", *change)]
     return []
 
 

@@ -1,8 +1,16 @@
-"""judge(): compares a solver's answers with all solutions, over poses of five kinds."""
+"""Judgements of any solver on an arm: its wrong, missed and duplicate solutions, each with the pose to replay.
+
+>>> import urdf_ik
+>>> from urdf_ik.verify import judge
+>>> arm = urdf_ik.load("puma_560")
+>>> judge(arm, lambda T: arm.ik(T).to_array(), n=3).passed
+True
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import astuple, dataclass
 from itertools import product
 from typing import Any
 
@@ -10,18 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.cell.pinocchio_reference import pose_errors
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
-from urdf_ik.support.text import quoted
+from urdf_ik.support.report import Report
+from urdf_ik.support.text import Section, quoted
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
-from urdf_ik.verify import arms
-from urdf_ik.verify.baselines.pose_sampling import least_singular_value, near_singularity, round_vectors
-from urdf_ik.verify.completeness.sameness import Sameness
-from urdf_ik.verify.crosscheck.properties import EXACT
-from urdf_ik.verify.judging.report import DOUBLED, FAILED, MISSING, OUTSIDE, WRONG, Fault, Judgement, Kind
+from urdf_ik.verify.crosscheck import EXACT
+from urdf_ik.verify.sameness import Sameness
+from urdf_ik.verify.sampling import least_singular_value, near_singularity, redundancy_at, round_vectors, solutions_of
 
 Solve = Callable[[Any], Any]
 """A solver: a pose (4, 4) [m] of the tip in the base in, joint vectors (k, n) [rad or m] out; or these and flags (k,)
@@ -42,6 +49,12 @@ _SINGULAR = 1e-5  # smallest singular value, lengths as shares of the arm's size
 _ALONG = np.linspace(0.0, 1.0, 9)[1:-1, None]  # places on the way from one solution to another
 _FAR = 0.05  # rad or m: solutions further apart are two, however near a singularity
 
+WRONG, MISSING, DOUBLED, OUTSIDE, FAILED = "wrong", "missing", "doubled", "outside limits", "failed"
+FAULTS = (WRONG, MISSING, DOUBLED, FAILED)
+"""Kinds of faults; a solution outside the limits is one only if the solver had to stay within them."""
+
+_SHOWN = 6
+
 
 def judge(
     arm: Arm,
@@ -55,7 +68,7 @@ def judge(
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> Judgement:
-    """Hold a solver to an arm: is each of its solutions one, and does it have all of them, once?
+    """Judge a solver on an arm: is each of its solutions one, and does it have all of them, once?
 
     The rules:
 
@@ -85,7 +98,7 @@ def judge(
         progress: called with (poses done, poses).
 
     Returns:
-        The report: ``print`` it, or ``to_json()``, ``to_junit()``.
+        The report: ``print`` it, or ``to_json()``.
 
     Raises:
         ArgumentError: ``solve`` cannot be called, or a number makes no sense.
@@ -102,20 +115,15 @@ def judge(
         raise ArgumentError(f"solve={quoted(solve)} given; a function that takes a pose is needed")
     n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     tolerance = inputs.number(tolerance, "tolerance", low=0.0, high=1.0)
-    within_limits = inputs.flag(within_limits, "within_limits")
     watch = Watch(time_limit, progress)
-    reference = arms.reference_of(arm)
-    judged = _Judged(arm, reference, tolerance, within_limits)
+    judged = _Judged(arm, solve, tolerance, bool(within_limits))
     index = 0
     for kind in KINDS:
-        if watch.is_over:
-            break
-        T, q, values = _poses(arm, reference, kind, n, seed)
-        for k in range(len(T)):
+        T, q, values = _poses(arm, kind, n, seed)
+        for k in range(n):
             if watch.is_over:
                 break
-            made_of = None if q is None else q[k]
-            judged.take(kind, index, T[k], made_of, None if values is None else values[k], solve)
+            judged.take(kind, index, T[k], None if q is None else q[k], None if values is None else values[k])
             index += 1
             watch.step(index, n * len(KINDS))
     poses = n * len(KINDS)
@@ -127,12 +135,10 @@ def judge(
         n=n,
         seed=seed,
         tolerance=tolerance,
-        within_limits=within_limits,
+        within_limits=bool(within_limits),
         kinds=tuple(Kind(kind, *judged.counts[kind]) for kind in KINDS),
         faults=tuple(judged.faults),
-        unlooked=watch.ended(f"with {index} of {poses} poses: the others were")
-        if index < poses and watch.is_over
-        else "",
+        unlooked="" if index == poses else watch.ended(f"with {index} of {poses} poses: the others were"),
     )
 
 
@@ -141,35 +147,29 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> Array:
 
     Raises:
         ArgumentError: there is no such pose.
-
-    Example:
-        >>> import urdf_ik
-        >>> replay(urdf_ik.load("puma_560"), n=2, seed=0, index=3).shape
-        (4, 4)
     """
     inputs.arm(arm)
     n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     index = inputs.whole(index, "index", high=n * len(KINDS) - 1)
-    T: Array = _poses(arm, arms.reference_of(arm), KINDS[index // n], n, seed)[0][index % n]
+    T: Array = _poses(arm, KINDS[index // n], n, seed)[0][index % n]
     return T
 
 
-def _poses(
-    arm: Arm, reference: Reference, kind: str, n: int, seed: int
-) -> tuple[Array, Array | None, Array | None]:
+def _poses(arm: Arm, kind: str, n: int, seed: int) -> tuple[Array, Array | None, Array | None]:
     """Poses (n, 4, 4) of a kind, the joint vectors that they were made of, and the redundancy parameters of these."""
+    reference = arm.cell.reference
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     lower, upper = reference.ranges.T
     q = rng.uniform(lower, upper, (n, reference.dof))
     if kind == "round":
         q = round_vectors(reference, rng, n)
     elif kind == "near singularity":
-        q = near_singularity(arm, reference, rng, n)
+        q = near_singularity(arm, rng, n)
     elif kind == "at singularity":
-        q = near_singularity(arm, reference, rng, n, away=False)
+        q = near_singularity(arm, rng, n, away=False)
     T = reference.pose(q)
     if kind != "tool down" or arm.task != "pose" or reference.dof < 6:
-        return T, q, arms.redundancy_at(arm, q)
+        return T, q, redundancy_at(arm, q)
     down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     angle = rng.uniform(-np.pi, np.pi, n)
     turn = np.zeros((n, 3, 3))
@@ -182,19 +182,19 @@ def _poses(
 class _Judged:
     """The faults so far."""
 
-    def __init__(self, arm: Arm, reference: Reference, tolerance: float, within_limits: bool) -> None:
+    def __init__(self, arm: Arm, solve: Solve, tolerance: float, within_limits: bool) -> None:
         self.faults: list[Fault] = []
         self.counts = {kind: [0] * 9 for kind in KINDS}
-        self._arm, self._reference = arm, reference
+        self._arm, self._solve, self._reference = arm, solve, arm.cell.reference
         self._tolerance, self._within = tolerance, within_limits
         six = arm.dof == 6 and arm.structure.is_6r
-        self._sameness = Sameness(arm.chain, reference, tolerance) if six else None
+        self._sameness = Sameness(arm.chain, arm.cell.reference, tolerance) if six else None
 
-    def take(self, kind: str, index: int, T: Array, made_of: Array | None, value: Any, solve: Solve) -> None:
+    def take(self, kind: str, index: int, T: Array, made_of: Array | None, value: Any) -> None:
         """Judge one pose (4, 4), made of a joint vector (n,) where there is one."""
         counts = self.counts[kind]
         counts[0] += 1
-        own = arms.solutions_of(self._arm, T[None], None if value is None else np.asarray(value)[None])
+        own = solutions_of(self._arm, T[None], None if value is None else np.asarray(value)[None])
         if self._within:
             own = own.within_limits()
         expected = own.q[0, own.valid[0]]
@@ -203,7 +203,7 @@ class _Judged:
             counts[8] += 1
         counts[1] += len(expected)
         try:
-            found, approximate = _read(solve(T.copy()), self._arm.dof)
+            found, approximate = _read(self._solve(T.copy()), self._arm.dof)
             found = found[~approximate | (self._errors(found, T) <= self._tolerance)]
         except Exception as error:  # whatever a foreign solver raises is its fault
             counts[7] += 1
@@ -248,8 +248,6 @@ class _Judged:
     def _misses(self, found: Array, T: Array) -> Array:
         """By how much poses (k, 4, 4) miss T, in what the arm controls of a pose."""
         if self._arm.task == "pose":
-            from urdf_ik.cell.pinocchio_reference import pose_errors
-
             position, rotation = pose_errors(found, T)
             return np.maximum(position, rotation)
         control = self._arm.solver.control
@@ -354,3 +352,124 @@ def _vectors(answer: Any, n: int) -> Array:
     if q.ndim == 0 or q.shape[-1] != n:
         raise ArgumentError(f"the solver returned an array of shape {q.shape}; joint vectors (k, {n}) are needed")
     return q.reshape(-1, n)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """The poses of one kind.
+
+    Attributes:
+        name: 'random', 'round', 'tool down', 'near singularity' or 'at singularity'.
+        poses: number of poses.
+        expected: number of solutions of the poses.
+        found: number of joint vectors that the solver returned.
+        wrong: number of returned vectors that do not reach the pose, or are invalid.
+        missing: number of solutions that the solver did not return.
+        doubled: number of solutions that it returned more than once.
+        outside: solutions outside the joint limits, whatever whole turns are added.
+        failed: poses at which it raised an error.
+        further: solutions that hold and that the reference set lacks: faults of the judge's own solver.
+    """
+
+    name: str
+    poses: int
+    expected: int
+    found: int
+    wrong: int
+    missing: int
+    doubled: int
+    outside: int
+    failed: int
+    further: int
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault.
+
+    Attributes:
+        fault: 'wrong', 'missing', 'doubled', 'outside limits' or 'failed'.
+        kind: kind of the pose.
+        index: number of the pose; :func:`urdf_ik.verify.judging.replay` gives it again.
+        q: (n,) rad or m, the joint vector at fault; () without one.
+        words: by how much, or what was raised.
+    """
+
+    fault: str
+    kind: str
+    index: int
+    q: tuple[float, ...]
+    words: str
+
+    def __str__(self) -> str:
+        at = f", q = [{', '.join(f'{value:.9g}' for value in self.q)}]" if self.q else ""
+        return f"{self.fault} at pose {self.index} ({self.kind}): {self.words}{at}"
+
+
+@dataclass(frozen=True, repr=False)
+class Judgement(Report):
+    """A solver, judged on an arm.
+
+    Attributes:
+        solver: what it is called.
+        robot: the robot's name.
+        base: base link.
+        tip: tip link.
+        n: poses of each kind.
+        seed: seed of the poses.
+        tolerance: error [m; rad] above which a solution is wrong.
+        within_limits: whether the solver had to return only solutions within the joint limits.
+        kinds: counts by kind of pose.
+        faults: every fault.
+        unlooked: what the time limit left out; '' where every pose was judged.
+    """
+
+    solver: str
+    robot: str
+    base: str
+    tip: str
+    n: int
+    seed: int
+    tolerance: float
+    within_limits: bool
+    kinds: tuple[Kind, ...]
+    faults: tuple[Fault, ...]
+    unlooked: str = ""
+
+    @property
+    def faulty(self) -> bool:
+        """Whether something is wrong, missing or doubled at a pose."""
+        return bool(self.faults)
+
+    def title(self) -> str:
+        """The solver, the arm and the poses."""
+        arm = f"{self.robot}, {self.base} to {self.tip}"
+        return f"{self.solver} on {arm}: {self.n} poses of each kind, seed {self.seed}"
+
+    def sections(self) -> tuple[Section, ...]:
+        """The counts as a table."""
+        header = ("poses", "number", "expected", "found", "wrong", "missing", "doubled", "outside limits", "failed")
+        rows = tuple(tuple(map(str, astuple(kind)[:-1])) for kind in self.kinds)
+        return (Section("", header, rows, left=("poses",)),)
+
+    def lines(self) -> tuple[str, ...]:
+        """The first faults of each sort, and how to see their poses again."""
+        out = []
+        for fault in (*FAULTS, OUTSIDE):
+            own = [each for each in self.faults if each.fault == fault]
+            out += [str(each) for each in own[:_SHOWN]]
+            out += [f"... {len(own) - _SHOWN} more {fault}"] if len(own) > _SHOWN else []
+        if self.faults:
+            out.append(
+                f"replay: T = urdf_ik.verify.judging.replay(arm, n={self.n}, seed={self.seed}, "
+                f"index={self.faults[0].index})"
+            )
+        further = sum(kind.further for kind in self.kinds)
+        out += [f"note: {further} solutions hold that the reference lacks"] if further else []
+        return tuple(out)
+
+    def summary(self) -> str:
+        """The number of poses, and of each sort of fault."""
+        counts = [(sum(each.fault == fault for each in self.faults), fault) for fault in (*FAULTS, OUTSIDE)]
+        parts = ", ".join(f"{count} {fault}" for count, fault in counts if count)
+        return f"{sum(kind.poses for kind in self.kinds)} poses, {parts or 'nothing wrong, missing or doubled'}"

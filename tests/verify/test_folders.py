@@ -1,4 +1,4 @@
-"""Many arms in one run: rows against the checks of each arm alone, what is refused, and runs that are gone on with."""
+"""The arms of a folder: rows against the checks of each arm alone, and what is refused."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from command import call
 
 import urdf_ik
 from urdf_ik.model import catalogue
-from urdf_ik.verify import completeness, crosscheck, surveys
-from urdf_ik.verify.surveys import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED
+from urdf_ik.verify import completeness, crosscheck
+from urdf_ik.verify.folders import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, FolderCheck, check_folder
 
 BROKEN = "<robot name='broken'><link name='a'/>"
 
@@ -32,7 +32,7 @@ def lab(tmp_path: Path) -> Path:
 
 def test_each_row_is_the_check_of_that_arm_alone(lab: Path) -> None:
     """Reports are those of ``crosscheck.check``; the broken file is refused with its reason, and ends nothing."""
-    found = surveys.survey(lab, n=10, seed=3)
+    found = check_folder(lab, n=10, seed=3)
     assert [each.file for each in found.arms] == [
         "broken.urdf",
         "puma_560.urdf",
@@ -46,18 +46,19 @@ def test_each_row_is_the_check_of_that_arm_alone(lab: Path) -> None:
     assert "the text ends early" in found.arms[0].words and not found.passed
     assert str(found).endswith("FAILED: 4 files: 3 passed, 1 refused")
     assert json.loads(found.to_json())["arms"][1]["robot"] == "puma_560"
+    assert FolderCheck.from_json(found.to_json()) == found
 
 
 def test_files_without_an_arm_are_listed_and_do_not_count(lab: Path) -> None:
     """Obstacles, with status 0; but an arm whose base is called otherwise is refused."""
     (lab / "broken.urdf").write_text(fixed("cell"))
-    found = surveys.survey(lab, n=2)
+    found = check_folder(lab, n=2)
     assert [each.result for each in found.arms] == [NOT_AN_ARM, PASSED, PASSED, PASSED] and found.passed
     assert "there is no movable chain" in found.arms[0].words
     assert found.verdict() == "PASSED: 4 files: 3 passed, 1 not an arm"
     result = call("check", str(lab), "-n", "2")
     assert result.exit_code == 0 and "not an arm" in result.stdout
-    assert surveys.survey([lab / "zyyzyz_6r.urdf"], n=2, base="nowhere").arms[0].result == REFUSED
+    assert check_folder(lab / "small", n=2, base="nowhere").arms[0].result == REFUSED
 
 
 def fixed(name: str) -> str:
@@ -69,7 +70,7 @@ def fixed(name: str) -> str:
 def test_missed_solutions_are_looked_for_where_there_are_six_turning_joints(lab: Path) -> None:
     """Reports are those of ``completeness.compare``; an arm of two joints is not checked, which is no failure."""
     (lab / "broken.urdf").unlink()
-    found = surveys.survey(lab, n=1, complete=True)
+    found = check_folder(lab, n=1, complete=True)
     assert [each.result for each in found.arms] == [PASSED, NOT_CHECKED, PASSED] and found.passed
     alone = completeness.compare(urdf_ik.load(lab / "puma_560.urdf"), n=1)
     assert found.arms[0].report == alone.to_dict()
@@ -86,19 +87,15 @@ def test_an_arm_that_is_not_pinocchios_fails(lab: Path, monkeypatch: pytest.Monk
         return T
 
     monkeypatch.setattr(urdf_ik.Arm, "fk", off)
-    found = surveys.survey([lab / "puma_560.urdf", lab / "zyyzyz_6r.urdf"], n=5)
-    assert [each.result for each in found.arms] == [FAILED, PASSED]
-    assert found.arms[0].words.startswith("forward kinematics, position: pose ")
+    found = check_folder(lab, n=5)
+    assert [each.result for each in found.arms] == [REFUSED, FAILED, PASSED, PASSED]
+    assert found.arms[1].words.startswith("forward kinematics, position: pose ")
 
 
-def test_what_cannot_be_surveyed_is_refused(lab: Path, tmp_path: Path) -> None:
+def test_what_cannot_be_checked_is_refused(lab: Path, tmp_path: Path) -> None:
     """A folder without a URDF, numbers that make no sense."""
     (tmp_path / "empty").mkdir()
-    with pytest.raises(urdf_ik.UrdfError, match=r"holds no file that ends in \.urdf or \.urdf\.gz"):
-        surveys.survey(tmp_path / "empty")
+    with pytest.raises(urdf_ik.UrdfError, match=r"holds no file that ends in \.urdf"):
+        check_folder(tmp_path / "empty")
     with pytest.raises(urdf_ik.ArgumentError, match="n=0"):
-        surveys.survey(lab, n=0)
-    with pytest.raises(urdf_ik.ArgumentError, match="leave collision out"):
-        surveys.survey(lab, complete=True, collision=True)
-    with pytest.raises(urdf_ik.ArgumentError, match="no file given"):
-        surveys.survey([])
+        check_folder(lab, n=0)

@@ -1,0 +1,637 @@
+"""Baselines: an arm's answers in a lock file, and the check of a later arm against them.
+
+>>> import urdf_ik
+>>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))
+>>> lock.verify(urdf_ik.load("planar_2r")).passed
+True
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from urdf_ik.arm import Arm
+from urdf_ik.cell import CollisionModel
+from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.errors import ArgumentError, UnsupportedArm, printable
+from urdf_ik.model.poses import as_pose_array, check_poses
+from urdf_ik.support import files, inputs
+from urdf_ik.support.angles import shortest
+from urdf_ik.support.report import Report, from_plain
+from urdf_ik.support.text import plain, quoted
+from urdf_ik.support.tolerances import DEFAULT as SOLVERS
+from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.typing import Array
+from urdf_ik.verify import sampling
+from urdf_ik.verify.crosscheck import CONDITIONING, PLANTED
+from urdf_ik.verify.description import Description, described, from_dict, matrix, parameters_of
+from urdf_ik.verify.differences import (
+    DEFAULT,
+    Difference,
+    Tolerance,
+    apart,
+    differences,
+    greatest_change,
+    ignored,
+    moved,
+    order_of,
+    summed,
+)
+from urdf_ik.verify.sampling import AT_ONCE, Answer, Planted, Pose, least_singular_value
+
+FORMAT, VERSION = "urdf-ik lock", 1
+
+SIZE = 200_000
+"""Bytes that a lock file has at most, unless the poses of its user need more."""
+
+LOOSEST = 1e-2
+"""Joint values [rad or m] further apart than this are no rounding, however near a singularity."""
+
+ONE_BRANCH = 0.5
+"""Solutions nearer to each other than this [rad or m] are one that moved; beyond it one is lost and one gained."""
+
+LIMIT_MARGIN = 1e-6
+"""Distance [rad or m] from a limit below which rounding says on which side of it a solution is."""
+
+FOLD = 1e-12
+"""Square of the smallest singular value below which rounding of the pose decides whether a solution is there."""
+
+_SEED = 20_260_101
+_MOST_SHOWN = 6
+
+
+def freeze(
+    arm: Arm,
+    poses: Any = None,
+    *,
+    seed: int = _SEED,
+    collisions: str | bool = True,
+    time_limit: float | None = None,
+    progress: Progress | None = None,
+) -> Baseline:
+    """An arm's answers of today, to be compared with those of tomorrow.
+
+    Kept are joints, axes, limits, shapes, Pinocchio's pose at 20 joint vectors, and every solution of 50 poses: random
+    ones, joints at round angles, near limits and near singularities.
+
+    Args:
+        arm: the arm.
+        poses: (..., 4, 4) m, poses of your own, which are kept as well.
+        seed: of the random poses.
+        collisions: whether to keep which solutions touch something: True where the shapes can be read, with a warning
+            where they cannot; 'require' to fail there; False: no.
+        time_limit: s after which no more poses are solved, yours first; ``unlooked`` says how many were left out.
+        progress: called with (poses done, poses).
+
+    Returns:
+        The baseline; ``save`` writes it to a lock file.
+
+    Raises:
+        PoseError: one of ``poses`` is no pose.
+        UrdfError: ``collisions="require"``, and not all shapes can be read.
+        ArgumentError: ``collisions``, ``seed``, ``time_limit`` or ``progress`` is none of these.
+
+    Example:
+        >>> import urdf_ik
+        >>> lock = freeze(urdf_ik.load("planar_2r"))
+        >>> len(lock.planted), sorted({pose.kind for pose in lock.poses})
+        (20, ['near limits', 'near singularity', 'random', 'round'])
+    """
+    import pinocchio as pin
+
+    from urdf_ik import __version__
+
+    inputs.arm(arm)
+    watch = Watch(time_limit, progress)
+    rng = np.random.default_rng(inputs.whole(seed, "seed", high=2**64))
+    own = np.zeros((0, 4, 4)) if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
+    shapes, unchecked = arm.cell.to_check(collisions)
+    planted = sampling.planted_vectors(arm.cell.reference, rng)
+    vectors = {kind: sampling.drawn_vectors(arm, kind, rng, count) for kind, count in sampling.COUNTS.items()}
+    made_by = (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
+    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by)
+    asked: list[tuple[str, Array, Array | None]] = [("own", own, None)]
+    asked += [(kind, arm.cell.reference.pose(q), sampling.redundancy_at(arm, q)) for kind, q in vectors.items()]
+    total = sum(len(T) for _, T, _ in asked)
+    solved: list[Pose] = []
+    try:
+        for kind, T, values in asked:
+            for start in range(0, len(T), AT_ONCE):
+                if watch.is_over:
+                    break
+                part = slice(start, start + AT_ONCE)
+                solved += sampling.answered(arm, kind, T[part], None if values is None else values[part], shapes)
+                watch.step(len(solved), total)
+    except UnsupportedArm:
+        if len(own):
+            raise
+        return baseline
+    if len(solved) < total:
+        baseline = replace(baseline, unlooked=watch.ended(f"with {len(solved)} of {total} poses: the others were"))
+    mine, kept = solved[: len(own)], solved[len(own) :]
+    baseline = replace(baseline, poses=tuple(kept))
+    while (size := len(baseline.to_text())) > SIZE and len(kept) > len(sampling.COUNTS):
+        # Every kind keeps its share.
+        kept = kept[:: max(2, size // SIZE)]
+        baseline = replace(baseline, poses=tuple(kept))
+    return replace(baseline, poses=(*baseline.poses, *mine))
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """An arm and its answers as they were: what :func:`urdf_ik.freeze` makes and a lock file holds.
+
+    Attributes:
+        arm: the arm.
+        planted: joint vectors with Pinocchio's pose for each.
+        poses: poses with every solution; () where no solver takes the arm.
+        contacts: '' where contacts were checked, else why not.
+        made_by: versions of the packages that computed it.
+        unlooked: what a time limit left out when it was made; '' where nothing was.
+
+    Example:
+        >>> import urdf_ik
+        >>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))
+        >>> lock
+        <Baseline of planar_2r, base_link to tool0: 50 poses, ... solutions>
+        >>> lock.save("arm.lock.json")
+        >>> Baseline.load("arm.lock.json") == lock
+        True
+    """
+
+    arm: Description
+    planted: tuple[Planted, ...]
+    poses: tuple[Pose, ...]
+    contacts: str = ""
+    made_by: tuple[tuple[str, str], ...] = ()
+    unlooked: str = ""
+
+    def __repr__(self) -> str:
+        count = sum(len(pose.answers) for pose in self.poses)
+        facts = [f"{len(self.poses)} poses", f"{count} solutions"]
+        facts += [f"contacts {self.contacts}"] * bool(self.contacts) + [self.unlooked] * bool(self.unlooked)
+        return f"<Baseline of {printable(self.arm.title)}: {', '.join(facts)}>"
+
+    def verify(
+        self,
+        arm: Arm,
+        *,
+        tolerance_mm: float | None = None,
+        tolerance_deg: float | None = None,
+        ignore: str | Iterable[str] = (),
+        time_limit: float | None = None,
+        progress: Progress | None = None,
+    ) -> Verification:
+        """What of this holds for an arm.
+
+        Solutions are compared as sets: a solver that orders or names them in another way is no difference; a solution
+        that is lost or gained is one.
+
+        Args:
+            arm: the arm of today.
+            tolerance_mm: lengths [mm] up to which a change counts as none; default: 1e-6.
+            tolerance_deg: angles [deg], likewise; default: 6e-8.
+            ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
+            time_limit: s after which no more poses are solved; what was left out did not pass.
+            progress: called with (poses done, poses).
+
+        Raises:
+            ArgumentError: a tolerance is negative, or a kind cannot be ignored.
+            ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
+
+        Example:
+            >>> import urdf_ik
+            >>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))
+            >>> print(lock.verify(urdf_ik.load("planar_2r_unit"), ignore="collisions,visuals").differences[0])
+            joint_2: its origin moved by 934 mm
+        """
+        inputs.arm(arm)
+        watch = Watch(time_limit, progress)
+        tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
+        then, now = self.arm, described(arm)
+        differing = list(differences(then, now, tolerance))
+        notes = _notes(then, now) + [f"making the lock was {self.unlooked}"] * bool(self.unlooked)
+        today: dict[int, Pose] = {}
+        if then.dof != now.dof or then.sliding != now.sliding:
+            notes.append("forward kinematics and solutions were not compared: the joints are others")
+        else:
+            order = order_of(then, now)
+            differing += _planted(self, arm.cell.reference, order, tolerance)
+            try:
+                today = _answers_of_today(self, arm, order, "collisions" in skipped, notes, watch)
+            except UnsupportedArm as error:
+                if self.poses:
+                    words = f"the arm cannot be solved any more: {printable(error, 300)}"
+                    differing.append(Difference("solutions", "", words))
+            differing += _solutions(self, today, arm, order, tolerance)
+        unlooked = ""
+        if watch.is_over and len(today) < len(self.poses):
+            unlooked = watch.ended(f"with {len(today)} of {len(self.poses)} poses: the others were")
+        return Verification(
+            arm=now,
+            frozen=then,
+            differences=tuple(difference for difference in differing if difference.kind not in skipped),
+            ignored=tuple(difference for difference in differing if difference.kind in skipped),
+            notes=tuple(notes),
+            poses=len(today),
+            solutions=(
+                sum(len(self.poses[index].answers) for index in today),
+                sum(len(pose.answers) for pose in today.values()),
+            ),
+            unlooked=unlooked,
+        )
+
+    def to_text(self) -> str:
+        """The text of a lock file: one pose a line, sorted keys, numbers that read back exactly."""
+        content = plain(asdict(self))
+        for pose in content["poses"]:
+            pose["solutions"] = pose.pop("answers")
+        content |= {"contacts": self.contacts or "checked", "made_by": dict(self.made_by)}
+        content |= {"format": FORMAT, "version": VERSION}
+        if not self.unlooked:
+            del content["unlooked"]
+        return _lines(content) + "\n"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the lock file.
+
+        Raises:
+            ArgumentError: it cannot be written.
+        """
+        files.write(path, self.to_text().encode())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Baseline:
+        """Read a lock file.
+
+        Raises:
+            ArgumentError: it cannot be read, is no lock file, or one of a version that this release does not know.
+        """
+        return cls.from_text(files.read(path).decode("utf-8", "replace"), files.name_of(path))
+
+    @classmethod
+    def from_text(cls, text: str, name: str = "the text") -> Baseline:
+        """The baseline of a lock file's text.
+
+        Raises:
+            ArgumentError: it is not the text of a lock file; the message calls it ``name``.
+        """
+        hint = "; urdf-ik freeze writes one"
+        try:
+            data = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise ArgumentError(f"{name} is no lock file: {printable(error, 200)}{hint}") from None
+        if not isinstance(data, dict) or data.get("format") != FORMAT:
+            raise ArgumentError(f'{name} is no lock file: it has no "format": "{FORMAT}"{hint}')
+        if data.get("version") != VERSION:
+            version = quoted(data.get("version"))
+            raise ArgumentError(f"{name} is a lock file of version {version}; this release reads {VERSION}{hint} anew")
+        try:
+            arm = from_dict(data["arm"])
+            poses = [{**pose, "answers": pose["solutions"]} for pose in data["poses"]]
+            made_by = sorted((key, str(value)) for key, value in data["made_by"].items())
+            contacts = "" if data["contacts"] == "checked" else data["contacts"]
+            baseline = cls(
+                arm,
+                from_plain(tuple[Planted, ...], data["planted"], "planted"),
+                from_plain(tuple[Pose, ...], poses, "poses"),
+                str(contacts),
+                tuple(made_by),
+                str(data.get("unlooked", "")),
+            )
+            baseline._require_complete()
+        except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+            reason = f"{type(error).__name__} {error}"
+            raise ArgumentError(f"{name} is a damaged lock file: {printable(reason, 200)}{hint} anew") from None
+        return baseline
+
+    def _require_complete(self) -> None:
+        """Raise ValueError unless every row has its numbers and every pose its kind."""
+        n = self.arm.dof
+        rows = [(f"planted[{k}].q", planted.q, n) for k, planted in enumerate(self.planted)]
+        rows += [(f"planted[{k}].T", planted.T, 12) for k, planted in enumerate(self.planted)]
+        for k, pose in enumerate(self.poses):
+            rows += [(f"poses[{k}].T", pose.T, 12), (f"poses[{k}].redundancy", pose.redundancy, len(pose.redundancy))]
+            rows += [(f"poses[{k}].solutions[{i}].q", answer.q, n) for i, answer in enumerate(pose.answers)]
+        for name, row, width in rows:
+            if len(row) != width or not all(map(math.isfinite, row)):
+                raise ValueError(f"{name}: {width} finite numbers are needed")
+        for kind in (*(planted.kind for planted in self.planted), *(pose.kind for pose in self.poses)):
+            if kind not in sampling.KINDS:
+                raise ValueError(f"no kind of pose: {quoted(kind)}")
+
+
+def _lines(value: Any, indent: str = "\n") -> str:
+    """JSON with sorted keys: a line for each entry of the upper levels, and for each element of a list of entries."""
+    inner = indent + " "
+    if isinstance(value, dict):
+        parts = [f"{json.dumps(key)}: {_lines(value[key], inner)}" for key in sorted(value)]
+        return "{" + inner + ("," + inner).join(parts) + indent + "}" if parts else "{}"
+    if isinstance(value, list) and any(isinstance(entry, dict | list) for entry in value):
+        parts = [json.dumps(entry, sort_keys=True, allow_nan=False) for entry in value]
+        return "[" + inner + ("," + inner).join(parts) + indent + "]"
+    return json.dumps(value, allow_nan=False)
+
+
+@dataclass(frozen=True, repr=False)
+class Verification(Report):
+    """The result of verifying an arm against a baseline.
+
+    Attributes:
+        arm: the arm that was verified.
+        frozen: the arm of the baseline.
+        differences: the differences that count.
+        ignored: the differences that the caller ignores.
+        notes: parts that were not compared, and harmless differences such as the name of a family.
+        poses: number of poses that were compared.
+        solutions: number of solutions, then and now.
+        unlooked: what the time limit left out; '' where every pose was compared.
+    """
+
+    arm: Description
+    frozen: Description
+    differences: tuple[Difference, ...]
+    ignored: tuple[Difference, ...]
+    notes: tuple[str, ...]
+    poses: int
+    solutions: tuple[int, int]
+    unlooked: str = ""
+
+    @property
+    def faulty(self) -> bool:
+        """Whether there is a difference that counts."""
+        return bool(self.differences)
+
+    def title(self) -> str:
+        """The names of the compared sides."""
+        return f"{self.arm.title}, against its lock"
+
+    def lines(self) -> tuple[str, ...]:
+        """Every difference and note, a line each."""
+        lines = [*summed(self.differences), *(f"ignored: {difference}" for difference in self.ignored)]
+        lines += [f"note: {note}" for note in self.notes]
+        return (*lines, *replays(self.differences))
+
+    def summary(self) -> str:
+        """The number of differences, poses and solutions."""
+        count, (then, now) = len(self.differences), self.solutions
+        words = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
+        differing = any(difference.kind == "solutions" for difference in (*self.differences, *self.ignored))
+        rest = " (those of one side only are within rounding of a singularity)" if then != now and not differing else ""
+        return f"{words}; {self.poses} poses, {then} solutions then, {now} now{rest}"
+
+
+def replays(differing: Iterable[Difference]) -> tuple[str, ...]:
+    """Lines that say how to see the differences again."""
+    return tuple(dict.fromkeys(f"replay: {difference.replay}" for difference in differing if difference.replay))
+
+
+def _notes(then: Description, now: Description) -> list[str]:
+    out = []
+    if then.family != now.family:
+        out.append(f"the family was {then.family or 'none'}, and is {now.family or 'none'}")
+    if then.robot != now.robot:
+        out.append(f"the robot's name was {printable(then.robot)!r}, and is {printable(now.robot)!r}")
+    return out
+
+
+def _planted(
+    baseline: Baseline, reference: Reference, order: tuple[int, ...], tolerance: Tolerance
+) -> list[Difference]:
+    """Pinocchio's poses at the baseline's joint vectors, the worst one."""
+    worst = (0.0, 0.0, 0.0, -1)
+    # Small changes of every joint add up.
+    longest = tolerance.distance * (1.0 + reference.dof) * max(1.0, reference.size)
+    for index, planted in enumerate(baseline.planted):
+        q = np.empty(len(order))
+        q[list(order)] = planted.q
+        distance, angle = apart(matrix(planted.T), reference.pose(q))
+        if distance > longest or angle > tolerance.angle * (1 + len(order)):
+            worst = max(worst, (distance / DEFAULT.distance + angle / DEFAULT.angle, distance, angle, index))
+    _, distance, angle, index = worst
+    if index < 0:
+        return []
+    name = f"forward kinematics, {baseline.arm.tip}"
+    replay = f"lock.planted[{index}].q, at which the lock has the pose lock.planted[{index}].T"
+    return [Difference("kinematics", name, f"{moved(distance, angle)} at most", distance, angle, replay)]
+
+
+def _answers_of_today(
+    baseline: Baseline, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], watch: Watch
+) -> dict[int, Pose]:
+    """Today's answers to the poses of the baseline by their numbers, joints in its order; as many as time allows."""
+    shapes = None
+    if baseline.contacts:
+        notes.append(f"contacts were {baseline.contacts} when the lock was made")
+    elif not no_contacts:
+        shapes, unchecked = arm.cell.to_check(True)
+        notes += [f"contacts not checked: {unchecked}"] if unchecked else []
+    out: dict[int, Pose] = {}
+    for with_values in (False, True):
+        indices = [k for k, pose in enumerate(baseline.poses) if bool(pose.redundancy) == with_values]
+        if indices and with_values and baseline.arm.redundancy != parameters_of(arm):
+            notes.append(
+                f"{len(indices)} poses were not solved: the redundancy parameters were "
+                f"{', '.join(baseline.arm.redundancy)}, and are {', '.join(parameters_of(arm)) or 'none'}"
+            )
+            # A pose that was not solved is as it was.
+            out |= {index: baseline.poses[index] for index in indices}
+            continue
+        for start in range(0, len(indices), AT_ONCE):
+            if watch.is_over:
+                break
+            part = indices[start : start + AT_ONCE]
+            for index, pose in zip(part, _solved(baseline, arm, part, with_values, shapes), strict=True):
+                answers = tuple(replace(answer, q=tuple(answer.q[k] for k in order)) for answer in pose.answers)
+                out[index] = replace(pose, kind=baseline.poses[index].kind, answers=answers)
+            watch.step(len(out), len(baseline.poses))
+    return dict(sorted(out.items()))
+
+
+def _solved(
+    baseline: Baseline, arm: Arm, part: list[int], with_values: bool, shapes: CollisionModel | None
+) -> list[Pose]:
+    """Today's answers to some poses of the baseline, at the values of redundancy parameters that it has."""
+    T, values = np.array([baseline.poses[index].matrix for index in part]), None
+    if with_values:
+        values = np.array([baseline.poses[index].redundancy for index in part])
+        values = values[:, 0] if values.shape[1] == 1 else values
+    return sampling.answered(arm, "random", T, values, shapes)
+
+
+@dataclass
+class _Changes:
+    """Differences of the solutions: the pose and the branch of each; of a moved one the pose, the joint and how far."""
+
+    lost: list[tuple[int, str]] = field(default_factory=list)
+    gained: list[tuple[int, str]] = field(default_factory=list)
+    moved: list[tuple[float, int, int]] = field(default_factory=list)
+    limits: list[tuple[int, str]] = field(default_factory=list)
+    contacts: list[tuple[int, str]] = field(default_factory=list)
+
+
+def _solutions(
+    baseline: Baseline, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance
+) -> list[Difference]:
+    """Differences of the solutions at the poses that were solved today."""
+    changes = _Changes()
+    distance, angle = greatest_change(baseline.arm, described(arm, shapes=False))
+    size = max(arm.cell.reference.size, 1e-300)
+    change = min(distance, tolerance.distance) / size + min(angle, tolerance.angle)
+    for index, now in today.items():
+        then = baseline.poses[index]
+        _compare(changes, index, then, now, _Same(arm, order, then.matrix, change), baseline.arm)
+    out = []
+    for what, places in (("lost", changes.lost), ("gained", changes.gained)):
+        if places:
+            out.append(Difference("solutions", "", f"{what}: {_places(places)}", replay=_replay(places[0][0])))
+    if changes.moved:
+        gap, index, joint = max(changes.moved)
+        name = baseline.arm.joint_names[joint]
+        slides = baseline.arm.joint_types[joint] == "prismatic"
+        far = f"{gap * 1e3:.4g} mm" if slides else f"{math.degrees(gap):.4g} deg"
+        words = f"{len(changes.moved)} solutions have other joint values, {name} by up to {far} at pose {index}"
+        sizes = (gap, 0.0) if slides else (0.0, gap)
+        out.append(Difference("solutions", "", words, *sizes, replay=_replay(index)))
+    if changes.limits:
+        words = f"in limits or not has changed: {_places(changes.limits)}"
+        out.append(Difference("limits", "", words, replay=_replay(changes.limits[0][0])))
+    if changes.contacts:
+        words = f"contacts have changed: {_places(changes.contacts)}"
+        out.append(Difference("collisions", "", words, replay=_replay(changes.contacts[0][0])))
+    return out
+
+
+def _replay(index: int) -> str:
+    return f"arm.ik(lock.poses[{index}].matrix), against lock.poses[{index}].answers"
+
+
+def _places(places: list[tuple[int, str]]) -> str:
+    """How many at which poses, branch by branch."""
+    branches: dict[str, list[int]] = {}
+    for index, branch in places:
+        branches.setdefault(branch, []).append(index)
+    parts = []
+    for branch, indices in list(branches.items())[:_MOST_SHOWN]:
+        shown = ", ".join(map(str, sorted(set(indices))[:_MOST_SHOWN])) + (
+            ", ..." if len(indices) > _MOST_SHOWN else ""
+        )
+        parts.append(f"{branch!r} at pose {shown}")
+    parts += [f"and {len(branches) - _MOST_SHOWN} branches more"] if len(branches) > _MOST_SHOWN else []
+    return f"{len(places)} solution{'' if len(places) == 1 else 's'}, {'; '.join(parts)}"
+
+
+@dataclass
+class _Same:
+    """Whether two solutions of a pose are one, to what rounding and a tolerated change of the arm leave.
+
+    Attributes:
+        arm: the arm of today.
+        order: its joints in the order of the baseline's.
+        T: (4, 4) m, the pose.
+        change: tolerated change of the arm [rad, share of its size].
+    """
+
+    arm: Arm
+    order: tuple[int, ...]
+    T: Array
+    change: float
+
+    def step(self, q: Array, other: Array) -> Array:
+        """Q less other (..., n), angles on the circle."""
+        slides = self.arm.cell.reference.prismatic[list(self.order)]
+        return np.where(slides, q - other, shortest(q - other))
+
+    def room(self, q: Array) -> Array:
+        """How far apart (k,) [rad or m] two answers near q (k, n) may be, and still be one."""
+        sigma = self.sigma_min(q)
+        out: Array = np.minimum(CONDITIONING / sigma, LOOSEST) + np.minimum(10.0 * self.change / sigma, ONE_BRANCH)
+        return out + PLANTED
+
+    def is_fragile(self, q: Array) -> bool:
+        """Whether the change, or rounding, may join a solution (n,) with another one, so that both are gone.
+
+        Near a fold the smallest singular value falls with the root of the distance to it.
+        """
+        return bool(self.sigma_min(q[None])[0] ** 2 <= 10.0 * self.change + FOLD)
+
+    def sigma_min(self, q: Array) -> Array:
+        """Smallest singular value (k,) of the Jacobian at q (k, n), lengths as shares of the arm's size."""
+        return np.maximum(least_singular_value(self.arm, self._in_arm_order(q)), 1e-300)
+
+    def one_root(self, q: Array, other: Array) -> bool:
+        """Whether the arm is in the pose half way between two joint vectors (n,): one double root."""
+        reference = self.arm.cell.reference
+        half = other + 0.5 * self.step(q, other)
+        position, rotation = reference.error(self._in_arm_order(half), self.T)
+        return max(position / max(reference.size, 1e-300), rotation) <= 1e2 * SOLVERS.fold
+
+    def _in_arm_order(self, q: Array) -> Array:
+        out = np.empty_like(q)
+        out[..., list(self.order)] = q
+        return out
+
+
+def _compare(changes: _Changes, index: int, then: Pose, now: Pose, same: _Same, arm: Description) -> None:
+    """Pair the solutions of a pose, and note what is different."""
+    before, after = list(then.answers), list(now.answers)
+    if not before or not after:
+        changes.lost += [(index, answer.branch) for answer in before if not same.is_fragile(np.array(answer.q))]
+        changes.gained += [(index, answer.branch) for answer in after if not same.is_fragile(np.array(answer.q))]
+        return
+    gaps = np.abs(same.step(then.q[:, None], now.q[None]))
+    far = gaps.max(axis=-1)
+    rows, columns = linear_sum_assignment(np.minimum(far, 1e6))
+    room = same.room(then.q)
+    paired: dict[int, int] = {}
+    for i, k in zip(rows.tolist(), columns.tolist(), strict=True):
+        free = before[i].singular and after[k].singular
+        if far[i, k] > ONE_BRANCH and not free:
+            continue
+        paired[i] = k
+        if far[i, k] <= room[i] or free or same.is_fragile(then.q[i]) or same.one_root(then.q[i], now.q[k]):
+            continue
+        changes.moved.append((float(far[i, k]), index, int(np.argmax(gaps[i, k]))))
+    for i, answer in enumerate(before):
+        if i not in paired and not _no_difference(same, answer, now):
+            changes.lost.append((index, answer.branch))
+    for k, answer in enumerate(after):
+        if k not in paired.values() and not _no_difference(same, answer, then):
+            changes.gained.append((index, answer.branch))
+    limits = np.array(arm.limits)
+    for i, k in paired.items():
+        old, new = before[i], after[k]
+        if old.within_limits != new.within_limits and not _at_limit(old, limits, max(room[i], LIMIT_MARGIN)):
+            changes.limits.append((index, old.branch))
+        if None not in (old.contact, new.contact) and old.contact != new.contact:
+            changes.contacts.append((index, old.branch))
+
+
+def _no_difference(same: _Same, answer: Answer, others: Pose) -> bool:
+    """Whether a solution without an equal among the others is not a difference.
+
+    It may vanish by rounding, form a double root with one of them, or represent the same continuum as one of them.
+    """
+    q = np.array(answer.q)
+    if same.is_fragile(q):
+        return True
+    near = np.abs(same.step(q[None], others.q)).max(axis=-1)
+    if any(same.one_root(q, others.q[k]) for k in np.flatnonzero(near < LOOSEST)):
+        return True
+    return answer.singular and any(other.singular for other in others.answers)
+
+
+def _at_limit(answer: Answer, limits: Array, margin: float) -> bool:
+    """Whether a joint is within ``margin`` of a limit, modulo full turns, so that rounding decides."""
+    q = np.array(answer.q)[:, None]
+    gap = np.abs(q - limits)
+    turned = np.abs(shortest(np.where(np.isfinite(limits), q - limits, np.pi)))
+    return bool(np.minimum(gap, turned).min(initial=np.inf) <= margin)

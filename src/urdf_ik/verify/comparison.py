@@ -1,0 +1,688 @@
+"""Comparisons of two arms or of two URDFs of one arm: the differences, and their effect on solutions and tool.
+
+They answer the questions before a swap: another arm, another tool, a calibrated copy of a nominal arm. Each arm solves
+for the part of a pose that it controls (see ``Arm.task``); Pinocchio computes where its tip really is. The fields of a
+comparison are in m and rad; its text shows mm and degrees.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from urdf_ik.arm import Arm
+from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.ik.cuspidality import is_cuspidal
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.model.poses import as_pose_array, check_poses
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import shortest
+from urdf_ik.support.report import Report
+from urdf_ik.support.text import Section, quoted
+from urdf_ik.support.tolerances import DEFAULT as TOLERANCES
+from urdf_ik.typing import Array
+from urdf_ik.verify.description import described, parameters_of
+from urdf_ik.verify.differences import (
+    DEFAULT,
+    Difference,
+    Tolerance,
+    angle_between,
+    apart,
+    differences,
+    ignored,
+    same_limit,
+    summed,
+)
+from urdf_ik.verify.sampling import redundancy_at, solutions_of
+
+_SAMPLES = 20_000
+_ROUNDING = 1e-9  # rad, m: an imperfection that is no more than rounded decimals
+_MM = 1000.0
+# 'solution 3', 'further 1': such a number says nothing about the posture, unlike 'elbow up'.
+_NUMBERED = re.compile(r"\d+$")
+
+
+def compare(
+    a: Arm,
+    b: Arm,
+    n: int = 200,
+    seed: int = 0,
+    *,
+    poses: Any = None,
+    tolerance_mm: float | None = None,
+    tolerance_deg: float | None = None,
+    ignore: str | Iterable[str] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> Comparison:
+    """Compare two arms.
+
+    Each arm draws ``n`` joint vectors within its limits; both arms solve all poses that these make. Joints are paired
+    by name if both arms have the same names, else by their order from base to tip. If the numbers of joints differ, or
+    one arm cannot be solved, some parts of the comparison are skipped; ``notes`` lists them.
+
+    Args:
+        a: the first arm, such as the nominal one.
+        b: the second arm, such as the calibrated one.
+        n: number of poses that each arm makes.
+        seed: the same seed gives the same comparison.
+        poses: (..., 4, 4) m, further poses that both arms solve.
+        tolerance_mm: greatest difference of lengths that is ignored [mm]; default: 1e-6.
+        tolerance_deg: greatest difference of angles that is ignored [deg]; default: 6e-8.
+        ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
+        progress: called with (steps done, steps).
+
+    Returns:
+        The comparison; ``print`` it, or take its fields.
+
+    Raises:
+        ArgumentError: n is below 1, the seed or a tolerance is negative, or a kind cannot be ignored.
+        PoseError: one of ``poses`` is invalid.
+
+    Example:
+        >>> import urdf_ik
+        >>> a, b = urdf_ik.load("zyyzyz_6r"), urdf_ik.load("dh_6r")
+        >>> len(compare(a, b, n=10).structure) > 0
+        True
+    """
+    inputs.arm(a, "a")
+    inputs.arm(b, "b")
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    notes: list[str] = []
+    inputs.callback(progress, "progress")
+    tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
+    own = None if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
+    order, reason = _order(a, b)
+    if reason:
+        notes.append(f"axes, limits, joint differences and the tool error: {reason}")
+    vectors = _drawn(a, n, seed)
+    answers: list[_Answers] = []
+    try:
+        for maker, q in ((a, vectors), (b, _drawn(b, n, seed))):
+            answers.append(_answers(a, b, maker.cell.reference.pose(q), maker, q))
+            if progress is not None:
+                progress(len(answers), 2)
+    except UrdfIkError as error:
+        notes.append(f"reach, numbers of solutions and branches: {error}")
+    solved = len(answers) == 2
+    reach = []
+    if solved:
+        notes += _cautions(a, b)
+        reach = [answers[0].reach("A"), answers[1].reach("B")]
+        if own is not None and len(own):
+            reach.append(_answers(a, b, own).reach("you"))
+    tried = answers[0].a.q[answers[0].a.valid] if answers else vectors
+    axes = () if order is None else _axes(a, b, order)
+    signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
+    differing = differences(described(a), described(b), tolerance)
+    return Comparison(
+        differences=tuple(difference for difference in differing if difference.kind not in skipped),
+        a=_side(a),
+        b=_side(b),
+        n=n,
+        seed=seed,
+        structure=_structure(a, b),
+        axes=axes,
+        tip=apart(a.fk(np.zeros(a.dof)), b.fk(np.zeros(b.dof))),
+        limits=() if order is None else _limits(a, b, order),
+        farthest=(_farthest(a, seed), _farthest(b, seed)),
+        reach=tuple(reach),
+        branches=answers[0].branches(order, signs) if solved and order is not None else (),
+        tool=None if order is None else _tool_error(a.cell.reference, b.cell.reference, tried, order),
+        notes=tuple(notes),
+    )
+
+
+def _side(arm: Arm) -> Side:
+    prismatic = tuple(bool(slides) for slides in arm.chain.prismatic)
+    return Side(arm.name, arm.model.source, arm.base, arm.tip, arm.joint_names, prismatic)
+
+
+def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
+    """Structural properties of both arms, and the relations between axes that differ."""
+
+    def known(arm: Arm) -> dict[str, str]:
+        structure = arm.structure
+        kinds = "".join("P" if slides else "R" for slides in arm.chain.prismatic)
+        words = {None: "not known", True: "yes", False: "no"}
+        facts = {
+            "joints": f"{arm.dof} ({kinds})",
+            "family": structure.family or "none that is solved",
+            "controls": arm.task,
+            "solutions at most": str(structure.max_solutions),
+            "cuspidal": words[is_cuspidal(arm.solver)],
+        }
+        if structure.family:
+            facts["exact"] = "yes" if structure.is_exact or structure.is_general else _off(arm)
+        if arm.redundancy is not None:
+            facts["free"] = f"{arm.redundancy.kind}, {arm.redundancy.joint}"
+        return facts
+
+    def related(arm: Arm) -> dict[str, str]:
+        out = {}
+        for relation in (*arm.structure.triples, *arm.structure.pairs):
+            axes, _, what = str(relation).partition(" are " if " are " in str(relation) else " meet ")
+            out[axes] = what if " are " in str(relation) else f"meet {what}"
+        return out
+
+    left, right = known(a), known(b)
+    facts = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    left, right = related(a), related(b)
+    relations = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    return (*facts, *(fact for fact in relations if not fact.same))
+
+
+def _off(arm: Arm) -> str:
+    angle, distance = arm.structure.imperfection
+    if angle <= _ROUNDING and distance <= _ROUNDING:
+        return arm.structure.imperfection_in_words()
+    return f"off by {angle:.2g} rad, {distance:.2g} m"
+
+
+def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[AxisChange, ...]:
+    out = []
+    for i, k in enumerate(order):
+        u, v = a.chain.H[i], b.chain.H[k]
+        angle = angle_between(u, v)
+        slides = bool(a.chain.prismatic[i])
+        distance = 0.0 if slides else float(np.linalg.norm(np.cross(a.chain.points[i] - b.chain.points[k], v)))
+        flipped = angle > np.pi - TOLERANCES.near_angle
+        out.append(AxisChange(a.joint_names[i], b.joint_names[k], angle, distance, flipped))
+    return tuple(out)
+
+
+def _limits(a: Arm, b: Arm, order: list[int]) -> tuple[LimitChange, ...]:
+    def bounds(arm: Arm, i: int) -> tuple[float, float]:
+        lower, upper = arm.limits[i]
+        return float(lower), float(upper)
+
+    return tuple(
+        LimitChange(a.joint_names[i], b.joint_names[k], bounds(a, i), bounds(b, k)) for i, k in enumerate(order)
+    )
+
+
+def _farthest(arm: Arm, seed: int) -> float:
+    """Greatest distance of the tip from the base's origin over sampled joint vectors."""
+    Q = _drawn(arm, _SAMPLES, seed)
+    return float(np.linalg.norm(arm.fk(Q)[:, :3, 3], axis=1).max())
+
+
+def _drawn(arm: Arm, n: int, seed: int) -> Array:
+    """Joint vectors (n, dof) within the limits."""
+    lower, upper = arm.cell.reference.ranges.T
+    q: Array = np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
+    return q
+
+
+def _answers(a: Arm, b: Arm, T: Array, maker: Arm | None = None, q: Array | None = None) -> _Answers:
+    """Solutions of both arms for poses (m, 4, 4), as far as each task controls them.
+
+    Args:
+        a: the first arm.
+        b: the second arm.
+        T: the poses.
+        maker: the arm whose joint vectors made the poses, if any. An arm with the same redundancy parameter is asked
+            at the maker's values.
+        q: (m, n) rad or m, these joint vectors.
+    """
+    solved = []
+    for arm in (a, b):
+        values = None
+        if maker is not None and q is not None and (arm is maker or _same_parameter(arm, maker)):
+            values = redundancy_at(maker, q)
+        solved.append(solutions_of(arm, T, values))
+    return _Answers(*solved)
+
+
+@dataclass(frozen=True, eq=False)
+class _Answers:
+    """The solutions of two arms for the same poses."""
+
+    a: IKSolutions
+    b: IKSolutions
+
+    def reach(self, made_by: str) -> Reach:
+        """How many poses each has a solution for, and how many solutions."""
+        counts = [solutions.count for solutions in (self.a, self.b)]
+        within = [solutions.within_limits().count for solutions in (self.a, self.b)]
+        return Reach(
+            made_by=made_by,
+            poses=len(counts[0]),
+            solved=(int((counts[0] > 0).sum()), int((counts[1] > 0).sum())),
+            within_limits=(int((within[0] > 0).sum()), int((within[1] > 0).sum())),
+            solutions=(int(counts[0].sum()), int(counts[1].sum())),
+            same_number=int((counts[0] == counts[1]).sum()),
+        )
+
+    def branches(self, order: list[int], signs: Array) -> tuple[BranchChange, ...]:
+        """Every branch of A that has solutions, against B.
+
+        Args:
+            order: B's joints in A's order.
+            signs: (n,) -1 for the joints that turn the other way in B, else 1. Where one does, names of branches mean
+                other postures ('front' is said along the first axis), and the nearest posture counts.
+        """
+        theirs = {name: k for k, name in enumerate(self.b.branches) if not _NUMBERED.search(name)}
+        theirs = theirs if (signs > 0.0).all() else {}
+        out = []
+        for k, name in enumerate(self.a.branches):
+            rows = np.flatnonzero(self.a.valid[:, k])
+            if not len(rows):
+                continue
+            mine, others = self.a.q[rows, k], self.b.q[rows][..., order]
+            if name in theirs:
+                column = np.full(len(rows), theirs[name])
+            else:
+                far = self._gap(mine[:, None], others * signs).max(axis=-1)
+                column = np.argmin(np.where(self.b.valid[rows], far, np.inf), axis=1)
+            gaps = self._gap(mine, others[np.arange(len(rows)), column])
+            gaps = gaps[~np.isnan(gaps).any(axis=1)]  # where B has that solution
+            nothing = np.full(len(order), np.nan)
+            out.append(
+                BranchChange(
+                    branch=name,
+                    matched="name" if name in theirs else "nearest",
+                    poses=len(gaps),
+                    unmatched=len(rows) - len(gaps),
+                    median=_floats(np.median(gaps, axis=0) if len(gaps) else nothing),
+                    worst=_floats(gaps.max(axis=0) if len(gaps) else nothing),
+                )
+            )
+        return tuple(out)
+
+    def _gap(self, q: Array, other: Array) -> Array:
+        """Difference of each joint (..., n), that of an angle on the circle."""
+        difference = np.abs(q - other)
+        out: Array = np.where(self.a.rotary, np.abs(shortest(difference)), difference)
+        return out
+
+
+def _order(a: Arm, b: Arm) -> tuple[list[int] | None, str]:
+    """B's joints in the order of A's, or None and the reason why they are not the same joints."""
+    if a.dof != b.dof:
+        return None, f"A has {a.dof} joints and B has {b.dof}"
+    order = list(range(b.dof))
+    if set(a.joint_names) == set(b.joint_names):
+        order = [b.joint_names.index(name) for name in a.joint_names]
+    for i, k in enumerate(order):
+        if a.chain.prismatic[i] != b.chain.prismatic[k]:
+            kinds = ["slides" if arm.chain.prismatic[j] else "turns" for arm, j in ((a, i), (b, k))]
+            ours, theirs = quoted(a.joint_names[i]), quoted(b.joint_names[k])
+            return None, f"joint {ours} of A {kinds[0]}, joint {theirs} of B {kinds[1]}"
+    return order, ""
+
+
+def _cautions(a: Arm, b: Arm) -> list[str]:
+    """Cautions about the comparison of the numbers of solutions."""
+    out = []
+    if a.task != b.task:
+        out.append(f"like with like: A is asked for the {a.task}, B for the {b.task}, which is what each controls")
+    elif a.dof != b.dof and min(a.dof, b.dof) < 6:
+        out.append("all poses alike: with fewer than six joints an arm reaches only those of its own kind")
+    for letter, arm, other in (("A", a, b), ("B", b, a)):
+        if arm.redundancy is not None:
+            own = "the one that made the pose" + ("" if _same_parameter(arm, other) else ", of other poses the default")
+            out.append(
+                f"all solutions of {letter}: with {arm.dof} joints a pose has infinitely many; counted are those at "
+                f"one value of the redundancy parameter, {own}"
+            )
+    return out
+
+
+def _tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> ToolError | None:
+    """Difference between the tip poses of A and B at joint vectors ``q`` (m, n) of A; None without one."""
+    if not len(q):
+        return None
+    swapped = np.empty_like(q)
+    swapped[:, order] = q
+    position, rotation = b.errors(swapped, a.pose(q))
+    return ToolError(len(q), _spread(position), _spread(rotation), _floats(q[int(np.argmax(position))]))
+
+
+def _same_parameter(a: Arm, b: Arm) -> bool:
+    one, other = parameters_of(a), parameters_of(b)
+    return bool(one) and one == other
+
+
+def _spread(values: Array) -> tuple[float, float, float]:
+    """Median, 95th percentile, greatest."""
+    return float(np.median(values)), float(np.percentile(values, 95.0)), float(values.max())
+
+
+def _floats(values: Array) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two arms.
+
+    Attributes:
+        robot: the robot's name.
+        source: where its URDF was read from.
+        base: base link.
+        tip: tip link.
+        joint_names: base to tip.
+        prismatic: (n,) true for joints that slide.
+    """
+
+    robot: str
+    source: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    prismatic: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One thing that is known of both arms' structure, in words."""
+
+    what: str
+    a: str
+    b: str
+
+    @property
+    def same(self) -> bool:
+        """Whether it is the same for both."""
+        return self.a == self.b
+
+
+@dataclass(frozen=True)
+class AxisChange:
+    """How a joint axis of B lies to that of A at q = 0, each in its own base.
+
+    Attributes:
+        joint: the joint's name in A.
+        joint_b: its name in B.
+        angle: between the directions, 0 to pi [rad].
+        distance: of the axis of B from the origin of A's joint [m]; 0 for a joint that slides, whose axis has no place.
+        flipped: whether the direction is the opposite one, so that the joint turns the other way.
+    """
+
+    joint: str
+    joint_b: str
+    angle: float
+    distance: float
+    flipped: bool
+
+
+@dataclass(frozen=True)
+class LimitChange:
+    """The limits of a joint, lower and upper [rad or m], infinite where there is no limit."""
+
+    joint: str
+    joint_b: str
+    a: tuple[float, float]
+    b: tuple[float, float]
+
+    @property
+    def same(self) -> bool:
+        """Whether both limits are the same to rounding."""
+        return all(same_limit(mine, other) for mine, other in zip(self.a, self.b, strict=True))
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Solutions of both arms for the same poses.
+
+    Attributes:
+        made_by: 'A' or 'B', the arm whose joint vectors, drawn within its limits, made the poses; 'you' for given ones.
+        poses: number of poses.
+        solved: number of poses with a solution, for A and for B.
+        within_limits: number of poses with a solution within the limits, for A and for B.
+        solutions: number of solutions over all poses, for A and for B.
+        same_number: number of poses for which both arms have the same number of solutions.
+    """
+
+    made_by: str
+    poses: int
+    solved: tuple[int, int]
+    within_limits: tuple[int, int]
+    solutions: tuple[int, int]
+    same_number: int
+
+
+@dataclass(frozen=True)
+class BranchChange:
+    """Joint values of one branch of A against those of B, over the poses that A's joint vectors made.
+
+    Attributes:
+        branch: its name in A.
+        matched: 'name' where B has a branch of that name and no axis is flipped, else 'nearest': of each pose's
+            solutions in B the nearest, joints that turn the other way taken with the other sign.
+        poses: number of poses compared.
+        unmatched: number of solutions of A without a counterpart in B.
+        median: (n,) rad or m, median difference of each joint, for angles on the circle; NaN if none was compared.
+        worst: (n,) rad or m, greatest difference of each joint, likewise.
+    """
+
+    branch: str
+    matched: str
+    poses: int
+    unmatched: int
+    median: tuple[float, ...]
+    worst: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ToolError:
+    """Difference between the tip poses of A and B at the same joint vectors, both computed by Pinocchio.
+
+    Attributes:
+        joint_vectors: how many were tried: A's solutions of the poses that it made.
+        position: median, 95th percentile and worst [m].
+        rotation: the same [rad].
+        q: (n,) rad or m, the joint vector of the worst position.
+    """
+
+    joint_vectors: int
+    position: tuple[float, float, float]
+    rotation: tuple[float, float, float]
+    q: tuple[float, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Report):
+    """Two arms, compared; ``print`` shows it as tables.
+
+    Attributes:
+        differences: what is different beyond rounding, or the tolerances given, in words.
+        a: the first arm.
+        b: the second arm.
+        n: number of poses that each of them made.
+        seed: seed of the joint vectors.
+        structure: what is known of their axes and how they are solved.
+        axes: joint by joint; empty where their numbers differ.
+        tip: distance [m] and angle [rad] between the tips at q = 0, each in its own base.
+        limits: joint by joint; empty where their numbers differ.
+        farthest: greatest distance [m] of the tip from the base's origin that sampled joint vectors show, of A and B.
+        reach: the poses that A made, and those that B made; empty where one of them cannot be solved.
+        branches: joint values, branch by branch; empty where they cannot be compared.
+        tool: what happens when A's joint vectors are used on B; None where they cannot be.
+        notes: what was not compared, and why.
+    """
+
+    differences: tuple[Difference, ...]
+    a: Side
+    b: Side
+    n: int
+    seed: int
+    structure: tuple[Fact, ...]
+    axes: tuple[AxisChange, ...]
+    tip: tuple[float, float]
+    limits: tuple[LimitChange, ...]
+    farthest: tuple[float, float]
+    reach: tuple[Reach, ...]
+    branches: tuple[BranchChange, ...]
+    tool: ToolError | None
+    notes: tuple[str, ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether both are the same arm, to rounding or the tolerances given."""
+        return not self.differences
+
+    @property
+    def faulty(self) -> bool:
+        """Whether they differ."""
+        return not self.same
+
+    def to_dict(self) -> dict[str, Any]:
+        """The comparison as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'."""
+        content = super().to_dict()
+        del content["passed"]
+        return {"same": self.same, "units": {"length": "m", "angle": "rad"}, **content}
+
+    def title(self) -> str:
+        """Both arms, a line each."""
+        sides = (("A", self.a), ("B", self.b))
+        return "\n".join(f"{letter}: {side.robot}, {side.base} to {side.tip} ({side.source})" for letter, side in sides)
+
+    def sections(self) -> tuple[Section, ...]:
+        """The tables: structure, frames, limits, reach, branches, tool error."""
+        tables = (_structure_table(self), _frames_table(self), _limits_table(self), _reach_table(self))
+        return tuple(each for each in (*tables, _branches_table(self), _tool_table(self)) if each is not None)
+
+    def lines(self) -> tuple[str, ...]:
+        """The differences, and what was not compared."""
+        return (*summed(self.differences), *(f"not compared: {note}" for note in self.notes))
+
+    def summary(self) -> str:
+        """The number of differences."""
+        count = len(self.differences)
+        return f"{count} difference{'' if count == 1 else 's'}" if count else "same to rounding"
+
+    def verdict(self) -> str:
+        """In a line, whether they differ."""
+        return self.summary()
+
+
+def _structure_table(comparison: Comparison) -> Section:
+    facts = comparison.structure
+    differ = sum(not fact.same for fact in facts)
+    title = f"structure: {'the same' if not differ else f'{differ} of {len(facts)} facts differ'}"
+    rows = tuple((fact.what, fact.a, fact.b, "" if fact.same else "differs") for fact in facts)
+    return Section(title, ("", "A", "B", " "), rows, left=("", "A", "B", " "))
+
+
+def _frames_table(comparison: Comparison) -> Section | None:
+    distance, angle = comparison.tip
+    tip = f"tip at q = 0: {_mm(distance)} mm and {_deg(angle)} deg apart"
+    if distance <= DEFAULT.distance and angle <= DEFAULT.angle:
+        tip = "tip at q = 0: at the same place"
+    far = "farthest sampled tip from the base: A {:.4f} m, B {:.4f} m".format(*comparison.farthest)
+    rows = tuple(
+        (_pair(c.joint, c.joint_b), _deg(c.angle), _mm(c.distance), "flipped" if c.flipped else "")
+        for c in comparison.axes
+        if c.angle > DEFAULT.angle or c.distance > DEFAULT.distance
+    )
+    title = "frames: " + (f"{len(rows)} of {len(comparison.axes)} axes moved" if rows else "no axis moved")
+    title = title if comparison.axes else "frames"
+    return Section(title, ("joint", "turned [deg]", "moved [mm]", ""), rows, (tip, far), left=("joint", ""))
+
+
+def _limits_table(comparison: Comparison) -> Section | None:
+    if not comparison.limits:
+        return None
+    changed = [(change, slides) for change, slides in zip(comparison.limits, comparison.a.prismatic, strict=True)
+               if not change.same]  # fmt: skip
+    rows = tuple((_pair(c.joint, c.joint_b), *_bounds(c, slides)) for c, slides in changed)
+    title = f"limits: {f'{len(rows)} of {len(comparison.limits)} joints differ' if rows else 'the same'}"
+    return Section(title, ("joint", "A lower", "A upper", "B lower", "B upper", "unit"), rows, left=("joint", "unit"))
+
+
+def _reach_table(comparison: Comparison) -> Section | None:
+    rows = []
+    for reach in comparison.reach:
+        for k, letter in enumerate("AB"):
+            rows.append(
+                (
+                    f"{reach.poses} poses of {reach.made_by}",
+                    letter,
+                    str(reach.solved[k]),
+                    str(reach.within_limits[k]),
+                    str(reach.solutions[k]),
+                    f"{reach.solutions[k] / reach.poses:.2f}",
+                    str(reach.same_number) if k == 0 else "",
+                )
+            )
+    header = ("asked for", "arm", "reached", "within limits", "solutions", "a pose", "same in both")
+    return Section("reach and solutions", header, tuple(rows), left=("asked for", "arm")) if rows else None
+
+
+def _branches_table(comparison: Comparison) -> Section | None:
+    if not comparison.branches:
+        return None
+    slides = comparison.a.prismatic
+    units = ["mm" if sliding else "deg" for sliding in slides]
+    header = ("branch", "matched by", "poses", "lost", *(f"q{i + 1} [{unit}]" for i, unit in enumerate(units)), "worst")
+    rows = tuple(
+        (
+            branch.branch,
+            branch.matched,
+            str(branch.poses),
+            str(branch.unmatched),
+            *(_value(value, sliding) for value, sliding in zip(branch.median, slides, strict=True)),
+            _worst(branch.worst, slides),
+        )
+        for branch in comparison.branches
+    )
+    title = f"joint differences, branch by branch: medians over {comparison.n} poses of A, and the worst"
+    return Section(title, header, rows, left=("branch", "matched by", "worst"))
+
+
+def _tool_table(comparison: Comparison) -> Section | None:
+    tool = comparison.tool
+    if tool is None:
+        return None
+    rows = (
+        ("position [mm]", *map(_mm, tool.position)),
+        ("rotation [deg]", *map(_deg, tool.rotation)),
+    )
+    at = f"worst at q = [{', '.join(f'{value:.6g}' for value in tool.q)}] (rad, m)" if any(tool.position) else ""
+    title = f"tool error when A's joint vectors ({tool.joint_vectors}) are used on B"
+    return Section(title, ("", "median", "95 %", "worst"), rows, (at,) if at else (), left=("",))
+
+
+def _pair(a: str, b: str) -> str:
+    return a if a == b else f"{a} / {b}"
+
+
+def _bounds(change: LimitChange, slides: bool) -> tuple[str, ...]:
+    numbers = [_value(value, slides) for value in (*change.a, *change.b)]
+    return *numbers, "mm" if slides else "deg"
+
+
+def _worst(values: Sequence[float], slides: Sequence[bool]) -> str:
+    """The joint that is farthest off, with its value."""
+    if math.isnan(values[0]):
+        return "-"
+    k = max(range(len(values)), key=lambda i: values[i])
+    return f"q{k + 1} {_value(values[k], slides[k])}" if values[k] else "0"
+
+
+def _value(value: float, slides: bool) -> str:
+    return _mm(value) if slides else _deg(value)
+
+
+def _mm(value: float) -> str:
+    return _number(value * _MM)
+
+
+def _deg(value: float) -> str:
+    return _number(math.degrees(value))
+
+
+def _number(value: float) -> str:
+    """Four digits after the point, fewer for what is exact; rounding errors in the form 1e-13."""
+    if math.isnan(value):
+        return "-"
+    if value == 0.0:
+        return "0"
+    return f"{value:.4g}" if abs(value) < 1e-3 else f"{value:.4f}".rstrip("0").rstrip(".")
