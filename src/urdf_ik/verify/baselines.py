@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from scipy.optimize import linear_sum_assignment
 
 from urdf_ik.arm import Arm
@@ -46,6 +47,7 @@ from urdf_ik.verify.differences import (
     summed,
 )
 from urdf_ik.verify.sampling import AT_ONCE, Answer, Planted, Pose, least_singular_value
+from urdf_ik.version import __version__
 
 FORMAT, VERSION = "urdf-ik lock", 1
 
@@ -105,10 +107,6 @@ def freeze(
         >>> len(lock.planted), sorted({pose.kind for pose in lock.poses})
         (20, ['near limits', 'near singularity', 'random', 'round'])
     """
-    import pinocchio as pin
-
-    from urdf_ik import __version__
-
     inputs.arm(arm)
     watch = Watch(time_limit, progress)
     rng = np.random.default_rng(inputs.whole(seed, "seed", high=2**64))
