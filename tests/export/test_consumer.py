@@ -13,7 +13,10 @@ from native_arms import PROGRAMS, WARNINGS, compiler
 import urdf_ik
 from urdf_ik.cmake import core
 
-pytestmark = pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake is not installed")
+pytestmark = [
+    pytest.mark.slow,  # compiles the whole core
+    pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake is not installed"),
+]
 
 
 @pytest.fixture(scope="module")

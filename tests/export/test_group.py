@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 POSES = 12
 # Six and seven joints, of which a pose leaves one number free.
-ARMS = [(name, arm) for name, arm in core_arms.every_arm() if arm.dof in (6, 7)][:48:2]
+ARMS = [(name, arm) for name, arm in core_arms.every_arm() if arm.dof in (6, 7)][:48:6]
 FIXED = np.array([[0.0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]])
 
 

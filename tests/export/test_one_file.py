@@ -190,6 +190,7 @@ for each in CHOSEN:
 each_unit = pytest.mark.parametrize("named", UNITS.values(), ids=[named[0][0] for named in UNITS.values()])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "beside"), [("zyyzyz_6r", "planar_2r"), ("srs_7r", "positioning_3r")])
 def test_arms_of_two_families_in_one_unit_give_the_same_bits(name: str, beside: str, tmp_path: Path) -> None:
     """With the library's flags answers are those of Python, and nothing is allocated."""
@@ -198,6 +199,21 @@ def test_arms_of_two_families_in_one_unit_give_the_same_bits(name: str, beside: 
     asked = [targets(arm) for arm in arms]
     for arm, given, found in zip(arms, asked, answers(unit, arms, asked), strict=True):
         same_bits(found, expected(arm, *given))
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "positioning_3r"])
+def test_one_file_solves_as_python_does(name: str, tmp_path: Path) -> None:
+    """Quickly compiled: as many solutions of 20 poses as Python has, the same but for rounding."""
+    arm = urdf_ik.load(name)
+    unit = unit_of([arm], compiler("CXX"), ("-O1", *FLAGS[1:], *FREESTANDING), tmp_path)
+    assert needed_by(unit) <= ALLOWED
+    T = targets(arm)[0][:20]
+    (found,) = answers(unit, [arm], [(T, None)])
+    wanted = arm.ik(T)
+    assert ((found.flags & 1).astype(bool) == wanted.valid).all()
+    regular = wanted.valid & (wanted.singular == 0)
+    apart = found.q[regular] - wanted.q[regular]
+    assert regular.any() and np.abs(np.remainder(apart + np.pi, 2 * np.pi) - np.pi).max() < 1e-9
 
 
 def same_bits(found: Answers, s: urdf_ik.IKSolutions) -> None:
@@ -218,6 +234,7 @@ def test_the_functions_that_solve_are_those_of_the_core(name: str) -> None:
         assert f"{function}<{family}>" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compile_with", COMPILERS)
 def test_files_of_all_families_stand_in_one_unit(compile_with: str, tmp_path: Path) -> None:
     """Two arms of each family compile side by side, without a warning."""
@@ -226,6 +243,7 @@ def test_files_of_all_families_stand_in_one_unit(compile_with: str, tmp_path: Pa
     unit_of(arms, compile_with, ("-fsyntax-only", *FREESTANDING, *level_flags(_core.isa())), tmp_path)
 
 
+@pytest.mark.slow
 @each_unit
 def test_each_family_gives_the_same_bits_freestanding(named: list[tuple[str, urdf_ik.Arm]], tmp_path: Path) -> None:
     """Without a C++ library, exceptions and run-time types: Python's bits, and only functions of C are left to link."""
@@ -247,6 +265,7 @@ def of_v2(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which(CLANG) is None, reason=f"no {CLANG} is installed")
 @pytest.mark.skipif(
     "v2" not in _core.levels(), reason="the core was built without x86-64-v2, which Clang is compared at"
@@ -267,6 +286,7 @@ def test_each_family_gives_the_same_bits_by_clang(
         assert np.abs(found.zero - arm.fk(np.zeros(arm.dof))).max() < 1e-12, name
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     any(shutil.which(program) is None for program in ("arm-none-eabi-g++", "qemu-system-arm")),
     reason="arm-none-eabi-g++ or qemu-system-arm is not installed",
@@ -292,7 +312,7 @@ def test_a_c_program_solves(tmp_path: Path) -> None:
     unit.write_text('#define TWO_IMPLEMENTATION\n#include "two.h"\n')
     parts = [str(tmp_path / "use.o"), str(tmp_path / "unit.o")]
     native_arms.run(compiler("CC"), "-std=c11", *WARNINGS, "-c", str(use), "-o", parts[0])
-    native_arms.run(compiler("CXX"), "-std=c++20", *WARNINGS, "-c", str(unit), "-o", parts[1])
+    native_arms.run(compiler("CXX"), "-std=c++20", "-O1", *WARNINGS, "-c", str(unit), "-o", parts[1])
     native_arms.run(compiler("CXX"), *parts, "-o", str(tmp_path / "program"))
     arm = urdf_ik.load("planar_2r")
     count = len(arm.ik(arm.fk([0.3, 0.4])))

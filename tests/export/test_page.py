@@ -21,9 +21,14 @@ Array = NDArray[np.float64]
 
 BUILT = all((WEB / name).is_file() for name in ("urdf_ik.wasm", "page.bundle.js"))
 pytest.importorskip("playwright.sync_api", reason=INSTALL)
-needs_page = pytest.mark.skipif(
-    not BUILT or CHROMIUM is None, reason="make wasm page builds what is tested" if not BUILT else INSTALL
-)
+WHY = INSTALL if BUILT else "make wasm page builds what is tested"
+
+
+def needs_page(test: Any) -> Any:
+    """Mark a test that opens the page in Chromium."""
+    return pytest.mark.slow(pytest.mark.skipif(not BUILT or CHROMIUM is None, reason=WHY)(test))
+
+
 POSES = 200
 READY = "document.documentElement.dataset.ready || document.getElementById('refused')"
 # Of poses (m, 16): the joint vector before, and how many solutions the page lists then.

@@ -42,7 +42,10 @@ def _compiled() -> Iterator[tuple[str, urdf_ik.Arm]]:
 
 ARMS = list(_compiled())
 
-pytestmark = pytest.mark.skipif(not LOADER.is_dir(), reason="libclass-loader-dev is not installed")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not LOADER.is_dir(), reason="libclass-loader-dev is not installed"),
+]
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ def test_the_launch_helper_compiles_robot_description(launch: ModuleType) -> Non
     settings = parameters["robot_description_kinematics"]["manipulator"]
     assert settings["kinematics_solver"] == "urdf_ik_moveit/Plugin"
     T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
-    assert urdf_ik.load(settings["compiled_arm"]).ik(T).q.tobytes() == arm.ik(T).q.tobytes()
+    assert urdf_ik.load_compiled(settings["compiled_arm"]).ik(T).q.tobytes() == arm.ik(T).q.tobytes()
 
 
 @pytest.mark.parametrize("name", ["puma_560", "srs_7r"])

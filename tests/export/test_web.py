@@ -36,6 +36,7 @@ for k, (name, arm) in enumerate(EVERY):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("v2" not in _core.levels(), reason="the core was built without x86-64-v2, whose arithmetic it has")
 def test_the_module_solves_every_family_with_the_bits_of_v2(tmp_path: Path) -> None:
     """Of random, round and singular poses: solutions, statuses, branch names, and the poses that they lead to."""
