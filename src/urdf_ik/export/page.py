@@ -26,7 +26,7 @@ FACES = 12_000
 _FEWEST, _MOST = 200, 1_000_000
 # Of a shape with a texture.
 _GREY = (180, 180, 185)
-_BUILT = "a wheel of a release holds it; in a checkout, make wasm page builds it"
+_BUILT = "in a checkout type: make wasm page; wheels of releases hold it"
 
 
 def html(arm: Arm, *, faces: int = FACES, q: ArrayLike | None = None) -> str:

@@ -1,11 +1,8 @@
-"""Colours of branches and of values that people with colour blindness can tell apart."""
+"""Colours of branches that people with colour blindness can tell apart."""
 
 from __future__ import annotations
 
 import colorsys
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 Colour = tuple[float, float, float]
 
@@ -15,11 +12,6 @@ _EIGHT = ("0072b2", "d55e00", "009e73", "cc79a7", "e69f00", "56b4e9", "444444", 
 _DARKER = 0.5
 # On black: light grey and their yellow in the places of those two, and the same eight lighter.
 _ON_BLACK = {"444444": "c0c0c0", "7a0019": "f0e442"}
-# Matplotlib's viridis (Smith and van der Walt, 2015) at 17 places: dark blue to yellow, ever lighter.
-_VIRIDIS = (
-    "440154", "48186a", "472d7b", "424086", "3b528b", "33638d", "2c728e", "26828e", "21918c", "1fa088", "28ae80",
-    "3fbc73", "5ec962", "84d44b", "addc30", "d8e219", "fde725",
-)  # fmt: skip
 
 
 def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
@@ -39,14 +31,6 @@ def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
     # Neighbours differ in lightness, and all are dark enough for letters; on black, light enough to be seen.
     lightness = (0.5, 0.7) if dark else (0.3, 0.5)
     return tuple(colorsys.hls_to_rgb(k / count, lightness[k % 2], 0.8) for k in range(count))
-
-
-def shades(values: ArrayLike) -> NDArray[np.uint8]:
-    """The colours (..., 3), red, green and blue from 0 to 255, of ``values`` (...) from 0, dark blue, to 1, yellow."""
-    given = np.asarray(values, dtype=np.float64)
-    table = np.array([_parts(code) for code in _VIRIDIS], dtype=np.float64)
-    places = np.linspace(0.0, 1.0, len(table))
-    return np.stack([np.interp(given, places, table[:, k]) for k in range(3)], axis=-1).round().astype(np.uint8)
 
 
 def _parts(code: str) -> tuple[int, int, int]:

@@ -17,9 +17,8 @@ from pictures import is_png, stick_lines
 import urdf_ik
 from urdf_ik.maps import workspaces
 from urdf_ik.model import catalogue, link_shapes
-from urdf_ik.show import plot
+from urdf_ik.show import plot, shapes
 from urdf_ik.show.plot import axes as draw
-from urdf_ik.show.plot import figures
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 
@@ -33,8 +32,8 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
     links = arm.chain.links
     assert (links[0], links[-1]) == (arm.base, arm.tip) and len(points) == len(links)
     np.testing.assert_allclose(points, [arm.link_poses(Q)[link][:3, 3] for link in links])
-    shapes = sum(len(arm.model.robot.link_map[link].visuals) for link in arm.model.links)
-    assert len(axes.collections) == shapes > 5
+    count = sum(len(arm.model.robot.link_map[link].visuals) for link in arm.model.links)
+    assert len(axes.collections) == count > 5
     assert len(plot.arm(arm, Q, shapes=False).axes[0].collections) == 0
     assert axes.get_title() == arm.name
 
@@ -61,8 +60,8 @@ def test_triangles_lie_on_the_shapes() -> None:
     q = np.array([0.7])
     poses = arm.link_poses(q)
     found = {}
-    bodies = figures.bodies(arm)
-    for body, triangles in zip(bodies.shapes, figures.placed(arm, bodies, q), strict=True):
+    bodies = shapes.bodies(arm)
+    for body, triangles in zip(bodies.shapes, shapes.placed(arm, bodies, q), strict=True):
         T = poses[body.link] @ arm.model.robot.link_map[body.link].visuals[0].origin
         found[body.link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
     np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
@@ -84,7 +83,7 @@ def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) 
     trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
     (tmp_path / "meshes.urdf").write_text(MESHES)
     arm = urdf_ik.load(tmp_path / "meshes.urdf")
-    (ball,), missing = figures.bodies(arm)
+    (ball,), missing = shapes.bodies(arm)
     assert 100 < len(ball.triangles) <= link_shapes.COARSE
     radii = np.linalg.norm(ball.triangles.reshape(-1, 3), axis=1)
     assert np.abs(radii - 0.4).max() < 0.05
@@ -128,6 +127,23 @@ def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> 
     few = solutions.within_limits(tol=-1.0)
     for axes, one in zip(plot.branches(few).axes, few, strict=True):
         assert stick_lines(axes)[0].get_color() == colours[one.branch]
+
+
+def test_branches_that_collide_are_marked_beside_their_obstacles() -> None:
+    """Exactly the colliding solutions are dashed and named so; the obstacles stand where the world has them."""
+    arm, world = urdf_ik.load("puma_560"), urdf_ik.World()
+    solutions = arm.ik(arm.fk(Q))
+    elbow = arm.link_poses(next(iter(solutions)).q)["link_3"]
+    world.add("ball", urdf_ik.Sphere(0.1), urdf_ik.pose(elbow[:3, 3]))
+    world.add("cloud", urdf_ik.Points(np.eye(3), 0.01))
+    hits = arm.cell.collisions.in_world(world).in_collision(np.stack([one.q for one in solutions]))
+    assert hits.any() and not hits.all()
+    for axes, hit in zip(plot.branches(solutions, world=world).axes, hits, strict=True):
+        (line,) = stick_lines(axes)
+        assert ("collision" in axes.get_title()) == hit == (line.get_linestyle() == "--")
+        assert len(axes.collections) == len(world)
+    plain = plot.branches(solutions.collision_free()).axes
+    assert not any("collision" in axes.get_title() or axes.collections for axes in plain)
 
 
 def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
@@ -266,6 +282,8 @@ def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Ar
         path = tmp_path / f"picture{suffix}"
         plot.save(figure, path)
         assert check(path.read_bytes())
+    svg = ElementTree.parse(tmp_path / "picture.svg").getroot()
+    assert svg.get("viewBox") and svg.findtext("{http://www.w3.org/2000/svg}title") == arm.name
     with pytest.raises(urdf_ik.ArgumentError, match=r"picture\.bmp.*\.png, \.svg, \.pdf"):
         plot.save(figure, tmp_path / "picture.bmp")
     with pytest.raises(urdf_ik.ArgumentError, match="cannot write"):

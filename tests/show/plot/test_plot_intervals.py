@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection
 from pictures import is_png
 
 import urdf_ik
+from urdf_ik.ik.redundancy.intervals import bars
 from urdf_ik.show import plot
 
 Q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
@@ -30,6 +31,20 @@ def test_bars_and_ends_are_where_the_intervals_are() -> None:
             drawn.add((names[int(points[0, 1])], *np.round([points[:, 0].min(), points[:, 0].max()], 6)))
         for each in found:
             assert (each.branch, *np.round([scale * each.low, scale * each.high], 6)) in drawn
+
+
+def test_a_bar_covers_the_values_with_solutions() -> None:
+    """Those of the parameter at which its branch has a solution inside the limits, and no others."""
+    arm = urdf_ik.load("srs_7r")
+    T = arm.fk(Q)
+    names, drawn = bars(arm.intervals(T))
+    values = np.linspace(-np.pi, np.pi, 200)
+    kept = arm.ik(T, redundancy=values).within_limits().valid
+    for row, name in enumerate(names):
+        covered = np.zeros(len(values), dtype=bool)
+        for bar in drawn:
+            covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
+        np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
 
 
 def test_a_batch_and_a_pose_out_of_reach() -> None:

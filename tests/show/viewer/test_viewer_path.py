@@ -19,8 +19,8 @@ from urdf_ik.show.viewer import state as states
 
 pytest.importorskip("viser", reason="pip install viser")
 
+from urdf_ik.show.shapes import triangles  # noqa: E402
 from urdf_ik.show.viewer import Viewer  # noqa: E402
-from urdf_ik.show.viewer.surroundings import triangles  # noqa: E402
 
 
 @pytest.fixture(scope="module")

@@ -14,9 +14,11 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
+from urdf_ik.cell import World
+from urdf_ik.cell.shapes import Points
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.workspaces import PlanarWorkspace, Region
-from urdf_ik.show.plot import figures
+from urdf_ik.show import shapes as looks
 from urdf_ik.support import inputs, palette
 from urdf_ik.typing import Array
 
@@ -79,7 +81,7 @@ def space(axes: Any, around: tuple[Array, float], *, small: bool = False) -> Any
 
 def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None, width: float = 2.0) -> Any:
     """The links of the chain as lines from frame to frame; gives the line."""
-    points = figures.stick(arm.chain, q).T
+    points = looks.stick(arm.chain, q).T
     (line,) = axes.plot(*points, "-o", color=colour, linewidth=width, markersize=1.5 + width, label=label)
     return line
 
@@ -88,6 +90,16 @@ def shapes(axes: Any, triangles: Iterable[Array], colour: Any = "tab:gray", alph
     """The bodies of the links, by their triangles (k, 3, 3) m."""
     for body in triangles:
         axes.add_collection3d(Poly3DCollection(body, facecolors=colour, alpha=alpha, shade=True))
+
+
+def obstacles(axes: Any, world: World | None, half: float) -> None:
+    """The obstacles of a world, in axes over a cube of half the edge ``half`` [m]."""
+    for each in world or ():
+        if isinstance(each.shape, Points):
+            axes.scatter(*(each.pose[:3, :3] @ each.shape.points.T + each.pose[:3, 3:]), color="0.5", s=2)
+        else:
+            corners = np.asarray(looks.triangles(each.shape, 0.5 * half).triangles)
+            shapes(axes, [corners @ each.pose[:3, :3].T + each.pose[:3, 3]], "0.6", 0.3)
 
 
 def frame(axes: Any, T: Array, size: float) -> None:

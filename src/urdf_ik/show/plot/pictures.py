@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.maps.placements import PlacementMap
 from urdf_ik.maps.workspaces import PlanarWorkspace, WorkspaceMap
+from urdf_ik.show import shapes as looks
 from urdf_ik.show.plot import axes as draw
-from urdf_ik.show.plot import figures
 from urdf_ik.support import files, inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import quoted
@@ -50,8 +51,8 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
     at = draw.posture(arm, q)
     figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
     bodies = _bodies(figure, arm, shapes)
-    triangles = figures.placed(arm, bodies, at)
-    points = np.concatenate([figures.stick(arm.chain, at), *(body.reshape(-1, 3) for body in triangles)])
+    triangles = looks.placed(arm, bodies, at)
+    points = np.concatenate([looks.stick(arm.chain, at), *(body.reshape(-1, 3) for body in triangles)])
     axes = draw.space(figure.add_subplot(projection="3d"), draw.box(points))
     draw.shapes(axes, triangles)
     draw.stick(axes, arm, at, "0.15")
@@ -60,10 +61,13 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
     return figure
 
 
-def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False) -> Figure:
+def branches(
+    solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False, world: World | None = None
+) -> Figure:
     """All solutions of a single pose, side by side or overlaid, each in the colour of its branch, with its name.
 
-    Overlaid, later ones are drawn thinner, so that one that lies on another hides nothing.
+    Overlaid, later ones are drawn thinner, so that one that lies on another hides nothing. The obstacles of ``world``
+    are drawn, too; where links touch each other or an obstacle, the name says 'collision' and the lines are dashed.
 
     Raises:
         ArgumentError: there is no solution.
@@ -81,8 +85,8 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
     found = list(solutions)
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
-    owner = _owner(solutions)
-    around = draw.box(figures.stick(owner.chain, np.stack([one.q for one in found])))
+    owner = solutions.arm
+    around = draw.box(looks.stick(owner.chain, np.stack([one.q for one in found])))
     colours = draw.colours(solutions.branches)
     columns = 1 if overlaid else min(_COLUMNS, len(found))
     rows = 1 if overlaid else math.ceil(len(found) / columns)
@@ -90,17 +94,24 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
     figure = draw.Picture(figsize=size, layout="constrained")
     bodies = _bodies(figure, owner, shapes)
     widths = np.linspace(min(2.0 + len(found), 10.0), 1.5, len(found)) if overlaid else np.full(len(found), 2.0)
+    checked = owner.cell.collisions.has_geometry
+    q = np.stack([one.q for one in found])
+    touching = np.atleast_1d(owner.cell.collisions.in_world(world).in_collision(q)) if checked else np.zeros(len(q))
     axes: Any = None
     for k, one in enumerate(found):
         if axes is None or not overlaid:
             axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
+            draw.obstacles(axes, world, around[1])
         # Each has its own: what is asked of an arm with few joints may be less than a pose.
         draw.frame(axes, owner.link_poses(one.q)[owner.tip], 0.12 * owner.chain.size)
         colour = colours[solutions.branches[one.index]]
-        draw.shapes(axes, figures.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
-        draw.stick(axes, owner, one.q, colour, label=one.branch, width=widths[k])
+        draw.shapes(axes, looks.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
+        name = one.branch + (", collision" if touching[k] else "")
+        line = draw.stick(axes, owner, one.q, colour, label=name, width=widths[k])
+        if touching[k]:
+            line.set_linestyle("--")
         if not overlaid:
-            axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
+            axes.set_title(name.replace(", ", "\n"), fontsize=8, color=colour)
     if overlaid:
         figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
     tips = owner.link_poses(np.stack([one.q for one in found]))[owner.tip]
@@ -128,7 +139,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     """
     inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives")
     degrees = inputs.flag(degrees, "degrees")
-    owner, found = _owner(solutions), list(solutions)
+    owner, found = solutions.arm, list(solutions)
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
     colours = draw.colours(solutions.branches)
@@ -278,25 +289,22 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
     dpi = inputs.number(dpi, "dpi", low=10.0, high=1200.0)  # less holds no letter, more no memory
     if target.suffix.lower() not in SUFFIXES:
         raise ArgumentError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
-    files.write(target, lambda file: figure.savefig(file, format=target.suffix.lower()[1:], dpi=dpi))
+    kind = target.suffix.lower()[1:]
+    titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
+    metadata = {"Title": next(filter(None, titles), "urdf-ik").replace(r"\$", "$")}
+    files.write(target, lambda file: figure.savefig(file, format=kind, dpi=dpi, metadata=metadata))
 
 
-def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:
+def _bodies(figure: Figure, owner: Arm, wanted: bool) -> looks.Bodies:
     """What the links look like, if that is wanted; the picture says how many shapes it lacks, and why the first one."""
     if not wanted:
-        return figures.Bodies((), ())
-    found = figures.bodies(owner)
+        return looks.Bodies((), ())
+    found = looks.bodies(owner)
     if found.missing:
         count = len(found.missing)
         words = f"{count} shape{'' if count == 1 else 's'} not drawn; {found.missing[0]}"
         figure.supxlabel(draw.words(textwrap.shorten(words, 150)), fontsize=6, color="tab:red", wrap=True)
     return found
-
-
-def _owner(solutions: IKSolutions) -> Arm:
-    """The arm that was solved: that of a task's solver, too, has all that is drawn."""
-    owner: Arm = solutions.arm
-    return owner
 
 
 def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.ik.solutions import limits
+from urdf_ik.show import shapes as looks
 from urdf_ik.show.plot import axes as draw
-from urdf_ik.show.plot import figures
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 
@@ -50,7 +50,7 @@ class Stage:
             self._line = draw.two_links(self.axes, self._region, q)
             self.axes.legend(loc="upper left", fontsize=7)
         else:
-            around = draw.box(figures.surroundings(arm, limits.drawn(arm.limits, ~arm.chain.prismatic)))
+            around = draw.box(looks.surroundings(arm, limits.drawn(arm.limits, ~arm.chain.prismatic)))
             self.axes = draw.space(figure.add_axes(place, projection="3d"), around)
             self._line = draw.stick(self.axes, arm, q, "tab:blue")
         self.axes.set_title(draw.words(arm.name))
@@ -60,7 +60,7 @@ class Stage:
         if self._region is not None:
             self._line.set_data(*draw.links(self._region, q))
         else:
-            self._line.set_data_3d(*figures.stick(self._arm.chain, q).T)
+            self._line.set_data_3d(*looks.stick(self._arm.chain, q).T)
 
 
 class Sliders:

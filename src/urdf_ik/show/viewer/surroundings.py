@@ -6,21 +6,19 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import trimesh
 
 from urdf_ik.cell import World
-from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Shape, Sphere
+from urdf_ik.cell.shapes import HalfSpace, Points, Shape
 from urdf_ik.errors import ArgumentError
-from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
 from urdf_ik.paths.planned_motion import Stop
+from urdf_ik.show.shapes import half_extents, triangles
 from urdf_ik.show.viewer.arm_and_gizmo import colours
 from urdf_ik.show.viewer.playback import Track
 from urdf_ik.typing import Array
 
 _COLOUR, _OPACITY = (150, 140, 125), 0.75
-_PLANE_OPACITY, _PLANE = 0.35, 0.01
-"""How a half-space is drawn: as a plate so thick [m], whose top is the plane."""
+_PLANE_OPACITY = 0.35
 _FOUND, _FOUND_ON_BLACK, _MISSED = (30, 30, 30), (225, 225, 225), (214, 39, 40)
 
 
@@ -40,26 +38,6 @@ def points_beside(track: Track | None, world: World | None, size: float) -> Arra
             corners = each.pose[:3, 3] + (_CORNERS * half_extents(each.shape)) @ each.pose[:3, :3].T
             points.append(corners[np.linalg.norm(corners, axis=1) < _FAR * size])
     return np.concatenate(points) if points else None
-
-
-def half_extents(shape: Shape) -> Array:
-    """(3,) m, half of the box around a shape in its own frame; of a mesh, whose file may be large, zero.
-
-    Example:
-        >>> half_extents(Capsule(0.1, 0.6)).round(3).tolist()
-        [0.1, 0.1, 0.4]
-    """
-    match shape:
-        case Box():
-            return 0.5 * np.array(shape.size)
-        case Sphere():
-            return np.full(3, shape.radius)
-        case Cylinder() | Capsule():
-            end = shape.radius if isinstance(shape, Capsule) else 0.0
-            return np.array([shape.radius, shape.radius, 0.5 * shape.length + end])
-        case Points():
-            return np.asarray(np.abs(shape.points).max(axis=0) + shape.radius)
-    return np.zeros(3)
 
 
 class Obstacles:
@@ -121,39 +99,6 @@ class Obstacles:
             path, np.asarray(mesh.vertices, dtype=np.float32), np.asarray(mesh.faces, dtype=np.uint32), color=_COLOUR,
             opacity=_PLANE_OPACITY if plane else _OPACITY, flat_shading=True, side="double",
         )  # fmt: skip
-
-
-def triangles(shape: Shape, size: float) -> Any:
-    """A ``Trimesh``, the surface of a shape in its own frame; of a half-space a plate of four times ``size`` [m].
-
-    Raises:
-        ArgumentError: a mesh is not there, or cannot be read.
-    """
-    match shape:
-        case Box():
-            return trimesh.creation.box(shape.size)
-        case Sphere():
-            return trimesh.creation.icosphere(subdivisions=3, radius=shape.radius)
-        case Cylinder():
-            return trimesh.creation.cylinder(shape.radius, shape.length, sections=32)
-        case Capsule():
-            return link_shapes.capsule(shape.radius, shape.length, [32, 32])
-        case HalfSpace():
-            plate = trimesh.creation.box((4.0 * size, 4.0 * size, _PLANE))
-            normal = np.array(shape.normal)
-            # Any two directions across the normal will do.
-            across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-            across /= np.linalg.norm(across)
-            T = np.eye(4)
-            T[:3, :3] = np.stack([across, np.cross(normal, across), normal], axis=1)
-            T[:3, 3] = normal * (shape.offset - 0.5 * _PLANE)
-            return plate.apply_transform(T)
-        case Mesh():
-            # As coal has read it, since that is what is asked about contacts.
-            solid = shape.geometry()
-            faces = [[one[k] for k in range(3)] for one in map(solid.tri_indices, range(solid.num_tris))]
-            return trimesh.Trimesh(np.array(solid.vertices()), np.array(faces), process=False)
-    raise ArgumentError(f"a {type(shape).__name__} cannot be drawn")
 
 
 class PathDrawing:

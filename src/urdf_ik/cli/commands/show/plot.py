@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from typer import Argument, Option
 
 from urdf_ik.arm import Arm
+from urdf_ik.cell import World
 from urdf_ik.cli import console, options
-from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import Value
 from urdf_ik.cli.path_options import PathOptions, followed
@@ -120,7 +121,8 @@ def command(
         elif picture is Picture.WORKSPACE:
             figure = _workspace(arm, vector, layer)
         else:
-            figure = _of_pose(arm, target, picture, shapes, degrees)
+            world = read_world(path.settings["world"], chosen)
+            figure = _of_pose(arm, target, picture, shapes, degrees, world)
     if output is None:
         plot.show(figure)
     else:
@@ -133,7 +135,7 @@ def _vector(arm: Arm, typed: options.PoseOptions, angles: Angles) -> NDArray[np.
     return None if vectors is None else angles.typed(vectors[0])
 
 
-def _of_pose(arm: Arm, target: Target, picture: Picture, shapes: bool, degrees: bool) -> Figure:
+def _of_pose(arm: Arm, target: Target, picture: Picture, shapes: bool, degrees: bool, world: World | None) -> Figure:
     """A picture of a pose's solutions."""
     from urdf_ik.show import plot
 
@@ -142,7 +144,7 @@ def _of_pose(arm: Arm, target: Target, picture: Picture, shapes: bool, degrees: 
     solutions = arm.ik(target.poses[0], redundancy=None if target.redundancy is None else target.redundancy[0])
     if picture is Picture.LIMITS:
         return plot.limits(solutions)
-    return plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes)
+    return plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes, world=world)
 
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, layer: Layer) -> Figure:

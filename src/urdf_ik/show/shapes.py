@@ -1,0 +1,114 @@
+"""What links and obstacles look like, as arrays and meshes that any drawing can use."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import trimesh
+
+from urdf_ik.arm import Arm
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Shape, Sphere
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions.tables import stick
+from urdf_ik.model import link_shapes
+from urdf_ik.typing import Array
+
+__all__ = ["Bodies", "Body", "bodies", "half_extents", "placed", "stick", "surroundings", "triangles"]
+
+_DRAWS, _SEED = 200, 0
+_PLANE = 0.01
+"""Thickness [m] of the plate that shows a half-space; its top is the plane."""
+
+
+class Body(NamedTuple):
+    """One shape of a link.
+
+    Attributes:
+        link: the link.
+        triangles: (k, 3, 3) m, corners in the link's frame.
+    """
+
+    link: str
+    triangles: Array
+
+
+class Bodies(NamedTuple):
+    """What the links of an arm look like.
+
+    Attributes:
+        shapes: one a box, cylinder, sphere or mesh.
+        missing: why the others are not there.
+    """
+
+    shapes: tuple[Body, ...]
+    missing: tuple[str, ...]
+
+
+def bodies(arm: Arm) -> Bodies:
+    """The shapes of all links, coarsely, read from the URDF and its meshes."""
+    found = link_shapes.read(arm.model, coarse=True)
+    # A triangle without an area has no normal, and so no shade.
+    solid = [(body.link, body.mesh.triangles[body.mesh.nondegenerate_faces()]) for body in found.bodies]
+    shapes = tuple(Body(link, np.asarray(triangles, dtype=np.float64)) for link, triangles in solid if len(triangles))
+    return Bodies(shapes, found.missing)
+
+
+def placed(arm: Arm, found: Bodies, q: Array) -> list[Array]:
+    """Triangles (k, 3, 3) m of each body in the base, at ``q`` (n,)."""
+    poses = arm.link_poses(q)
+    return [body.triangles @ poses[body.link][:3, :3].T + poses[body.link][:3, 3] for body in found.shapes]
+
+
+def surroundings(arm: Arm, ranges: Array) -> Array:
+    """(k, 3) m, where the frames of the chain's links are at seeded joint vectors within ``ranges`` (n, 2)."""
+    draws = np.random.default_rng(_SEED).uniform(ranges[:, 0], ranges[:, 1], (_DRAWS, arm.dof))
+    return stick(arm.chain, draws).reshape(-1, 3)
+
+
+def half_extents(shape: Shape) -> Array:
+    """(3,) m, half of the box around a shape in its own frame; of a mesh, whose file may be large, zero."""
+    match shape:
+        case Box():
+            return 0.5 * np.array(shape.size)
+        case Sphere():
+            return np.full(3, shape.radius)
+        case Cylinder() | Capsule():
+            end = shape.radius if isinstance(shape, Capsule) else 0.0
+            return np.array([shape.radius, shape.radius, 0.5 * shape.length + end])
+        case Points():
+            return np.asarray(np.abs(shape.points).max(axis=0) + shape.radius)
+    return np.zeros(3)
+
+
+def triangles(shape: Shape, size: float) -> Any:
+    """A ``Trimesh``, the surface of a shape in its own frame; of a half-space a plate of four times ``size`` [m].
+
+    Raises:
+        ArgumentError: a mesh is not there, or cannot be read.
+    """
+    match shape:
+        case Box():
+            return trimesh.creation.box(shape.size)
+        case Sphere():
+            return trimesh.creation.icosphere(subdivisions=3, radius=shape.radius)
+        case Cylinder():
+            return trimesh.creation.cylinder(shape.radius, shape.length, sections=32)
+        case Capsule():
+            return link_shapes.capsule(shape.radius, shape.length, [32, 32])
+        case HalfSpace():
+            plate = trimesh.creation.box((4.0 * size, 4.0 * size, _PLANE))
+            normal = np.array(shape.normal)
+            # Any two directions across the normal will do.
+            across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+            across /= np.linalg.norm(across)
+            T = np.eye(4)
+            T[:3, :3] = np.stack([across, np.cross(normal, across), normal], axis=1)
+            T[:3, 3] = normal * (shape.offset - 0.5 * _PLANE)
+            return plate.apply_transform(T)
+        case Mesh():
+            # As coal has read it, since that is what is asked about contacts.
+            solid = shape.geometry()
+            faces = [[one[k] for k in range(3)] for one in map(solid.tri_indices, range(solid.num_tris))]
+            return trimesh.Trimesh(np.array(solid.vertices()), np.array(faces), process=False)
+    raise ArgumentError(f"a {type(shape).__name__} cannot be drawn")
