@@ -16,7 +16,7 @@ from oracle import Oracle, angle_distance
 
 import urdf_ik
 from urdf_ik.errors import PoseError, UnsupportedArm
-from urdf_ik.show.plot.figures import stick
+from urdf_ik.show.shapes import stick
 
 Array = NDArray[np.float64]
 Q = np.array([0.3, 0.5, 0.9, 0.4, 0.8, -0.2])
