@@ -88,7 +88,7 @@ def main() -> int:
         rotation = np.sqrt(np.mean(np.square(turns))) / NOISE[1]
         right = set(wrong.tolist()) <= set(found.outliers)
         print(
-            f"{rows[k]['name']:32} {arm.dof:3} {len(found.changes):10} {len(found.untold):7}  "
+            f"{rows[k]['name']:32} {arm.dof:3} {len(found.changes):10} {len(found.unobservable):7}  "
             f"{'all' if right else 'MISSED':8} {position:9.3f} {rotation:9.3f} {seconds:8.2f}",
             flush=True,
         )

@@ -5,8 +5,8 @@ from typing import Any
 from urdf_ik.arm import Arm as Arm
 from urdf_ik.arm import load as load
 from urdf_ik.arm import load_compiled as load_compiled
-from urdf_ik.calibration import Calibration as Calibration
-from urdf_ik.calibration import calibrate as calibrate
+from urdf_ik.calibration.fit import calibrate as calibrate
+from urdf_ik.calibration.report import Calibration as Calibration
 from urdf_ik.cell.shapes import Box as Box
 from urdf_ik.cell.shapes import Capsule as Capsule
 from urdf_ik.cell.shapes import Cylinder as Cylinder

@@ -63,7 +63,7 @@ def test_numpys_files_hold_arrays_by_name() -> None:
         (np.vstack([Q, Q[3]]), np.concatenate([T, T[3:4]]), "measurements 3 and 12 are the same"),
         (np.where(np.arange(6) == 2, np.nan, Q), T, "'joint_3' is nan"),
         (Q, np.where(np.arange(4) == 3, np.nan, T), "not finite|nan"),
-        (Q, T[:5], r"shape \(5, 4, 4\); \(12, 4, 4\) is needed"),
+        (Q, T[:5], r"shape \(5, 4, 4\) given; finite numbers \(12, 4, 4\)"),
         (Q[0], T[0], r"\(m, 6\) are needed"),
         (Q, np.zeros((12, 2, 2, 2)), "positions"),
     ],

@@ -2,47 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from urdf_ik.support.lazy import attributes
 
-if TYPE_CHECKING:
-    from urdf_ik.calibration.changes import Change, Errors
-    from urdf_ik.calibration.fit import calibrate
-    from urdf_ik.calibration.measurements import Measurements, measured, read_measurements
-    from urdf_ik.calibration.poses import BestPoses, best_poses
-    from urdf_ik.calibration.report import Calibration
-    from urdf_ik.calibration.universal_robots import (
-        UrKinematics,
-        read_ur_kinematics,
-        ur_kinematics,
-        with_ur_kinematics,
-    )
-
-__all__ = [
-    "BestPoses",
-    "Calibration",
-    "Change",
-    "Errors",
-    "Measurements",
-    "UrKinematics",
-    "best_poses",
-    "calibrate",
-    "measured",
-    "read_measurements",
-    "read_ur_kinematics",
-    "ur_kinematics",
-    "with_ur_kinematics",
-]
-
 _MODULE = {
-    "BestPoses": "poses",
+    "BestPoses": "fit",
     "Calibration": "report",
-    "Change": "changes",
-    "Errors": "changes",
+    "Change": "report",
+    "Errors": "report",
     "Measurements": "measurements",
     "UrKinematics": "universal_robots",
-    "best_poses": "poses",
+    "best_poses": "fit",
     "calibrate": "fit",
     "measured": "measurements",
     "read_measurements": "measurements",
@@ -50,5 +19,7 @@ _MODULE = {
     "ur_kinematics": "universal_robots",
     "with_ur_kinematics": "universal_robots",
 }
+
+__all__ = [*_MODULE]  # noqa: PLE0604
 
 __getattr__ = attributes(__name__, _MODULE)

@@ -1,4 +1,4 @@
-"""The fit of a URDF's numbers to measurements, by robust least squares in what the measurements can tell apart."""
+"""The fit of a URDF's numbers to measurements by robust least squares, and the poses to measure next."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.calibration.changes import Change, Errors
 from urdf_ik.calibration.equations import Equations, equations
 from urdf_ik.calibration.measurements import Measurements
 from urdf_ik.calibration.measurements import measured as checked
-from urdf_ik.calibration.report import Calibration
+from urdf_ik.calibration.report import Calibration, Change, Errors
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.derivatives import Parameter, written
 from urdf_ik.support import inputs
@@ -24,13 +23,15 @@ from urdf_ik.typing import Array
 
 LOSSES = ("soft_l1", "huber", "cauchy", "linear")
 FITS = ("origins", "offsets", "everything")
-# Directions of the parameters whose effect is below this share of the greatest one's are what rounding makes of none.
-_TOLD_APART = 1e-7
+# Parameter directions with a singular value below this fraction of the largest are unobservable.
+_OBSERVABLE = 1e-7
 # A measurement this many standard deviations, and the root of its numbers, away is an outlier: of ten million good ones
 # about one is.
 _OUTLYING = 4.5
 _FOLDS, _ROUNDS = 5, 3
 _LEAST = 1e-9  # m and rad: smaller residuals are rounding
+_CANDIDATES = 500
+_NO_LIMIT = np.pi  # rad: an angle without limits is drawn from one turn
 _OTHER_ORDER = 5.0  # joints in another order that explain the measurements this much better are suspected
 
 
@@ -90,7 +91,6 @@ def calibrate(
     given = q if isinstance(q, Measurements) else checked(arm, q, measured, kind)
     inputs.choice(loss, "loss", LOSSES)
     watch = Watch(time_limit, progress)
-    base, marker = inputs.flag(base, "base"), inputs.flag(marker, "marker")
     chosen = _chosen(arm, fit)
     frames = equations(arm.chain, given, [], base=base, marker=marker)
     whole = equations(arm.chain, given, chosen, base=base, marker=marker)
@@ -113,7 +113,7 @@ def calibrate(
         equations=whole,
         x=best.x,
         changes=_changes(whole, best, len(whole.aside)),
-        untold=_untold(whole, best),
+        unobservable=_unobservable(whole, best),
         singular_values=best.singular_values,
         before=before,
         after=after,
@@ -135,7 +135,7 @@ class _Fit:
     noise: list[float]
     outliers: NDArray[np.bool_]
     singular_values: Array
-    told: Array
+    directions: Array
     covariance: Array
 
 
@@ -153,13 +153,15 @@ def _fitted(eq: Equations, given: Measurements, loss: str, watch: Watch) -> _Fit
     kept = given.part(~outliers)
     for _ in range(2):
         x = _solved(eq, kept, x, scale, "linear", watch)
-        told, _ = _directions(eq, kept, x, scale)
-        scale = _deviations(eq.residuals(x, kept), eq.kind, told.shape[1])
-    told, values = _directions(eq, kept, x, scale)
-    J = _whitened(eq, kept, x, scale) @ told
-    covariance = told @ np.linalg.inv(J.T @ J) @ told.T if told.shape[1] else np.zeros((len(x), len(x)))
+        directions, _ = _directions(eq, kept, x, scale)
+        scale = _deviations(eq.residuals(x, kept), eq.kind, directions.shape[1])
+    directions, values = _directions(eq, kept, x, scale)
+    J = _whitened(eq, kept, x, scale) @ directions
+    covariance = (
+        directions @ np.linalg.inv(J.T @ J) @ directions.T if directions.shape[1] else np.zeros((len(x), len(x)))
+    )
     noise = [float(scale[0]), float(scale[-1])] if eq.kind == "pose" else [float(scale[0])]
-    return _Fit(x, noise, outliers, values, told, covariance)
+    return _Fit(x, noise, outliers, values, directions, covariance)
 
 
 def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str, watch: Watch) -> Array:
@@ -168,16 +170,16 @@ def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: st
 
     if not len(x) or watch.is_over:
         return x
-    told, _ = _directions(eq, given, x, scale)
-    best = np.zeros(told.shape[1])
+    directions, _ = _directions(eq, given, x, scale)
+    best = np.zeros(directions.shape[1])
 
     def residuals(y: Array) -> Array:
         watch.check()
-        return np.asarray((eq.residuals(x + told @ y, given) / scale).ravel())
+        return np.asarray((eq.residuals(x + directions @ y, given) / scale).ravel())
 
     def derivatives(y: Array) -> Array:
         best[:] = y  # derivatives are asked for where a step was taken, that is where the loss has fallen
-        return np.asarray(_whitened(eq, given, x + told @ y, scale) @ told)
+        return np.asarray(_whitened(eq, given, x + directions @ y, scale) @ directions)
 
     with suppress(TimeIsUp):
         best = least_squares(
@@ -193,7 +195,7 @@ def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: st
             gtol=1e-12,
             max_nfev=40,
         ).x
-    return np.asarray(x + told @ best)
+    return np.asarray(x + directions @ best)
 
 
 def _whitened(eq: Equations, given: Measurements, x: Array, scale: Array) -> Array:
@@ -209,7 +211,7 @@ def _directions(eq: Equations, given: Measurements, x: Array, scale: Array) -> t
     _, s, Vt = np.linalg.svd(np.linalg.qr(J, mode="r"), full_matrices=True)
     values = np.zeros(len(x))
     values[: len(s)] = s
-    return np.asarray(Vt[: int((values > _TOLD_APART * values.max(initial=0.0)).sum())].T), values
+    return np.asarray(Vt[: int((values > _OBSERVABLE * values.max(initial=0.0)).sum())].T), values
 
 
 def _scales(r: Array, kind: str) -> Array:
@@ -245,7 +247,7 @@ def _cross_validated(
     order = rng.permutation(len(given))
     scale = np.repeat(best.noise, [3, 3] if eq.kind == "pose" else [given.numbers])
     seen = len(given) - -(-len(given) // _FOLDS)
-    if seen * given.numbers < best.told.shape[1] + given.numbers:
+    if seen * given.numbers < best.directions.shape[1] + given.numbers:
         return None
     held = np.zeros((len(given), given.numbers))
     for k in range(_FOLDS):
@@ -275,11 +277,11 @@ def _chosen(arm: Arm, fit: str | Sequence[Any]) -> list[Parameter]:
 
 def _require_enough(given: Measurements, eq: Equations) -> None:
     numbers = len(given) * given.numbers
-    told = _directions(eq, given, eq.start, np.ones(given.numbers))[0].shape[1]
-    if numbers <= told or len(given) < 3:
-        least = max(3, told // given.numbers + 1)
+    fitted = _directions(eq, given, eq.start, np.ones(given.numbers))[0].shape[1]
+    if numbers <= fitted or len(given) < 3:
+        least = max(3, fitted // given.numbers + 1)
         raise ArgumentError(
-            f"{len(given)} measurements give {numbers} numbers, and {told} are to be fitted; at least {least} "
+            f"{len(given)} measurements give {numbers} numbers, and {fitted} are to be fitted; at least {least} "
             f"measurements are needed, better {3 * least}, or fewer parameters: fit='offsets', or a list of them"
         )
 
@@ -309,7 +311,7 @@ def _require_order(arm: Arm, given: Measurements, base: bool, marker: bool) -> N
 
 def _changes(eq: Equations, best: _Fit, aside: int) -> tuple[Change, ...]:
     deviation = np.sqrt(np.maximum(np.diag(best.covariance), 0.0))
-    hidden = 1.0 - (best.told**2).sum(axis=1)
+    hidden = 1.0 - (best.directions**2).sum(axis=1)
     shown = len(eq.parameters) - aside
     return tuple(
         Change(parameter, float(start), float(value), float(spread), bool(lost < 1e-6))
@@ -319,12 +321,12 @@ def _changes(eq: Equations, best: _Fit, aside: int) -> tuple[Change, ...]:
     )
 
 
-def _untold(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
+def _unobservable(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
     """Groups of numbers that the measurements cannot tell apart: a change of them together that none shows."""
     from scipy.linalg import qr
 
-    lost = np.eye(len(best.x)) - best.told @ best.told.T
-    rank = len(best.x) - best.told.shape[1]
+    lost = np.eye(len(best.x)) - best.directions @ best.directions.T
+    rank = len(best.x) - best.directions.shape[1]
     if not rank:
         return ()
     _, R, order = qr(lost, pivoting=True)
@@ -335,3 +337,97 @@ def _untold(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
         there = order[np.flatnonzero(np.abs(row) > 0.02 * np.abs(row).max())]
         groups.append(tuple(str(eq.parameters[k]) for k in sorted(there)))
     return tuple(sorted(set(groups)))
+
+
+@dataclass(frozen=True, eq=False)
+class BestPoses:
+    """Joint vectors to measure next.
+
+    Attributes:
+        q: (k, n) rad or m, the most useful one first.
+        gains: (k,) by how much each raises the logarithm of the information's determinant, the earlier ones measured.
+        unchecked: why contacts were not checked; '' where they were, or where the candidates were given.
+    """
+
+    q: Array
+    gains: Array
+    unchecked: str
+
+
+def best_poses(
+    calibration: Calibration, count: int = 10, candidates: ArrayLike | None = None, *, seed: int = 0
+) -> BestPoses:
+    """The joint vectors whose measurement would determine the fitted numbers best, in the sense of D-optimality.
+
+    Each is the one that raises the determinant of the information matrix most when the earlier ones are measured
+    (Fedorov, Theory of Optimal Experiments, 1972), along the directions that can be told apart.
+
+    Args:
+        calibration: the fit so far.
+        count: how many.
+        candidates: (m, n) rad or m to choose from; default: 500 drawn within the limits, free of contact where the
+            arm's shapes can be read.
+        seed: of the drawing.
+
+    Raises:
+        ArgumentError: candidates do not fit, or are fewer than asked for.
+
+    Example:
+        >>> import numpy as np
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> q = np.random.default_rng(0).uniform(-0.3, 0.3, (20, 6))
+        >>> found = best_poses(urdf_ik.calibrate(arm, q, arm.fk(q)), 3)
+        >>> found.q.shape, bool((np.diff(found.gains) <= 1e-9).all())
+        ((3, 6), True)
+    """
+    wanted = inputs.whole(count, "count", low=1, high=10_000)
+    arm, given = calibration.arm, calibration.given
+    unchecked = ""
+    if candidates is None:
+        q, unchecked = _drawn(calibration, max(_CANDIDATES, 2 * wanted), np.random.default_rng(seed))
+    else:
+        q = arm.chain.check(candidates)
+    if q.ndim != 2 or len(q) < wanted:
+        raise ArgumentError(f"candidates of shape {q.shape} given; at least {wanted} joint vectors are needed")
+    eq, x = calibration.equations, calibration.x
+    noise = np.repeat(calibration.noise, [3, 3] if given.kind == "pose" else [given.numbers])
+    directions = _basis(calibration.covariance)
+    poses = eq.chain.fk(q, eq.values(x))
+    values = {"pose": poses, "position": poses[:, :3, 3], "distance": np.zeros(len(q))}.get(
+        given.kind, np.zeros((len(q), 0))
+    )
+    G = (eq.derivatives(x, Measurements(given.kind, q, values)) / noise[:, None]) @ directions
+    P = directions.T @ calibration.covariance @ directions
+    chosen: list[int] = []
+    gains: list[float] = []
+    for _ in range(wanted):
+        S = np.eye(given.numbers) + G @ P @ np.swapaxes(G, 1, 2)
+        gain = np.linalg.slogdet(S)[1]
+        gain[chosen] = -np.inf
+        best = int(np.argmax(gain))
+        chosen.append(best)
+        gains.append(float(gain[best]))
+        K = P @ G[best].T
+        P = P - K @ np.linalg.solve(S[best], K.T)
+    return BestPoses(q[chosen], np.array(gains), unchecked)
+
+
+def _basis(covariance: Array) -> Array:
+    """The directions (k, r) along which a covariance is not zero."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors[:, values > 1e-14 * values.max(initial=0.0)])
+
+
+def _drawn(calibration: Calibration, count: int, rng: np.random.Generator) -> tuple[Array, str]:
+    """Joint vectors within the limits, free of contact where that can be checked."""
+    arm = calibration.arm
+    low, high = (
+        np.where(np.isfinite(side), side, sign * _NO_LIMIT) for sign, side in zip((-1, 1), arm.limits.T, strict=True)
+    )
+    q = rng.uniform(low, high, (count, arm.dof))
+    bodies = arm.cell.in_world(None)
+    if bodies.unchecked or not bodies.has_geometry:
+        return q, bodies.unchecked or "the URDF has no collision shapes"
+    free = ~np.asarray(bodies.in_collision(q), dtype=np.bool_)
+    return q[free], ""

@@ -77,19 +77,14 @@ def measured(arm: Arm, q: ArrayLike, values: Any = None, kind: str | None = None
     Q = arm.chain.check(q)
     if Q.ndim != 2:
         raise ArgumentError(f"joint vectors of shape {Q.shape} given; (m, {arm.dof}) are needed, one a measurement")
-    found = _kind(values) if kind is None else inputs.choice(kind, "kind", tuple(KINDS))
-    if found == "plane":
-        numbers = np.zeros((len(Q), 0))
-    elif found == "pose":
-        numbers = check_poses(values)
-    else:
-        numbers = inputs.real(values, "measured", "an array of numbers")
-        if (bad := inputs.first_bad(numbers)) is not None:
-            raise ArgumentError(f"measured{list(bad)} is {numbers[bad]}; {inputs.why_bad(numbers[bad])}")
-    wanted = {"pose": (len(Q), 4, 4), "position": (len(Q), 3), "distance": (len(Q),), "plane": (len(Q), 0)}[found]
-    if numbers.shape != wanted:
-        raise ArgumentError(f"measured has the shape {numbers.shape}; {wanted} is needed for {len(Q)} joint vectors")
-    out = Measurements(found, Q, numbers)
+    measures = _kind(values) if kind is None else inputs.choice(kind, "kind", tuple(KINDS))
+    shape = {"pose": (len(Q), 4, 4), "position": (len(Q), 3), "distance": (len(Q),), "plane": (len(Q), 0)}[measures]
+    if measures == "plane":
+        values = np.zeros(shape)
+    elif measures == "pose":
+        values = check_poses(values)
+    numbers = inputs.array(values, f"measured at {len(Q)} joint vectors", shape, unit="m")
+    out = Measurements(measures, Q, numbers)
     _require_different(out)
     _require_units(arm, out)
     return out
@@ -124,17 +119,17 @@ def read_measurements(
         stream.name = name  # what messages call the file
         return stream
 
-    _, held = read_table(again(), ["q"], "measurement", ACCEPTED)
-    if not isinstance(held, Table):
+    _, table = read_table(again(), ["q"], "measurement", ACCEPTED)
+    if not isinstance(table, Table):
         values = None if kind == "plane" else read_table(again(), ["T", "p", "distance"], "measurement", ACCEPTED)[1]
-        return _named(name, lambda: measured(arm, held, values, kind))
-    if held.header is None:
-        raise ArgumentError(f"{name}, line {held.first}: no header; {ACCEPTED}")
-    joints = _joint_columns(arm, name, held)
-    q = held.numbers(joints, held.header)
+        return _named(name, lambda: measured(arm, table, values, kind))
+    if table.header is None:
+        raise ArgumentError(f"{name}, line {table.first}: no header; {ACCEPTED}")
+    joints = _joint_columns(arm, name, table)
+    q = table.numbers(joints, table.header)
     if degrees:
         q = np.where(arm.chain.prismatic, q, np.deg2rad(q))
-    lower = [column.lower() for column in held.header]
+    lower = [column.lower() for column in table.header]
     oriented = any(set(columns) <= set(lower) for columns in ORIENTATIONS.values())
     if kind is None:
         there = {"pose": oriented, "position": set(POSITION) <= set(lower), "distance": DISTANCE in lower}
@@ -146,8 +141,8 @@ def read_measurements(
     else:
         columns = POSITION if kind == "position" else (DISTANCE,)
         if missing := [column for column in columns if column not in lower]:
-            raise ArgumentError(f"{name}, line {held.first}: no column {', '.join(missing)}; {ACCEPTED}")
-        values = held.numbers(columns, lower)
+            raise ArgumentError(f"{name}, line {table.first}: no column {', '.join(missing)}; {ACCEPTED}")
+        values = table.numbers(columns, lower)
         values = values if kind == "position" else values[:, 0]
     return _named(name, lambda: measured(arm, q, values, kind))
 
@@ -160,12 +155,12 @@ def _named(name: str, make: Any) -> Measurements:
     return made
 
 
-def _joint_columns(arm: Arm, name: str, held: Table) -> list[str]:
-    header = held.header or []
+def _joint_columns(arm: Arm, name: str, table: Table) -> list[str]:
+    header = table.header or []
     if missing := [joint for joint in arm.joint_names if header.count(joint) != 1]:
         problem = "twice" if missing[0] in header else "no column for it"
         raise ArgumentError(
-            f"{name}, line {held.first}: joint {quoted(missing[0])}: {problem}; the header is {','.join(header)}, and "
+            f"{name}, line {table.first}: joint {quoted(missing[0])}: {problem}; the header is {','.join(header)}, and "
             f"the joints are {', '.join(arm.joint_names)}"
         )
     return list(arm.joint_names)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
@@ -11,20 +13,76 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.arm import Arm, load
-from urdf_ik.calibration import pictures
-from urdf_ik.calibration.changes import DEG, MM, Change, Errors
 from urdf_ik.calibration.equations import BASE, MARKER, Equations
 from urdf_ik.calibration.measurements import Measurements
+from urdf_ik.kinematics.derivatives import Parameter
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.edits import text_of, with_numbers
 from urdf_ik.support import files
-from urdf_ik.support.display import html_of, short
-from urdf_ik.support.text import Section, json_text, plain
+from urdf_ik.support.report import Report
+from urdf_ik.support.text import Section, plain
 from urdf_ik.typing import Array
+
+MM, DEG = 1e3, 180.0 / np.pi
+"""Millimetres a metre, degrees a radian."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of measurements: root mean square and greatest, of positions or lengths [m] and of rotations [rad].
+
+    ``rotation`` and ``worst_rotation`` are NaN where none was measured.
+    """
+
+    position: float
+    worst_position: float
+    rotation: float
+    worst_rotation: float
+
+    def __str__(self) -> str:
+        text = f"{self.position * MM:.4f} mm (worst {self.worst_position * MM:.4f})"
+        if np.isnan(self.rotation):
+            return text
+        return f"{text}, {self.rotation * DEG:.4f} deg (worst {self.worst_rotation * DEG:.4f})"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A fitted number.
+
+    Attributes:
+        parameter: which.
+        before: its first value [m or rad].
+        after: its fitted value.
+        deviation: standard deviation of the fitted value, along the observable directions.
+        observable: whether the measurements determine it alone; where not, see :attr:`Calibration.unobservable`.
+    """
+
+    parameter: Parameter
+    before: float
+    after: float
+    deviation: float
+    observable: bool
+
+    @property
+    def change(self) -> float:
+        """After less before."""
+        return self.after - self.before
+
+    @property
+    def unit(self) -> str:
+        """'m', 'rad', or '' for an axis."""
+        return {"xyz": "m", "rpy": "rad", "offset": "rad or m"}.get(self.parameter.field, "")
+
+    def cells(self) -> tuple[str, ...]:
+        """A row of a table: parameter, change, standard deviation, unit in mm or degrees, whether it is observable."""
+        scale, digits, unit = {"xyz": (MM, 4, "mm"), "axis": (1.0, 6, "")}.get(self.parameter.field, (DEG, 5, "deg"))
+        numbers = f"{self.change * scale:+.{digits}f}", f"{self.deviation * scale:.{digits}f}"
+        return str(self.parameter), *numbers, unit, "" if self.observable else "only in a sum"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Calibration:
+class Calibration(Report):
     """A fit of an arm's URDF to measurements; :func:`urdf_ik.calibrate` makes it.
 
     Attributes:
@@ -33,8 +91,8 @@ class Calibration:
         equations: residuals and derivatives.
         x: (k,) the fitted numbers, in the order of ``equations.parameters``.
         changes: each fitted number before and after.
-        untold: groups of numbers of which only sums can be told; each is a change that no measurement shows.
-        singular_values: (k,) of the residuals' derivatives, in standard deviations: how well directions are told.
+        unobservable: groups of numbers of which only sums are observable; each is a change that no measurement shows.
+        singular_values: (k,) of the residuals' derivatives, in standard deviations: how observable each direction is.
         before: errors with the URDF as it was; base and marker fitted, where they were asked for.
         after: errors with the fitted numbers.
         validated: errors of measurements that a fit did not see, each fifth by the others; None for too few.
@@ -60,7 +118,7 @@ class Calibration:
     equations: Equations
     x: Array
     changes: tuple[Change, ...]
-    untold: tuple[tuple[str, ...], ...]
+    unobservable: tuple[tuple[str, ...], ...]
     singular_values: Array
     before: Errors
     after: Errors
@@ -143,40 +201,67 @@ class Calibration:
             out[joint.name] = changed
         return out
 
+    @property
+    def faulty(self) -> bool:
+        """Whether the fit has made the errors larger."""
+        return self.after.position > self.before.position
+
+    def title(self) -> str:
+        """The arm and the measurements."""
+        return f"calibration of {self.nominal.name} by {len(self.given)} measurements ({self.given.kind})"
+
     def sections(self) -> tuple[Section, ...]:
-        """The report as tables."""
-        errors = [("before", self.before), ("after", self.after)]
-        if self.validated is not None:
-            errors.append(("not seen by the fit", self.validated))
-        remarks = [f"{len(self.given)} measurements ({self.given.kind})"]
-        remarks.append(f"noise of one coordinate: {self._noise()}")
-        remarks += [f"the fit was {self.unlooked}"] if self.unlooked else []
+        """The errors, the fitted numbers, and what is unobservable."""
+        noise = f"{self.noise[0] * MM:.4f} mm" + (f", {self.noise[1] * DEG:.5f} deg" if len(self.noise) > 1 else "")
+        remarks = [f"noise of one coordinate: {noise}"]
         if self.outliers:
             shown = ", ".join(map(str, self.outliers[:20]))
             remarks.append(f"{len(self.outliers)} outliers were left out (counted from 0): {shown}")
-        rows = tuple(
-            (str(each.parameter), *_numbers_of(each), "" if each.told else "only in a sum") for each in self.changes
-        )
+        errors = (("before", self.before), ("after", self.after), ("not seen by the fit", self.validated))
+        rows = tuple((name, str(error)) for name, error in errors if error is not None)
+        header = ("parameter", "change", "+-", "unit", "observable")
         out = [
-            Section("errors", ("", "error"), tuple((name, str(each)) for name, each in errors), tuple(remarks),
-                    ("", "error")),
-            Section("parameters", ("parameter", "change", "+-", "unit", "told"), rows, (),
-                    ("parameter", "unit", "told")),
-        ]  # fmt: skip
-        if self.untold:
-            lines = tuple(" + ".join(group) for group in self.untold)
+            Section("errors", ("", "error"), rows, tuple(remarks), ("", "error")),
+            Section(
+                "parameters", header, tuple(change.cells() for change in self.changes), (), (header[0], *header[3:])
+            ),
+        ]
+        if self.unobservable:
+            lines = tuple(" + ".join(group) for group in self.unobservable)
             out.append(Section("cannot be told apart by these measurements", remarks=lines))
-        for name, T in (
-            ("the base in the measuring frame", self.base_pose),
-            ("the marker in the tip", self.marker_pose),
-        ):
+        return tuple(out)
+
+    def lines(self) -> tuple[str, ...]:
+        """Where the base and the marker are, as far as they were fitted."""
+        places = (("the base in the measuring frame", self.base_pose), ("the marker in the tip", self.marker_pose))
+        out = []
+        for name, T in places:
             if not np.array_equal(T, np.eye(4)):
                 xyz, rpy = (" ".join(f"{x:.9g}" for x in part) for part in (T[:3, 3], to_rpy(T)))
-                out.append(Section(f'{name}: xyz="{xyz}" rpy="{rpy}"'))
+                out.append(f'{name}: xyz="{xyz}" rpy="{rpy}"')
         return tuple(out)
+
+    def summary(self) -> str:
+        """The errors before and after."""
+        unseen = "" if self.validated is None else f"; of measurements that it did not see {self.validated}"
+        return f"errors fall from {self.before} to {self.after}{unseen}"
+
+    def verdict(self) -> str:
+        """The errors before and after, and what was left out."""
+        return "; ".join(part for part in (self.summary(), self.unlooked) if part)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text."""
+        parameters = [
+            {
+                **change.parameter._asdict(),
+                "before": change.before,
+                "after": change.after,
+                "deviation": change.deviation,
+                "told": change.observable,
+            }
+            for change in self.changes
+        ]
         out: dict[str, Any] = plain(
             {
                 "robot": self.nominal.name,
@@ -185,65 +270,39 @@ class Calibration:
                 "before": vars(self.before),
                 "after": vars(self.after),
                 "validated": None if self.validated is None else vars(self.validated),
-                "noise": list(self.noise),
-                "outliers": list(self.outliers),
-                "parameters": [
-                    {**each.parameter._asdict(), "before": each.before, "after": each.after,
-                     "deviation": each.deviation, "told": each.told}
-                    for each in self.changes
-                ],
-                "untold": [list(group) for group in self.untold],
-                "singular_values": self.singular_values.tolist(),
-                "base_pose": self.base_pose.tolist(),
-                "marker_pose": self.marker_pose.tolist(),
+                "noise": self.noise,
+                "outliers": self.outliers,
+                "parameters": parameters,
+                "untold": self.unobservable,
+                "singular_values": self.singular_values,
+                "base_pose": self.base_pose,
+                "marker_pose": self.marker_pose,
                 "unlooked": self.unlooked,
             }
-        )  # fmt: skip
+        )
         return out
 
-    def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON."""
-        return json_text(self.to_dict())
-
     def to_html(self) -> str:
-        """A page with the tables, and with pictures of the errors and of the changes with their standard deviations."""
-        drawn = (
-            pictures.residuals(self.residuals_before, self.residuals_after, self.given.kind)
-            + pictures.changes(self.changes)
-        )  # fmt: skip
-        return (
-            '<!doctype html><html lang="en"><head><meta charset="utf-8"/>'
-            f"<title>Calibration of {escape(self.nominal.name)}</title><style>{pictures.STYLE}</style></head>"
-            f"<body>{self._repr_html_()}{drawn}</body></html>\n"
-        )
+        """A page with the tables, and a picture of each measurement's error where matplotlib is installed."""
+        drawn = ""
+        with suppress(ImportError):
+            drawn = self._picture()
+        title = f"Calibration of {escape(self.nominal.name)}"
+        head = f'<head><meta charset="utf-8"/><title>{title}</title></head>'
+        return f'<!doctype html><html lang="en">{head}<body>{self._repr_html_()}{drawn}</body></html>\n'
 
-    def verdict(self) -> str:
-        """The result in a line."""
-        unseen = "" if self.validated is None else f"; of measurements that it did not see {self.validated}"
-        ended = f"; {self.unlooked}" if self.unlooked else ""
-        return f"errors fall from {self.before} to {self.after}{unseen}{ended}"
+    def _picture(self) -> str:
+        """Errors of each measurement before and after, as SVG."""
+        from matplotlib.figure import Figure
 
-    def _noise(self) -> str:
-        text = f"{self.noise[0] * MM:.4f} mm"
-        return text if len(self.noise) == 1 else f"{text}, {self.noise[1] * DEG:.5f} deg"
-
-    def _title(self) -> str:
-        return f"calibration of {self.nominal.name} by {len(self.given)} measurements ({self.given.kind})"
-
-    def __str__(self) -> str:
-        return "\n".join([self._title(), *(str(section) for section in self.sections()), self.verdict()])
-
-    def __repr__(self) -> str:
-        return short(self._title(), [self.verdict()])
-
-    def _repr_html_(self) -> str:
-        return html_of(self._title(), self.verdict(), self.after.position <= self.before.position, self.sections())
-
-
-def _numbers_of(each: Change) -> tuple[str, str, str]:
-    """Change, standard deviation and unit, in mm and degrees."""
-    if each.parameter.field == "xyz":
-        return f"{each.change * MM:+.4f}", f"{each.deviation * MM:.4f}", "mm"
-    if each.parameter.field == "axis":
-        return f"{each.change:+.6f}", f"{each.deviation:.6f}", ""
-    return f"{each.change * DEG:+.5f}", f"{each.deviation * DEG:.5f}", "deg"
+        parts = [("position error [mm]", slice(0, 3), MM)]
+        parts += [("rotation error [deg]", slice(3, 6), DEG)] if self.given.kind == "pose" else []
+        figure = Figure(figsize=(9.0, 3.0 * len(parts)), layout="constrained")
+        for k, (label, columns, unit) in enumerate(parts):
+            axes = figure.add_subplot(len(parts), 1, k + 1, xlabel="measurement", ylabel=label, yscale="log")
+            for name, residuals in (("before", self.residuals_before), ("after", self.residuals_after)):
+                axes.plot(np.linalg.norm(residuals[:, columns], axis=1) * unit, ".", label=name)
+            axes.legend()
+        text = io.StringIO()
+        figure.savefig(text, format="svg")
+        return text.getvalue()[text.getvalue().index("<svg") :]

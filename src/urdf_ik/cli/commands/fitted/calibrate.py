@@ -90,7 +90,7 @@ NewUrdf = Annotated[
 ]
 Page = Annotated[
     Path | None,
-    typer.Option("--report", metavar="FILE", help="A page with pictures (HTML).", rich_help_panel=options.OUTPUT),
+    typer.Option("--report", metavar="FILE", help="A page with a picture (HTML).", rich_help_panel=options.OUTPUT),
 ]
 VendorOut = Annotated[
     Path | None,
