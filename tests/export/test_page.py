@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.export import html
-from urdf_ik.export.page import WEB, _bodies
+from urdf_ik.export.page import WEB, bodies
 
 Array = NDArray[np.float64]
 
@@ -220,14 +220,14 @@ def test_the_page_is_small_and_its_shapes_are_as_few_as_asked_for() -> None:
 def test_shapes_have_as_few_triangles_as_asked_for(faces: int) -> None:
     """Of an arm whose meshes have more."""
     arm = urdf_ik.load("ur5")
-    some, many = ([len(b64decode(body["faces"])) // 12 for body in _bodies(arm, most)] for most in (faces, 12_000))
+    some, many = ([len(b64decode(body["faces"])) // 12 for body in bodies(arm, most)] for most in (faces, 12_000))
     assert all(some) and sum(some) <= faces < sum(many) <= 12_000
 
 
 def test_what_a_page_is_not_made_of(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Wrong options and an installation without its parts are refused in words."""
     arm = urdf_ik.load("planar_2r")
-    with pytest.raises(ArgumentError, match="faces=0: an integer from 200"):
+    with pytest.raises(ArgumentError, match="faces=0 given; a whole number from 200"):
         html(arm, faces=0)
     monkeypatch.setattr("urdf_ik.export.page.WEB", tmp_path)
     (tmp_path / "page").mkdir()

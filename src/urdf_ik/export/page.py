@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm
 from urdf_ik.export.compilation import compile
-from urdf_ik.export.postures import example
 from urdf_ik.support import inputs
 from urdf_ik.support.palette import colours
+from urdf_ik.typing import Array
 
 WEB = Path(__file__).resolve().parent / "web"
 """The folder of the npm module, whose parts the page holds."""
@@ -25,6 +25,7 @@ FACES = 12_000
 """Triangles of all shapes of a page together, at most, unless it is asked for others."""
 _FEWEST, _MOST = 200, 1_000_000
 # Of a shape with a texture.
+_DRAWS, _SEED = 64, 0  # joint vectors among which the example is chosen
 _GREY = (180, 180, 185)
 _BUILT = "in a checkout type: make wasm page; wheels of releases hold it"
 
@@ -52,8 +53,7 @@ def html(arm: Arm, *, faces: int = FACES, q: ArrayLike | None = None) -> str:
         >>> _ = Path("arm.html").write_text(html(urdf_ik.load("zyyzyz_6r")))  # doctest: +SKIP
     """
     inputs.arm(arm)
-    if isinstance(faces, bool) or not isinstance(faces, int) or not _FEWEST <= faces <= _MOST:
-        raise ArgumentError(f"faces={faces!r}: an integer from {_FEWEST} to {_MOST} is needed")
+    inputs.whole(faces, "faces", low=_FEWEST, high=_MOST)
     text = compile(arm)
     start = example(arm) if q is None else arm.chain.check(q)
     if start.ndim != 1:
@@ -109,14 +109,14 @@ def _scene(arm: Arm, q: Any, faces: int) -> dict[str, Any]:
         "base": chain.base,
         "tree": tree,
         "moving": sorted(moving),
-        "bodies": _bodies(arm, faces),
+        "bodies": bodies(arm, faces),
         "colours": shades,
         "size": chain.size,
         "start": np.asarray(q).tolist(),
     }
 
 
-def _bodies(arm: Arm, faces: int) -> list[dict[str, Any]]:
+def bodies(arm: Arm, faces: int) -> list[dict[str, Any]]:
     """A mesh for each link and colour."""
     from urdf_ik.model import link_shapes
 
@@ -126,12 +126,12 @@ def _bodies(arm: Arm, faces: int) -> list[dict[str, Any]]:
         parts.setdefault((body.link, tuple(int(each) for each in rgba[:3])), []).append(body.mesh)
     meshes = {key: link_shapes.joined(held) for key, held in parts.items()}
     total = sum(len(mesh.faces) for mesh in meshes.values())
-    bodies = []
+    found = []
     for (link, colour), mesh in meshes.items():
         # Each has its share; a small one keeps what a box needs.
         share = len(mesh.faces) if total <= faces else max(faces * len(mesh.faces) // total, 12)
         small = link_shapes.simplified(mesh, share)
-        bodies.append(
+        found.append(
             {
                 "link": link,
                 "colour": [part / 255.0 for part in colour],
@@ -139,4 +139,20 @@ def _bodies(arm: Arm, faces: int) -> list[dict[str, Any]]:
                 "faces": b64encode(np.asarray(small.faces, "<u4").tobytes()).decode(),
             }
         )
-    return bodies
+    return found
+
+
+def example(arm: Arm) -> Array:
+    """Of seeded joint vectors inside the limits, (n,) rad or m, the one whose pose has most regular solutions there."""
+    turning = ~arm.chain.prismatic
+    lower, upper = np.clip(arm.limits.T, *np.where(turning, np.pi, 1.0)[None] * [[-1.0], [1.0]])
+    lower, upper = np.minimum(lower, arm.limits[:, 1]), np.maximum(upper, arm.limits[:, 0])
+    draws = lower + (upper - lower) * np.random.default_rng(_SEED).uniform(0.2, 0.8, (_DRAWS, arm.dof))
+    try:
+        at = None if arm.redundancy is None else arm.redundancy_of(draws)
+        solutions = arm.ik(arm.fk(draws), redundancy=at).within_limits()
+    except UnsupportedArm:
+        best = 0
+    else:
+        best = int(np.argmax((solutions.valid & (solutions.singular == 0)).sum(axis=-1)))
+    return np.asarray(draws[best])

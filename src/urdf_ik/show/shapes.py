@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -14,50 +15,30 @@ from urdf_ik.ik.solutions.tables import stick
 from urdf_ik.model import link_shapes
 from urdf_ik.typing import Array
 
-__all__ = ["Bodies", "Body", "bodies", "half_extents", "placed", "stick", "surroundings", "triangles"]
+__all__ = ["Body", "bodies", "half_extents", "placed", "stick", "surroundings", "triangles"]
 
 _DRAWS, _SEED = 200, 0
 _PLANE = 0.01
 """Thickness [m] of the plate that shows a half-space; its top is the plane."""
 
 
-class Body(NamedTuple):
-    """One shape of a link.
-
-    Attributes:
-        link: the link.
-        triangles: (k, 3, 3) m, corners in the link's frame.
-    """
-
-    link: str
-    triangles: Array
+Body = tuple[str, Array]
+"""A link, and the triangles (k, 3, 3) m of one of its shapes in the link's frame."""
 
 
-class Bodies(NamedTuple):
-    """What the links of an arm look like.
-
-    Attributes:
-        shapes: one a box, cylinder, sphere or mesh.
-        missing: why the others are not there.
-    """
-
-    shapes: tuple[Body, ...]
-    missing: tuple[str, ...]
-
-
-def bodies(arm: Arm) -> Bodies:
-    """The shapes of all links, coarsely, read from the URDF and its meshes."""
+def bodies(arm: Arm) -> tuple[tuple[Body, ...], tuple[str, ...]]:
+    """The shapes of all links, coarsely, read from the URDF and its meshes; and why others are missing."""
     found = link_shapes.read(arm.model, coarse=True)
     # A triangle without an area has no normal, and so no shade.
     solid = [(body.link, body.mesh.triangles[body.mesh.nondegenerate_faces()]) for body in found.bodies]
-    shapes = tuple(Body(link, np.asarray(triangles, dtype=np.float64)) for link, triangles in solid if len(triangles))
-    return Bodies(shapes, found.missing)
+    shapes = tuple((link, np.asarray(triangles, dtype=np.float64)) for link, triangles in solid if len(triangles))
+    return shapes, tuple(found.missing)
 
 
-def placed(arm: Arm, found: Bodies, q: Array) -> list[Array]:
-    """Triangles (k, 3, 3) m of each body in the base, at ``q`` (n,)."""
+def placed(arm: Arm, shapes: Iterable[Body], q: Array) -> list[Array]:
+    """Triangles (k, 3, 3) m of each shape in the base, at ``q`` (n,)."""
     poses = arm.link_poses(q)
-    return [body.triangles @ poses[body.link][:3, :3].T + poses[body.link][:3, 3] for body in found.shapes]
+    return [triangles @ poses[link][:3, :3].T + poses[link][:3, 3] for link, triangles in shapes]
 
 
 def surroundings(arm: Arm, ranges: Array) -> Array:

@@ -60,10 +60,10 @@ def test_triangles_lie_on_the_shapes() -> None:
     q = np.array([0.7])
     poses = arm.link_poses(q)
     found = {}
-    bodies = shapes.bodies(arm)
-    for body, triangles in zip(bodies.shapes, shapes.placed(arm, bodies, q), strict=True):
-        T = poses[body.link] @ arm.model.robot.link_map[body.link].visuals[0].origin
-        found[body.link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
+    bodies, _ = shapes.bodies(arm)
+    for (link, _), triangles in zip(bodies, shapes.placed(arm, bodies, q), strict=True):
+        T = poses[link] @ arm.model.robot.link_map[link].visuals[0].origin
+        found[link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
     np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
     np.testing.assert_allclose(np.linalg.norm(found["tip"], axis=1), 0.3)
     radii = np.hypot(*found["mid"][:, :2].T)
@@ -83,9 +83,9 @@ def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) 
     trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
     (tmp_path / "meshes.urdf").write_text(MESHES)
     arm = urdf_ik.load(tmp_path / "meshes.urdf")
-    (ball,), missing = shapes.bodies(arm)
-    assert 100 < len(ball.triangles) <= link_shapes.COARSE
-    radii = np.linalg.norm(ball.triangles.reshape(-1, 3), axis=1)
+    ((_, ball),), missing = shapes.bodies(arm)
+    assert 100 < len(ball) <= link_shapes.COARSE
+    radii = np.linalg.norm(ball.reshape(-1, 3), axis=1)
     assert np.abs(radii - 0.4).max() < 0.05
     assert len(missing) == 1 and "nowhere.stl" in missing[0]
     figure = plot.arm(arm)
@@ -288,9 +288,6 @@ def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Ar
         plot.save(figure, tmp_path / "picture.bmp")
     with pytest.raises(urdf_ik.ArgumentError, match="cannot write"):
         plot.save(figure, tmp_path / "nowhere" / "picture.png")
-    for dpi in (0.5, 9.0, 1e4):
-        with pytest.raises(urdf_ik.ArgumentError, match="of at least 10 and at most 1200 is needed"):
-            plot.save(figure, tmp_path / "picture.png", dpi=dpi)
 
 
 def is_svg(data: bytes) -> bool:

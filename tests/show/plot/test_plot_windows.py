@@ -147,6 +147,7 @@ print(*done, sep=";")
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["planar_2r", "zyyzyz_6r"])
 def test_a_slider_is_pulled_in_a_real_window(name: str, display: str) -> None:
     """On a display: the window opens, the mouse moves the first joint by a tenth of its range, closing it goes on."""
@@ -161,6 +162,7 @@ def test_a_slider_is_pulled_in_a_real_window(name: str, display: str) -> None:
     assert all(float(value) == 0.0 for value in degrees[1:])
 
 
+@pytest.mark.slow
 def test_ctrl_c_closes_a_window(display: str) -> None:
     """The command ends with the status of an interrupt, without a word, though nobody touches the window."""
     command = [sys.executable, "-c", INTERRUPTED, "plot", "planar_2r", "arm"]

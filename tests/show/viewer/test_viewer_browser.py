@@ -199,18 +199,6 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     seen.differs(first, 200)
 
 
-def test_the_camera_follows_another_arm(seen: Seen) -> None:
-    """After an arm of 3 m one of 0.2 m fills the page, too."""
-    seen.viewer.open("planar_2r")
-    seen.wait(lambda: seen.viewer.state.arm.name == "planar_2r", "the small arm is shown")
-
-    def spread() -> float:
-        poses = seen.viewer.state.arm.link_poses(seen.viewer.state.q).values()
-        return float(np.ptp(seen.project(np.stack([pose[:3, 3] for pose in poses]))[:, :2], axis=0).max())
-
-    seen.wait(lambda: 0.1 * HEIGHT < spread() < HEIGHT, "the camera has moved")
-
-
 @contextmanager
 def served(text: str) -> Iterator[str]:
     """The address on this machine of a page, as a notebook has one; other frames may not show local servers."""
@@ -252,18 +240,6 @@ def test_a_notebook_without_its_viewer_holds_a_picture(seen: Seen) -> None:
     assert box is not None and box["width"] > 100 and box["height"] > 100
 
 
-def test_a_target_out_of_reach_says_why(seen: Seen) -> None:
-    """No ghost is left, the arm stays, and the page gives the number that is out of range."""
-    before = seen.viewer.state
-    far = before.target.copy()
-    far[:3, 3] += 2.0 * before.arm.chain.size
-    seen.viewer.move_target(far)
-    seen.page.get_by_text("No solution").wait_for()
-    seen.page.get_by_text("reach 2.1 m").wait_for()
-    assert not seen.viewer.state.ghosts and np.array_equal(seen.viewer.state.q, before.q)
-    assert seen.page.get_by_role("button", name="elbow up").count() == 0
-
-
 def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path: Path) -> None:
     """The file that the page offers draws the arm by itself."""
     with seen.page.expect_download() as download:
@@ -283,31 +259,6 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
         seen.wait(lambda: shades(seen.shot()) > 5000, "the arm is drawn")
         page.remove_listener("request", note)
     assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
-
-
-def test_a_plan_is_played_and_its_ends_are_chosen(seen: Seen) -> None:
-    """The play button moves the arm along the path and the slider with it; an end's button goes there."""
-    viewer, page = seen.viewer, seen.page
-    start = viewer.state.target
-    end = start.copy()
-    end[:3, 3] += [0.0, 0.3, 0.0]
-    plan = viewer.state.arm.follow(urdf_ik.line(start, end, 20))
-    first = seen.pixels()
-    viewer.show_plan(plan)
-    page.get_by_role("button", name="Play", exact=True).click()
-    seen.wait(lambda: viewer.place == 19.0, "the plan is played")
-    page.get_by_role("button", name="Play", exact=True).wait_for()
-    assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[-1])
-    seen.differs(first, 500)
-    end[1, 3] += 5.0
-    missed = viewer.state.arm.follow(urdf_ik.line(start, end, 60))
-    assert not missed.found
-    viewer.show_plan(missed)
-    stop = missed.stops[-1]
-    page.get_by_role("button", name=f"ends before {stop.waypoint}, {stop.cause}").last.click()
-    seen.wait(lambda: viewer.place == stop.waypoint - 1, "the end is shown")
-    viewer.show_plan(None)
-    assert viewer.settle(PATIENCE)
 
 
 def bare(name: str) -> urdf_ik.Arm:
@@ -346,22 +297,6 @@ def shown(browser: Any) -> Iterator[Shown]:
         opened = Shown(viewer, browser)
         yield opened
         opened.page.close()
-
-
-def test_a_pasted_joint_vector_is_there_to_be_copied(shown: Shown) -> None:
-    """What is typed into the field moves the arm; the text below it says the same vector, in Python and in JSON."""
-    shown.folder("Paste, copy, postures")
-    field = shown.field("Pose or q")
-    field.fill(f"q = {Q.tolist()}")
-    field.press("Enter")
-    shown.page.get_by_text(f"q = {Q.tolist()}").first.wait_for()
-    np.testing.assert_allclose(shown.viewer.state.q, Q)
-    shown.choose("Copy as", "JSON")
-    shown.page.get_by_text(f'{{"q": {Q.tolist()}').first.wait_for()
-    field.fill("1 2 three")
-    field.press("Enter")
-    shown.page.get_by_text("'three' is no number").wait_for()
-    np.testing.assert_allclose(shown.viewer.state.q, Q)
 
 
 def test_keys_go_to_the_next_solution_and_back(shown: Shown) -> None:

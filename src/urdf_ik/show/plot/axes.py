@@ -19,7 +19,7 @@ from urdf_ik.cell.shapes import Points
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.workspaces import PlanarWorkspace, Region
 from urdf_ik.show import shapes as looks
-from urdf_ik.support import inputs, palette
+from urdf_ik.support import palette
 from urdf_ik.typing import Array
 
 _FRAME = ("tab:red", "tab:green", "tab:blue")
@@ -43,7 +43,6 @@ def words(text: str) -> str:
 
 def posture(arm: Arm, q: ArrayLike | None) -> Array:
     """``q`` as a joint vector (n,); where it is None, the one nearest to zero within the limits."""
-    inputs.arm(arm)
     if q is not None:
         vector = arm.chain.check(q)
         if vector.shape != (arm.dof,):

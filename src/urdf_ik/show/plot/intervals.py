@@ -11,7 +11,6 @@ from matplotlib.lines import Line2D
 from urdf_ik.ik.redundancy import Intervals
 from urdf_ik.ik.redundancy.intervals import ENDS, bars
 from urdf_ik.show.plot import axes as draw
-from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,8 +38,6 @@ def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes[0].get_yticklabels())
         8
     """
-    inputs.kind(found, "merged", "found", "what arm.intervals gives")
-    degrees = inputs.flag(degrees, "degrees")
     arm, parameter = found.solver.arm, found.parameter
     names, drawn = bars(found)
     scale = 180.0 / np.pi if degrees and parameter.unit == "rad" else 1.0

@@ -21,7 +21,6 @@ from urdf_ik.show import shapes as looks
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support import files, inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,8 +45,6 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
         >>> len(figure.axes)
         1
     """
-    inputs.arm(arm)
-    shapes = inputs.flag(shapes, "shapes")
     at = draw.posture(arm, q)
     figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
     bodies = _bodies(figure, arm, shapes)
@@ -80,8 +77,6 @@ def branches(
         >>> len(figure.axes)
         2
     """
-    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives")
-    overlaid, shapes = (inputs.flag(*each, ArgumentError) for each in ((overlaid, "overlaid"), (shapes, "shapes")))
     found = list(solutions)
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
@@ -137,8 +132,6 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         2
     """
-    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives")
-    degrees = inputs.flag(degrees, "degrees")
     owner, found = solutions.arm, list(solutions)
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
@@ -190,7 +183,6 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     """
     from urdf_ik.maps.workspaces import VALUES
 
-    inputs.kind(found, "slice", "found", "a map of a workspace")
     layer = found.slice(axis, at, what)
     figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
@@ -224,7 +216,6 @@ def placements(found: PlacementMap, what: str = "reached", at: float | None = No
     """
     from urdf_ik.maps.placements import SHOWN
 
-    inputs.kind(found, "places", "found", "what urdf_ik.maps.placement gives")
     best = found.best().pose[:3, 3]
     _, layer = found.grid.layer("z", float(best[2]) if at is None else at)
     values = found.values(what)[:, :, layer]
@@ -257,15 +248,11 @@ def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Fig
         >>> len(figure.axes)
         1
     """
-    inputs.kind(region, "regions", "region", "what urdf_ik.maps.workspaces.planar gives")
-    given = None if q is None else inputs.real(q, "q", "two joint values [rad]")
-    if given is not None and (given.shape != (2,) or inputs.first_bad(given) is not None):
-        raise ArgumentError(f"q={quoted(q)} given; two joint values [rad] are needed")
     figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
     axes = figure.add_subplot()
     draw.regions(axes, region)
-    if given is not None:
-        draw.two_links(axes, region, given)
+    if q is not None:
+        draw.two_links(axes, region, inputs.array(q, "q", (2,), unit="rad"))
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     axes.set_title(f"{draw.words(region.name)}: where the tip can be")
     return figure
@@ -285,7 +272,6 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
         True
     """
     target = inputs.path(path, "path")
-    inputs.kind(figure, "savefig", "figure", "a picture of this module")
     dpi = inputs.number(dpi, "dpi", low=10.0, high=1200.0)  # less holds no letter, more no memory
     if target.suffix.lower() not in SUFFIXES:
         raise ArgumentError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
@@ -295,16 +281,16 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
     files.write(target, lambda file: figure.savefig(file, format=kind, dpi=dpi, metadata=metadata))
 
 
-def _bodies(figure: Figure, owner: Arm, wanted: bool) -> looks.Bodies:
+def _bodies(figure: Figure, owner: Arm, wanted: bool) -> tuple[looks.Body, ...]:
     """What the links look like, if that is wanted; the picture says how many shapes it lacks, and why the first one."""
     if not wanted:
-        return looks.Bodies((), ())
-    found = looks.bodies(owner)
-    if found.missing:
-        count = len(found.missing)
-        words = f"{count} shape{'' if count == 1 else 's'} not drawn; {found.missing[0]}"
+        return ()
+    shapes, missing = looks.bodies(owner)
+    if missing:
+        count = len(missing)
+        words = f"{count} shape{'' if count == 1 else 's'} not drawn; {missing[0]}"
         figure.supxlabel(draw.words(textwrap.shorten(words, 150)), fontsize=6, color="tab:red", wrap=True)
-    return found
+    return shapes
 
 
 def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:

@@ -16,7 +16,6 @@ from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.ik.solutions import limits
 from urdf_ik.show import shapes as looks
 from urdf_ik.show.plot import axes as draw
-from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ _LEAST = 1e-3
 """Range [deg or m] of a slider whose joint has none."""
 
 
-class Stage:
+class _Stage:
     """The arm in a figure, to be moved; two turning joints in a plane stand in their workspace.
 
     Attributes:
@@ -83,8 +82,6 @@ class Sliders:
         """Draw the arm and its sliders into ``figure``."""
         from matplotlib.widgets import Slider
 
-        inputs.arm(arm)
-        inputs.kind(figure, "set_size_inches", "figure", "a figure of Matplotlib's")
         self.figure = figure
         self.q: Array = start(arm, q).copy()
         self._scale = scales(arm)
@@ -93,7 +90,7 @@ class Sliders:
         below = (_ROW * arm.dof + _EDGE) / height
         room = (0.62, 0.6) if is_two_links(arm) else (0.1, 0.4)  # inches that the axes' numbers take
         place = (room[0] / width, below + room[1] / height)
-        self.stage = Stage(arm, figure, (*place, 0.96 - place[0], 1.0 - 0.3 / height - place[1]), self.q)
+        self.stage = _Stage(arm, figure, (*place, 0.96 - place[0], 1.0 - 0.3 / height - place[1]), self.q)
         self.sliders = []
         for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, self.q), strict=True)):
             row = figure.add_axes((0.28, below - _ROW * (i + 0.8) / height, 0.56, 0.5 * _ROW / height))
@@ -127,7 +124,6 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
         >>> len(panel.sliders), panel.q.round(6).tolist()
         (2, [0.3, 0.2])
     """
-    inputs.arm(arm)
     figure = draw.Picture(figsize=size(arm))
     if window:  # before the sliders, which listen to the canvas that they find
         _open(figure, arm.name)
@@ -200,7 +196,7 @@ def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
         raise MissingPackage("sliders in a notebook need ipywidgets: pip install 'urdf-ik[notebooks]'") from None
     first, scale = start(arm, q), scales(arm)
     figure = draw.Picture(figsize=(_WIDE, _HIGH))
-    stage = Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), first)
+    stage = _Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), first)
 
     def picture(**values: float) -> Figure:
         stage.move(np.array(list(values.values())) / scale)

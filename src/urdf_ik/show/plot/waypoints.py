@@ -15,7 +15,6 @@ from urdf_ik.arm import Arm
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.paths import Plan
 from urdf_ik.show.plot import axes as draw
-from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.typing import Array
 
@@ -83,8 +82,6 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         4
     """
-    inputs.kind(plan, "explain", "plan", "what arm.follow gives")
-    degrees = inputs.flag(degrees, "degrees")
     arm, found = plan.solver.arm, background(plan)
     rows = math.ceil(arm.dof / _COLUMNS)
     columns = min(_COLUMNS, arm.dof)
