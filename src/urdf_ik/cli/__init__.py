@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: its options, one file for each command, and text for terminals."""
+"""The ``urdf-ik`` command: its options, a function for each command, and text for terminals."""
 
 from __future__ import annotations
 
@@ -16,12 +16,9 @@ __getattr__ = attributes(__name__, {"app": "program"})
 
 def main() -> None:
     """Entry point of the ``urdf-ik`` command."""
-    from urdf_ik.cli.interrupts import guarded
+    try:
+        from urdf_ik.cli.program import run
 
-    guarded(_run)  # the imports, too: they take most of the time of a short command
-
-
-def _run() -> None:
-    from urdf_ik.cli.program import run
-
-    run()
+        run()
+    except KeyboardInterrupt:  # during the imports, which take most of the time of a short command
+        raise SystemExit(130) from None

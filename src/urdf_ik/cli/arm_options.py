@@ -1,74 +1,62 @@
-"""The arm that a command is about: the options that say which, and how it is loaded."""
+"""The arms that a command is about: the options that say which, and how they are loaded."""
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
+import string
 import sys
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, Self, get_args, get_origin
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
 from typer import Argument, Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console
-from urdf_ik.cli.console import Angles
-from urdf_ik.cli.options import PoseOptions
-from urdf_ik.cli.prompt.completion import links, robots_and_files
+from urdf_ik.cli.console import Angles, usage
+from urdf_ik.cli.options import PoseOptions, Record, is_argument, parameter
 from urdf_ik.errors import escaped
+from urdf_ik.model import catalogue
 from urdf_ik.model.urdf import UrdfModel
-from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 
-_XYZ = ("x", "y", "z")
-_MOST_WARNINGS = 10
+_XYZ, _RPY = ("x", "y", "z"), ("roll", "pitch", "yaw")
+_WARNINGS_SHOWN = 10
+_LETTERS = string.ascii_uppercase
+_FOR_ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
-class ArmOptions:
+class ArmOptions(Record):
     """Every option of loading an arm, as typed; the keyword arguments of ``urdf_ik.load`` and a tool."""
 
-    GROUP: ClassVar[str] = "The arm"
+    GROUP = "The arm"
     robot: Annotated[
         str,
-        Argument(
-            metavar="ROBOT",
-            help="URDF, xacro or MJCF file (or its gzip), a name of `urdf-ik robots`, or - for stdin.",
-            autocompletion=robots_and_files,
-        ),
+        Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, a name of `urdf-ik robots`, or - for stdin."),
     ]
-    base: Annotated[
-        str | None, Option(metavar="LINK", help="Base link: poses are in its frame.", autocompletion=links)
-    ] = None
-    tip: Annotated[
-        str | None, Option(metavar="LINK", help="Tip link: poses are of its frame.", autocompletion=links)
-    ] = None
+    base: Annotated[str | None, Option(metavar="LINK", help="Base link: poses are in its frame.")] = None
+    tip: Annotated[str | None, Option(metavar="LINK", help="Tip link: poses are of its frame.")] = None
     chain: Annotated[str | None, Option(metavar="NAME", help="A chain of `info --chains`, or a group of an SRDF.")] = (
         None
     )
     srdf: Annotated[
-        Path | None,
-        Option(
-            metavar="FILE",
-            exists=True,
-            dir_okay=False,
-            help="SRDF: its groups are chains, its disabled pairs may touch.",
-        ),
+        Path | None, Option(metavar="FILE", help="SRDF: its groups are chains, its disabled pairs may touch.")
     ] = None
     allow: Annotated[
-        list[str] | None,
-        Option(metavar="LINK,LINK", help="Two links that may touch (`info --pairs`); repeatable."),
+        list[str] | None, Option(metavar="LINK,LINK", help="Two links that may touch (`info --pairs`); repeatable.")
     ] = None
     lock: Annotated[
         list[str] | None, Option(metavar="NAME=VALUE", help="Hold a joint: rad, m, or 30deg; repeatable.")
     ] = None
     mesh_root: Annotated[
-        list[Path] | None,
-        Option(metavar="DIR", exists=True, file_okay=False, help="Folder of meshes or ROS packages; repeatable."),
+        list[Path] | None, Option(metavar="DIR", help="Folder of meshes or ROS packages; repeatable.")
     ] = None
     xacro_arg: Annotated[list[str] | None, Option(metavar="NAME:=VALUE", help="Argument of a xacro; repeatable.")] = (
         None
@@ -81,20 +69,15 @@ class ArmOptions:
         None
     )
     redundancy_joint: Annotated[
-        list[str] | None,
-        Option(metavar="NAME", help="Joint whose value is a redundancy parameter; repeatable."),
+        list[str] | None, Option(metavar="NAME", help="Joint whose value is a redundancy parameter; repeatable.")
     ] = None
     free_axis: Annotated[
-        str | None,
-        Option(metavar="x|y|z|X,Y,Z", help="Axis about which the tool may turn freely, in the tip."),
+        str | None, Option(metavar="x|y|z|X,Y,Z", help="Axis about which the tool may turn freely, in the tip.")
     ] = None
     free_at: Annotated[str | None, Option(metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")] = None
 
     def load(self, degrees: bool = False) -> Arm:
-        """The arm.
-
-        Args:
-            degrees: whether the tool's orientation is in degrees.
+        """The arm; ``degrees``: whether the tool's orientation is in degrees.
 
         Raises:
             typer.BadParameter: standard input is closed, or a lock or a tool's place cannot be understood.
@@ -110,20 +93,15 @@ class ArmOptions:
         for typed in self.allow or ():
             first, comma, second = (part.strip() for part in typed.partition(","))
             if not (first and comma and second):
-                raise typer.BadParameter(f"{quoted(typed)} is not LINK,LINK", param_hint="--allow")
+                raise usage(f"{typed!r} is not LINK,LINK", "--allow")
             arm = arm.with_cell(arm.cell.allow(first, second))
-        return self._freed(arm)
-
-    def _freed(self, arm: Arm) -> Arm:
-        """The arm with the free axis of the options, if there is one."""
         if self.free_axis is None:
             if self.free_at is not None:
-                raise console.usage("a point on an axis needs the axis: --free-axis z", "--free-at")
+                raise usage("a point on an axis needs the axis: --free-axis z", "--free-at")
             return arm
-        named = self.free_axis.strip() in ("x", "y", "z")
-        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, "--free-axis", _XYZ)
+        axis = self.free_axis.strip()
         at = None if self.free_at is None else console.numbers(self.free_at, "--free-at", _XYZ)
-        return arm.with_free_axis(axis, at)
+        return arm.with_free_axis(axis if axis in _XYZ else console.numbers(axis, "--free-axis", _XYZ), at)
 
     def model(self) -> UrdfModel:
         """The whole URDF, whichever chain is meant.
@@ -162,82 +140,139 @@ class ArmOptions:
 
     def _source(self) -> Any:
         if self.robot == "-" and sys.stdin is None:
-            raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+            raise usage("standard input is closed", "ROBOT")
         return sys.stdin.buffer if self.robot == "-" else self.robot
 
     def _locked(self) -> dict[str, float]:
         """Joint names and values [rad or m] of ``NAME=VALUE``; a value that ends in ``deg`` is in degrees."""
         out = {}
         for text in self.lock or ():
-            name, _, value = text.rpartition("=")
-            number = value.strip().removesuffix("deg")
+            name, _, value = (part.strip() for part in text.rpartition("="))
+            number = value.removesuffix("deg")
             try:
-                out[name.strip()] = math.radians(float(number)) if number != value.strip() else float(number)
+                out[name] = math.radians(float(number)) if number != value else float(number)
             except ValueError:
                 name = ""
             if not name:
-                message = f"{quoted(text)} is not NAME=VALUE, such as joint_7=0.5 or joint_7=30deg"
-                raise typer.BadParameter(message, param_hint="--lock")
+                raise usage(f"{text!r} is not NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", "--lock")
         return out
 
     def _xacro_args(self) -> dict[str, str] | None:
         """Arguments of a xacro; None where there are none, so that only a xacro is read as one."""
-        parts = [typed.partition(":=") for typed in self.xacro_arg or ()]
-        for (name, given, _), typed in zip(parts, self.xacro_arg or (), strict=True):
-            if not (name and given):
-                raise typer.BadParameter(f"{quoted(typed)} is not NAME:=VALUE", param_hint="--xacro-arg")
-        return {name: value for name, _, value in parts} or None
+        out = {}
+        for text in self.xacro_arg or ():
+            name, sign, value = text.partition(":=")
+            if not (name and sign):
+                raise usage(f"{text!r} is not NAME:=VALUE", "--xacro-arg")
+            out[name] = value
+        return out or None
 
     def _say_which(self, arm: Arm) -> None:
         """Say on standard error which chain was chosen of several, or which tip of several links at its end."""
-        if self.tip is not None or self.robot in _catalogue_names():
+        if self.tip is not None or self.robot in catalogue.names():
             return
         chains = arm.model.chains(self.base)
         meant = [each for each in chains if each.tip == arm.tip]
         others = len(chains) - len(meant)
         if not meant or not (others or meant[0].frames):
             return
-        also = f"; {', '.join(meant[0].frames[:4])} are fixed to it, too" if meant[0].frames else ""
-        also = also.replace(" are fixed to it", " is fixed to it") if len(meant[0].frames) == 1 else also
+        frames = meant[0].frames[:4]
+        also = f"; {', '.join(frames)} {'is' if len(frames) == 1 else 'are'} fixed to it, too" if frames else ""
         rest = f"; `urdf-ik info --chains` lists {others} more" if others else ""
         typer.echo(escaped(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}"), err=True)
 
-    def _tool(self, degrees: bool) -> NDArray[np.float64] | None:
+    def _tool(self, degrees: bool) -> Array | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
         if self.tool_xyz is None and self.tool_rpy is None:
             return None
         from urdf_ik.model.poses import pose
 
-        xyz, rpy = (
-            console.numbers("0,0,0" if typed is None else typed, option, names)
-            for typed, option, names in (
-                (self.tool_xyz, "--tool-xyz", _XYZ),
-                (self.tool_rpy, "--tool-rpy", ("roll", "pitch", "yaw")),
-            )
-        )
+        xyz = console.numbers(self.tool_xyz or "0,0,0", "--tool-xyz", _XYZ)
+        rpy = console.numbers(self.tool_rpy or "0,0,0", "--tool-rpy", _RPY)
         return pose(xyz, rpy=np.deg2rad(rpy) if degrees else rpy)
 
     def require_only(self, names: Collection[str], why: str) -> None:
         """Refuse options of one arm where there is none.
 
         Raises:
-            typer.BadParameter: an option other than ``names`` is given.
+            typer.BadParameter: an option other than ``names`` is there.
         """
         for each in fields(self):
             if each.name not in ("robot", *names) and getattr(self, each.name):
                 option = f"--{each.name.replace('_', '-')}"
-                raise console.usage(f"{why}, and {option} is for an arm", option)
-
-    def without_stdin(self, source: str | None, option: str) -> None:
-        """Refuse that ``source``, which ``option`` names, is standard input too."""
-        if self.robot == "-" and source == "-":
-            raise typer.BadParameter("the robot is read from standard input already", param_hint=option)
+                raise usage(f"{why}, and {option} is for an arm", option)
 
     def apart_from(self, typed: PoseOptions) -> None:
         """Refuse that poses come from standard input, too."""
-        self.without_stdin(typed.poses, "--poses")
-        for text in typed.q or ():
-            self.without_stdin(text, "--q")
+        if self.robot == "-" and "-" in (typed.poses, *(typed.q or ())):
+            option = "--poses" if typed.poses == "-" else "--q"
+            raise usage("the robot is read from standard input already", option)
+
+
+@dataclass(frozen=True)
+class SeveralArms(Record):
+    """The arms A, B, ... and their options as typed: ``--tip tool0`` for all, ``--tip B=flange`` for the second."""
+
+    GROUP = ArmOptions.GROUP
+    robots: list[str]
+    options: dict[str, Any]
+
+    @classmethod
+    def parameters(cls) -> list[inspect.Parameter]:
+        """The arms, and each option of an arm as one that is repeatable; a flag holds for all of them."""
+        text = "Files, names that `urdf-ik robots` lists, or - for stdin. The first is the reference."
+        robots = Annotated[list[str], Argument(metavar="A B", help=text)]
+        out = [parameter("robots", robots, inspect.Parameter.empty)]
+        for one in ArmOptions.parameters():
+            kind, option = get_args(one.annotation)
+            if not is_argument(one) and kind is not bool:
+                text = f"{option.help.removesuffix('.').removesuffix('; repeatable')}; for one arm: A=..., B=..."
+                one = parameter(one.name, Annotated[list[str] | None, Option(metavar=option.metavar, help=text)])
+            out += [] if is_argument(one) else [one]
+        return out
+
+    @classmethod
+    def read(cls, values: dict[str, Any]) -> Self:
+        """The arms and their options."""
+        return cls(values.pop("robots"), values)
+
+    def each(self) -> list[ArmOptions]:
+        """Each arm with its options.
+
+        Raises:
+            typer.BadParameter: too few or too many arms, a letter without an arm, or an option twice for one arm.
+        """
+        count = len(self.robots)
+        if not 2 <= count <= len(_LETTERS):
+            raise usage(f"{count} arm{'s' * (count != 1)} given; two to {len(_LETTERS)} can be compared", "A B")
+        if self.robots.count("-") > 1:
+            raise usage("only one arm can be read from standard input", "A B")
+        typed = {one.name: self._of_each(one) for one in ArmOptions.parameters() if not is_argument(one)}
+        return [
+            ArmOptions(robot, **{name: values[k] for name, values in typed.items()})
+            for k, robot in enumerate(self.robots)
+        ]
+
+    def _of_each(self, one: inspect.Parameter) -> list[Any]:
+        """The value of an option for each arm."""
+        values, option = self.options[one.name], f"--{one.name.replace('_', '-')}"
+        letters = _LETTERS[: len(self.robots)]
+        if values is None or isinstance(values, bool):
+            return [values] * len(letters)
+        split = [(match[1], match[2]) if (match := _FOR_ONE.fullmatch(value)) else ("", value) for value in values]
+        for letter, value in split:
+            if letter not in letters:
+                raise usage(f"'{letter}={value}': there is no arm {letter}, the last one is {letters[-1]}", option)
+        repeated = any(get_origin(kind) is list for kind in get_args(get_args(one.annotation)[0]))
+        out: list[Any] = []
+        for letter in letters:
+            shared = [value for name, value in split if not name]
+            mine = [value for name, value in split if name == letter]
+            mine = [*shared, *mine] if repeated else mine or shared
+            if len(mine) > 1 and not repeated:
+                raise usage(f"given {len(mine)} times for arm {letter}; once is enough", option)
+            out.append((mine if repeated else mine[0]) if mine else None)
+        return out
 
 
 def read_world(file: Path | None, arm: ArmOptions) -> World | None:
@@ -249,12 +284,6 @@ def read_world(file: Path | None, arm: ArmOptions) -> World | None:
     return World.from_urdf(file, package_dirs=arm.mesh_root or ())
 
 
-def _catalogue_names() -> tuple[str, ...]:
-    from urdf_ik.model import catalogue
-
-    return catalogue.names()
-
-
 def angles_of(arm: Arm, degrees: bool) -> Angles:
     """How the arm's joint values are typed and shown."""
     return Angles(degrees, np.array([kind != "prismatic" for kind in arm.chain.joint_types]))
@@ -262,7 +291,7 @@ def angles_of(arm: Arm, degrees: bool) -> Angles:
 
 def _say_warnings(model: UrdfModel) -> None:
     """Say on standard error which parts of the URDF were not read as they are written."""
-    for warning in model.warnings[:_MOST_WARNINGS]:
+    for warning in model.warnings[:_WARNINGS_SHOWN]:
         typer.echo(escaped(f"warning: {warning}"), err=True)
-    if len(model.warnings) > _MOST_WARNINGS:
-        typer.echo(f"warning: {len(model.warnings) - _MOST_WARNINGS} more; `urdf-ik info` lists them", err=True)
+    if len(model.warnings) > _WARNINGS_SHOWN:
+        typer.echo(f"warning: {len(model.warnings) - _WARNINGS_SHOWN} more; `urdf-ik info` lists them", err=True)

@@ -1,4 +1,4 @@
-"""Input and output of the commands: typed numbers, files of poses and joint vectors, standard output."""
+"""Input and output of the commands: typed numbers, files of joint vectors, standard output, exit statuses."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import IO, Any
 
@@ -16,15 +17,27 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from urdf_ik.errors import ArgumentError, escaped, printable
+from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.support import files
 from urdf_ik.support import text as texts
 from urdf_ik.support.tables import Table, read_table
-from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
 
 STDIN = "-"
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
 _NUMBER_FILES = (".csv", ".json", ".npy", ".npz", ".txt")
+
+
+class Status(IntEnum):
+    """Exit status."""
+
+    DONE = 0
+    FAILED = 1
+    USAGE = 2
+    URDF = 3
+    UNSUPPORTED = 4
+    INTERRUPTED = 130
+    READER_GONE = 141  # as the shell reports a program that SIGPIPE ended
 
 
 @dataclass(frozen=True)
@@ -44,15 +57,20 @@ class Angles:
         """'deg' or 'rad'."""
         return "deg" if self.degrees else "rad"
 
+    @property
+    def units(self) -> list[str]:
+        """The unit of each joint's value."""
+        return [self.unit if turning else "m" for turning in self.turning]
+
     def angle(self, value: Any) -> Any:
         """Angles in rad, as shown."""
         return np.rad2deg(value) if self.degrees else value
 
-    def shown(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+    def shown(self, q: Array) -> Array:
         """Joint vectors (..., n) in rad or m, as shown."""
         return np.where(self.turning, np.rad2deg(q), q) if self.degrees else q
 
-    def typed(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+    def typed(self, q: Array) -> Array:
         """Joint vectors (..., n) as typed, in rad or m."""
         return np.where(self.turning, np.deg2rad(q), q) if self.degrees else q
 
@@ -62,39 +80,31 @@ def usage(message: str, option: str | None = None) -> typer.BadParameter:
     return typer.BadParameter(message, param_hint=option)
 
 
-def numbers(text: str, option: str, names: Sequence[str]) -> NDArray[np.float64]:
+def split(text: str) -> list[str]:
+    """The parts of a list that is typed with commas or spaces."""
+    return text.replace(",", " ").split()
+
+
+def numbers(text: str, option: str, names: Sequence[str]) -> Array:
     """Numbers typed as ``0.1,0.2,0.3``, one for each of ``names``.
 
     Raises:
         typer.BadParameter: a value is not a finite number, or there are too many or too few.
     """
-    parts = text.replace(",", " ").split()
     out = []
-    for part in parts:
+    for part in split(text):
         try:
             out.append(float(part))
         except ValueError:
-            raise usage(f"{quoted(part)} in {quoted(text)} is not a number; give {','.join(names)}", option) from None
+            raise usage(f"{part!r} in {text!r} is not a number; give {','.join(names)}", option) from None
     if len(out) != len(names):
-        raise usage(f"{quoted(text)} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
+        raise usage(f"{text!r} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
     if not np.isfinite(out).all():
-        raise usage(f"{quoted(text)} holds a value that is not finite", option)
+        raise usage(f"{text!r} holds a value that is not finite", option)
     return np.array(out)
 
 
-def read_poses(source: str, option: str, *, degrees: bool = False) -> NDArray[np.float64]:
-    """Poses (N, 4, 4) from a file, or from standard input for ``-``; ``degrees``: whether its angles are in degrees.
-
-    Raises:
-        typer.BadParameter: standard input is closed.
-        ArgumentError: the file cannot be read, or holds no poses in an accepted form.
-    """
-    from urdf_ik.paths.waypoint_files import read_poses
-
-    return read_poses(opened(source, option), degrees=degrees)
-
-
-def joint_vectors(typed: Sequence[str], option: str, joint_names: Sequence[str]) -> NDArray[np.float64]:
+def joint_vectors(typed: Sequence[str], option: str, joint_names: Sequence[str]) -> Array:
     """Joint vectors (N, n), each typed as numbers, or those of a file or of standard input for ``-``.
 
     Raises:
@@ -110,25 +120,24 @@ def joint_vectors(typed: Sequence[str], option: str, joint_names: Sequence[str])
 
 def _is_file(text: str) -> bool:
     """Whether this names a file, or standard input, and is no list of numbers."""
-    typed = all(_NUMBER.fullmatch(part) for part in text.replace(",", " ").split())
+    typed = all(_NUMBER.fullmatch(part) for part in split(text))
     return text == STDIN or (not typed and (Path(text).suffix.lower() in _NUMBER_FILES or os.path.isfile(text)))
 
 
-def _read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> NDArray[np.float64]:
+def _read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> Array:
     """Joint vectors (N, n) from a file, or from standard input for ``-``."""
     n = len(joint_names)
     accepted = (
-        f"accepted: {n} values each ({', '.join(map(printable, joint_names))}), as .npy or .npz (array 'q' or "
-        f'the only one) or JSON of shape ({n},) or (N, {n}), JSON {{"q": [...]}}, CSV with {n} columns or a header '
-        "with the joints' names"
+        f"accepted: {n} values each ({', '.join(joint_names)}), as .npy or .npz (array 'q' or the only one) or JSON of "
+        f'shape ({n},) or (N, {n}), JSON {{"q": [...]}}, CSV with {n} columns or a header with the joints\' names'
     )
-    name, held = read_table(opened(source, option), ["q", "poses"], "joint vector", accepted)
-    if isinstance(held, Table):
-        header = held.header or [str(k) for k in range(1, len(held.cells[0]) + 1)]
-        held = held.numbers(joint_names if set(joint_names) <= set(header) else header, header)
-    if held.ndim not in (1, 2) or not held.size or held.shape[-1] != n:
-        raise ArgumentError(f"{name} holds numbers of shape {held.shape}; {accepted}")
-    return held.reshape(-1, n)
+    name, content = read_table(opened(source, option), ["q", "poses"], "joint vector", accepted)
+    if isinstance(content, Table):
+        header = content.header or [str(k) for k in range(1, len(content.cells[0]) + 1)]
+        content = content.numbers(joint_names if set(joint_names) <= set(header) else header, header)
+    if content.ndim not in (1, 2) or not content.size or content.shape[-1] != n:
+        raise ArgumentError(f"{name} holds numbers of shape {content.shape}; {accepted}")
+    return content.reshape(-1, n)
 
 
 class Coloured(str):
@@ -148,13 +157,17 @@ def opened(source: str, option: str) -> str | IO[bytes]:
     return sys.stdin.buffer
 
 
-def box(text: str, option: str) -> NDArray[np.float64]:
-    """The corners (2, 3) of a box as typed, the lower one first.
-
-    Raises:
-        typer.BadParameter: these are not six numbers.
-    """
+def box(text: str, option: str) -> Array:
+    """The corners (2, 3) of a box as typed, the lower one first."""
     return numbers(text, option, ("x0", "y0", "z0", "x1", "y1", "z1")).reshape(2, 3)
+
+
+def emit(data: Any, text: Callable[[], str], printed_as: str) -> None:
+    """Print an answer: its data as JSON (JSON text as it is), or its text for people."""
+    if printed_as == "json":
+        write(data if isinstance(data, str) else json_text(data), None)
+    else:
+        write(text(), None)
 
 
 def write(text: str | bytes, output: Path | None) -> None:
@@ -165,17 +178,16 @@ def write(text: str | bytes, output: Path | None) -> None:
     """
     # A name in a file of unknown origin must not control the terminal.
     shown = escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
-    data = shown.encode(_encoding(), "backslashreplace") if isinstance(shown, str) else shown
-    if output is None:
-        if sys.stdout is None:  # closed by the caller, who wants the status only
-            return
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    data = shown.encode(encoding, "backslashreplace") if isinstance(shown, str) else shown
+    if output is not None:
+        files.write(output, data)
+    elif sys.stdout is not None:  # None: closed by the caller, who wants the status only
         sys.stdout.flush()
         rest = memoryview(data)
         while rest:  # under PYTHONUNBUFFERED a write may take only a part
             rest = rest[sys.stdout.buffer.write(rest) :]
         sys.stdout.buffer.flush()
-        return
-    files.write(output, data)
 
 
 def say_written(file: Path, content: str, angle: str) -> None:
@@ -202,12 +214,3 @@ def npz_bytes(arrays: dict[str, Any]) -> bytes:
     out = io.BytesIO()
     np.savez_compressed(out, allow_pickle=False, **arrays)
     return out.getvalue()
-
-
-def _encoding() -> str:
-    return getattr(sys.stdout, "encoding", None) or "utf-8"
-
-
-def place(source: str) -> str:
-    """Name of an input file, or of standard input, in messages."""
-    return files.STDIN if source == STDIN else source

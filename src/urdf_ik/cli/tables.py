@@ -6,19 +6,17 @@ import io
 import os
 import shutil
 import sys
+import textwrap
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from urdf_ik.cli.console import Coloured
 from urdf_ik.cli.options import is_terminal
 from urdf_ik.errors import escaped
+from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
     from rich.table import Table
-    from rich.text import Text
 
 _PIPE_WIDTH = 120
 _PLAIN = "    \n    \n -- \n    \n    \n    \n    \n    \n"
@@ -71,44 +69,37 @@ def grid(header: Sequence[str], rows: Iterable[Sequence[Any]], *, left: Sequence
     for name in header:
         table.add_column(Text(escaped(name)), justify="left" if name in left else "right", no_wrap=True)
     for row in rows:
-        table.add_row(*[_cell(value) for value in row])
+        cells = [escaped(str(value)) for value in row]
+        table.add_row(*[Text(cell, style=_STYLES.get(cell, "")) for cell in cells])
     return table
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number of fixed digits, without the sign of a zero."""
-    text = f"{value:.{digits}f}"
-    return text.lstrip("-") if float(text) == 0.0 else text
+    """A number of fixed digits, without the sign of a zero; '-' for NaN."""
+    text = f"{float(value):.{digits}f}"
+    return "-" if text == "nan" else text.lstrip("-") if float(text) == 0.0 else text
 
 
-def matrix(T: NDArray[np.float64]) -> str:
-    """A pose as four lines."""
-    return "\n".join("  ".join(f"{number(float(x), 6):>10}" for x in row) for row in T)
+def numbers(values: Iterable[Any], digits: int = 4) -> list[str]:
+    """Numbers of fixed digits."""
+    return [number(value, digits) for value in values]
 
 
-def pose_line(T: NDArray[np.float64], digits: int = 4) -> str:
-    """A pose as position and quaternion on one line."""
+def pose_lines(T: Array, digits: int = 4) -> list[str]:
+    """A pose as a line of its position and one of its quaternion."""
     from urdf_ik.model.poses import to_quat_xyzw
 
-    xyz = ", ".join(number(float(x), digits) for x in T[:3, 3])
-    quat = ", ".join(number(float(x), digits) for x in to_quat_xyzw(T))
-    return f"position ({xyz}) m\nquaternion xyzw ({quat})"
+    xyz, quat = ", ".join(numbers(T[:3, 3], digits)), ", ".join(numbers(to_quat_xyzw(T), digits))
+    return [f"position ({xyz}) m", f"quaternion xyzw ({quat})"]
 
 
-def folded(lead: str, parts: Sequence[str], comma: str = ", ", width: int = 79) -> list[str]:
-    """Parts joined over as many lines as they take, indented under the lead."""
-    lines, line = [], lead
-    for i, part in enumerate(parts):
-        text = part + (comma if i + 1 < len(parts) else "")
-        if len(line) + len(text.rstrip()) > width and line.strip():
-            lines.append(line.rstrip())
-            line = " " * len(lead)
-        line += text
-    return [*lines, line]
+def folded(text: str, indent: str = "", further: str = "") -> list[str]:
+    """Lines of at most 79 columns."""
+    return textwrap.wrap(
+        text, 79, initial_indent=indent, subsequent_indent=further, break_long_words=False, break_on_hyphens=False
+    )
 
 
-def _cell(value: Any) -> Text:
-    from rich.text import Text
-
-    text = escaped(str(value))
-    return Text(text, style=_STYLES.get(text, ""))
+def facts(rows: Iterable[tuple[str, str]], width: int = 15) -> list[str]:
+    """Lines of a name and a text, which is folded beside it."""
+    return [line for name, text in rows for line in folded(f"{name:<{width - 1}} {text}", "", " " * width)]

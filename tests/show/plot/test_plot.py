@@ -329,7 +329,7 @@ def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
 def test_nothing_else_brings_matplotlib() -> None:
     """The rooms of the workspace, and the other commands, load without it."""
     code = (
-        "import sys, urdf_ik, urdf_ik.maps.workspaces, urdf_ik.cli, urdf_ik.cli.commands.maps.workspace; "
+        "import sys, urdf_ik, urdf_ik.maps.workspaces, urdf_ik.cli, urdf_ik.cli.commands.regions; "
         "sys.exit(any(name.split('.')[0] == 'matplotlib' for name in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,11 +1,4 @@
-"""Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).
-
-Examples:
-    urdf-ik dh dh_6r --convention modified
-    urdf-ik dh ur5 --degrees -o ur5.csv
-    urdf-ik dh ur5 --degrees -f csv
-    urdf-ik dh ur5.csv -o my_ur5.urdf
-"""
+"""The command ``dh``."""
 
 from __future__ import annotations
 
@@ -22,16 +15,10 @@ from urdf_ik.kinematics.dh import DHTable
 _TABLE_FILES = (".csv", ".json")
 
 
-class DHFormat(StrEnum):
-    """Format of Denavit-Hartenberg tables."""
-
-    TABLE = "table"
-    JSON = "json"
-    CSV = "csv"
-    URDF = "urdf"
+DHFormat = StrEnum("DHFormat", ["TABLE", "JSON", "CSV", "URDF"])
 
 
-def command(
+def dh(
     *,
     robot: Annotated[
         str,
@@ -68,7 +55,13 @@ def command(
     ] = None,
     output: options.Output = None,
 ) -> None:
-    """Print or write the table, or the URDF.
+    """Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).
+
+    Examples:
+        urdf-ik dh dh_6r --convention modified
+        urdf-ik dh ur5 --degrees -o ur5.csv
+        urdf-ik dh ur5 --degrees -f csv
+        urdf-ik dh ur5.csv -o my_ur5.urdf
 
     Raises:
         typer.BadParameter: options that do not go together, or a file that cannot be written.

@@ -1,19 +1,7 @@
-"""Explain the answer to a pose: what reaches it, and what stands in the way of each solution.
-
-For each solution it says which joint is how far outside its limits, after whole turns, and which links touch. Where
-nothing reaches the pose it names the part of the arm that is too short, or the direction that joints do not control.
-With a redundancy parameter it lists the intervals that have solutions.
-
-Examples:
-    urdf-ik explain zyyzyz_6r --xyz 0 0 4 --rpy 0 0 0
-    urdf-ik explain ur5 --q 0.1,-1,1,0.2,0.3,0 --world cell.urdf
-    urdf-ik explain my_arm.urdf --tip tool0 --poses stations.csv --json
-    urdf-ik explain planar_2r --task planar-position --xyz 0.3 0 0
-"""
+"""The command ``explain``."""
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -22,18 +10,18 @@ from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cell.collision_model import CollisionModel
 from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.answers import flags
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
-from urdf_ik.cli.solutions.checked import flags
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.typing import Array
 
-_MOST_INTERVALS = 8
+_INTERVALS_SHOWN = 8
 
 
 @dataclass(frozen=True)
-class Explained:
+class _Explained:
     """The answer to one pose in words.
 
     Attributes:
@@ -55,7 +43,7 @@ class Explained:
     unchecked: str
 
 
-def command(
+def explain(
     *,
     typed: options.PoseOptions,
     seed: options.Seed = 0,
@@ -66,12 +54,22 @@ def command(
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
-    """Print the explanation of each pose.
+    """Explain the answer to a pose: what reaches it, and what stands in the way of each solution.
+
+    For each solution it says which joint is how far outside its limits, after whole turns, and which links touch.
+    Where nothing reaches the pose it names the part of the arm that is too short, or the direction that joints do
+    not control. With a redundancy parameter it lists the intervals that have solutions.
+
+    Examples:
+        urdf-ik explain zyyzyz_6r --xyz 0 0 4 --rpy 0 0 0
+        urdf-ik explain ur5 --q 0.1,-1,1,0.2,0.3,0 --world cell.urdf
+        urdf-ik explain my_arm.urdf --tip tool0 --poses stations.csv --json
+        urdf-ik explain planar_2r --task planar-position --xyz 0.3 0 0
 
     Raises:
         typer.BadParameter: an invalid target.
     """
-    from urdf_ik.cli.solutions import targets
+    from urdf_ik.cli import targets
 
     chosen.apart_from(typed)
     obstacles = read_world(world, chosen)
@@ -82,24 +80,22 @@ def command(
     wanted = target.poses if asked == "pose" else targets.of_task(arm, target.poses, asked)
     arm = arm.for_task(asked)
     found = [
-        explained(arm, k, wanted[k], None if target.redundancy is None else target.redundancy[k], obstacles, angles)
+        _explained(arm, k, wanted[k], None if target.redundancy is None else target.redundancy[k], obstacles, angles)
         for k in range(len(wanted))
     ]
-    if printed_as is ReportFormat.JSON:
-        facts = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "task": asked}
-        console.write(console.json_text({**facts, "poses": [asdict(each) for each in found]}), None)
-    else:
-        console.write(as_text(arm, target.note, found), None)
+    facts = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "task": asked}
+    data = {**facts, "poses": [asdict(each) for each in found]}
+    console.emit(data, lambda: _text(arm, target.note, found), printed_as)
 
 
-def explained(
+def _explained(
     arm: Arm,
     k: int,
     wanted: Array,
     redundancy: Array | None,
     world: World | None,
     angles: Angles,
-) -> Explained:
+) -> _Explained:
     """The answer to one target in words."""
     solutions = arm.ik(wanted, redundancy=redundancy)
     bodies = arm.cell.collisions.in_world(world)
@@ -111,7 +107,7 @@ def explained(
     if solutions.solver.task == "pose" and len(arm.solver.parameters) == 1:
         along = tuple(map(str, arm.intervals(wanted)))
     unchecked = "" if bodies.has_geometry else bodies.missing
-    return Explained(k, int(solutions.count), int(usable.count), why, each, along, unchecked)
+    return _Explained(k, int(solutions.count), int(usable.count), why, each, along, unchecked)
 
 
 def _line(arm: Arm, solutions: IKSolutions, column: int, bodies: CollisionModel, angles: Angles) -> str:
@@ -120,10 +116,9 @@ def _line(arm: Arm, solutions: IKSolutions, column: int, bodies: CollisionModel,
 
     q, chain = solutions.q[column], arm.chain
     _, out = limits.excess(q[None], arm.limits, chain.image_turns, limits.LIMIT_TOLERANCE)
-    units = [angles.unit if turning else "m" for turning in angles.turning]
     wrong = [
-        f"{arm.joint_names[i]} {abs(angles.shown(out[0])[i]):.4g} {units[i]} {'above' if out[0, i] > 0.0 else 'below'} "
-        "its limits"
+        f"{arm.joint_names[i]} {abs(angles.shown(out[0])[i]):.4g} {angles.units[i]} "
+        f"{'above' if out[0, i] > 0.0 else 'below'} its limits"
         for i in np.flatnonzero(out[0])
     ]
     pairs = bodies.colliding_pairs(q) if bodies.has_geometry else ()
@@ -133,9 +128,9 @@ def _line(arm: Arm, solutions: IKSolutions, column: int, bodies: CollisionModel,
     return f"{solutions.names[column]}: {'; '.join(wrong) or 'of use'}"
 
 
-def as_text(arm: Arm, note: str, found: list[Explained]) -> str:
+def _text(arm: Arm, note: str, found: list[_Explained]) -> str:
     """Lines for people, folded under themselves."""
-    lines = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}", *tables.folded("", note.split(" "), " ")]
+    lines = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}", *tables.folded(note)]
     for one in found:
         count = f"{one.solutions} solution{'s' * (one.solutions != 1)}, {one.of_use} of use"
         count = count if one.solutions else "no solution"
@@ -144,12 +139,12 @@ def as_text(arm: Arm, note: str, found: list[Explained]) -> str:
         lines += [line for number, text in enumerate(one.each, 1) for line in _folded(f"{number} {text}")]
         if one.intervals:
             lines += ["", f"{arm.redundancy}", f"has {len(one.intervals)} intervals with solutions:"]
-            lines += [line for text in one.intervals[:_MOST_INTERVALS] for line in _folded(text)]
-            more = len(one.intervals) - _MOST_INTERVALS
+            lines += [line for text in one.intervals[:_INTERVALS_SHOWN] for line in _folded(text)]
+            more = len(one.intervals) - _INTERVALS_SHOWN
             lines += [f"  and {more} more: --json lists them"] if more > 0 else []
         lines += _folded(f"contacts were not checked: {one.unchecked}") if one.unchecked else []
     return tables.render(*lines)
 
 
 def _folded(text: str) -> list[str]:
-    return textwrap.wrap(text, 79, initial_indent="  ", subsequent_indent="    ", break_long_words=False)
+    return tables.folded(text, "  ", "    ")

@@ -1,65 +1,37 @@
-"""Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.
-
-The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses of a file (--poses) or
-random ones (--random). Without these it is the arm's example: of 256 seeded joint vectors the one whose pose has most
-solutions. The table summarizes more than 20 poses. The status is 1 when a pose has no solution.
-
-Examples:
-    urdf-ik ik dh_6r --xyz 0.5 0.11 0.26 --quat-xyzw 0 0 0.8 0.6
-    urdf-ik ik planar_2r --task planar-position --xyz 0.1,0.05,0
-    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --collision-free --world cell.urdf
-    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --max-step 0.5
-    urdf-ik ik ur5 --random 1000 --output solutions.npz
-    urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
-"""
+"""The command ``ik``, and its choice of solutions."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import Annotated, ClassVar
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
 from typer import Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
-from urdf_ik.cli.console import Angles
-from urdf_ik.cli.errors import Status
+from urdf_ik.cli.console import Angles, Status
 from urdf_ik.cli.options import POSES, Format
 from urdf_ik.cli.progress import Progress
-from urdf_ik.cli.solutions.targets import Target
+from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support.inputs import MOST_POSES
+from urdf_ik.typing import Array
 
-
-class Metric(StrEnum):
-    """Distance between joint vectors."""
-
-    L2 = "l2"
-    MAX = "max"
-    TIME = "time"
-
-
-class Quality(StrEnum):
-    """Measure of the best solution."""
-
-    LIMITS = "limits"
-    MANIPULABILITY = "manipulability"
-    CLEARANCE = "clearance"
+Metric = Literal["l2", "max", "time"]
+Quality = Literal["limits", "manipulability", "clearance"]
 
 
 @dataclass(frozen=True)
-class Choice:
+class Choice(options.Record):
     """Options that choose solutions, as typed."""
 
-    GROUP: ClassVar[str] = "Solutions"
+    GROUP = "Solutions"
     within_limits: Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")] = False
     collision_free: Annotated[
         bool, Option("--collision-free", help="Keep those free of self-collision, and of --world.")
@@ -70,14 +42,14 @@ class Choice:
     )
     metric: Annotated[
         Metric, Option(help="Distance of --nearest: all joints, the largest one, or time.", show_default=False)
-    ] = Metric.L2
+    ] = "l2"
     max_step: Annotated[
         str | None,
         Option(metavar="V|V1,V2,...", help="Drop those with a joint further from --nearest."),
     ] = None
     best: Annotated[Quality | None, Option(help="Keep the one farthest from limits, singularity or contact.")] = None
 
-    def reference(self, arm: Arm, angles: Angles) -> NDArray[np.float64] | None:
+    def reference(self, arm: Arm, angles: Angles) -> Array | None:
         """(n,) rad or m, the joint vector of --nearest.
 
         Raises:
@@ -95,7 +67,7 @@ class Choice:
         reference = self.reference(arm, angles)
         if reference is None or target.redundancy is not None or not arm.solver.parameters:
             return target
-        found = arm.ik_nearest(target.poses, reference, metric=self.metric.value, within_limits=self.within_limits)
+        found = arm.ik_nearest(target.poses, reference, metric=self.metric, within_limits=self.within_limits)
         note = f"{target.note}; redundancy parameter: all values searched for the solution nearest to --nearest"
         return replace(target, redundancy=found.redundancy, note=note)
 
@@ -109,13 +81,12 @@ class Choice:
         if reference is not None:
             if self.best is not None:
                 raise console.usage("--best and --nearest each keep a solution; give one of them", "--best")
-        elif self.max_step is not None or self.metric is not Metric.L2:
+        elif self.max_step is not None or self.metric != "l2":
             option = "--metric" if self.max_step is None else "--max-step"
             raise console.usage("it says how near to --nearest; give that, too", option)
         if self.max_step is not None:
-            alone = len(self.max_step.replace(",", " ").split()) == 1
-            typed = console.numbers(self.max_step, "--max-step", ("V",) if alone else arm.joint_names)
-            bounds = angles.typed(np.broadcast_to(typed, (arm.dof,)))
+            names = ("V",) if len(console.split(self.max_step)) == 1 else arm.joint_names
+            bounds = angles.typed(np.broadcast_to(console.numbers(self.max_step, "--max-step", names), (arm.dof,)))
 
         def pick(solutions: IKSolutions) -> IKSolutions:
             # In this order, since images of a solution neither change its collisions nor leave the limits.
@@ -123,16 +94,16 @@ class Choice:
             solutions = solutions.collision_free(world) if self.collision_free else solutions
             solutions = solutions.turns() if self.turns else solutions
             if self.best is not None:
-                around = world if self.best is Quality.CLEARANCE else None
-                solutions = solutions.best(self.best.value, world=around)
+                around = world if self.best == "clearance" else None
+                solutions = solutions.best(self.best, world=around)
             if reference is None:
                 return solutions
-            return solutions.nearest(reference, metric=self.metric.value, within=bounds)
+            return solutions.nearest(reference, metric=self.metric, within=bounds)
 
         return pick
 
 
-def command(
+def ik(
     *,
     typed: options.PoseOptions,
     random: Annotated[
@@ -158,13 +129,26 @@ def command(
     printed_as: options.DataFormat = None,
     output: options.Output = None,
 ) -> None:
-    """Write every solution.
+    """Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.
+
+    The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses of a file
+    (--poses) or random ones (--random). Without these it is the arm's example: of 256 seeded joint vectors the one
+    whose pose has most solutions. The table summarizes more than 20 poses. The status is 1 when a pose has no
+    solution.
+
+    Examples:
+        urdf-ik ik dh_6r --xyz 0.5 0.11 0.26 --quat-xyzw 0 0 0.8 0.6
+        urdf-ik ik planar_2r --task planar-position --xyz 0.1,0.05,0
+        urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --collision-free --world cell.urdf
+        urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --max-step 0.5
+        urdf-ik ik ur5 --random 1000 --output solutions.npz
+        urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
 
     Raises:
         typer.BadParameter: an invalid target, or a file that cannot be written.
         typer.Exit: a pose has no solution.
     """
-    from urdf_ik.cli.solutions import checked, tables, targets
+    from urdf_ik.cli import answer_tables, answers, targets
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     chosen.apart_from(typed)
@@ -172,13 +156,13 @@ def command(
     arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
     keep = choice.filter_for(arm, angles, obstacles)
-    with Progress("checking solutions", "solving") as progress:
+    with Progress("checking solutions") as progress:
         asked = "pose" if task is None else task.value.replace("-", " ")
         target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
         target = choice.at_the_nearest(arm, target, angles) if asked == "pose" else target
-        few = len(target.poses) <= tables.SUMMARY_ABOVE
-        answer = checked.solve(
+        few = len(target.poses) <= answer_tables.SUMMARY_ABOVE
+        answer = answers.solve(
             arm,
             target.poses,
             keep,
@@ -190,14 +174,14 @@ def command(
             tick=progress.tick,
         )
     if (reference := choice.reference(arm, angles)) is not None:
-        far = checked.distances_from(answer.solutions, reference, choice.metric.value, angles)
+        far = answers.distances_from(answer.solutions, reference, choice.metric, angles)
         answer = replace(answer, distances=far)
     if chosen_format is Format.TABLE:
-        console.write(tables.text_of(answer, angles, target.note, to_file=output is not None), output)
+        console.write(answer_tables.text_of(answer, angles, target.note, to_file=output is not None), output)
     else:
-        console.write(checked.DATA[chosen_format](answer, angles), output)
+        console.write(answers.DATA[chosen_format](answer, angles), output)
         if output is not None:
-            console.say_written(output, tables.counted(answer), angles.unit)
+            console.say_written(output, answer.counted, angles.unit)
         if answer.unmeasured:
             typer.echo(f"errors and contacts were not checked: {answer.unmeasured}", err=True)
     if unsolved := int((answer.counts == 0).sum()):

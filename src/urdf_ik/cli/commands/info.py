@@ -1,16 +1,7 @@
-"""Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.
-
-Examples:
-    urdf-ik info zyyzyz_6r
-    urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json
-    urdf-ik info panda --lock panda_joint3=30deg
-    urdf-ik info my_arm.urdf --chains
-    urdf-ik info my_arm.urdf --allow link_4,link_6 --pairs
-"""
+"""The command ``info``: an arm, the chains of its URDF, or its pairs of links."""
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import asdict
 from typing import Annotated, Any
 
@@ -21,16 +12,22 @@ from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
+from urdf_ik.errors import UrdfIkError, listed
 from urdf_ik.kinematics.structure import AxisPair, AxisTriple
+from urdf_ik.model.urdf import UrdfModel
+from urdf_ik.model.urdf.chains import Limb
 
 _NUMBER = "a number, which orders the solutions of one pose and says nothing about another one"
 _SIGN = "the sign of the Jacobian's determinant, which changes only across a singularity"
 _NUMBERED = f"where geometry gives no name: {_NUMBER}"
 _SIGNED = f"where geometry gives no name: {_SIGN}, and {_NUMBER}"
 _UNSOLVED = "none: no solver takes this structure"
+_JOINTS_ANALYSED = 7
+"""Chains with more joints are not analysed for the table: each choice of joints to lock is an arm of its own."""
+_LIMBS_SHOWN = 12
 
 
-def command(
+def info(
     *,
     chains: Annotated[
         bool, Option("--chains", help="List the chains of the URDF instead, and the default one.")
@@ -42,83 +39,89 @@ def command(
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
-    """Print the arm, the chains of its URDF, or its pairs of links."""
+    """Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.
+
+    Examples:
+        urdf-ik info zyyzyz_6r
+        urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json
+        urdf-ik info panda --lock panda_joint3=30deg
+        urdf-ik info my_arm.urdf --chains
+        urdf-ik info my_arm.urdf --allow link_4,link_6 --pairs
+    """
     if chains and pairs:
         raise console.usage("--chains and --pairs are two lists; ask for one of them", "--pairs")
     if chains:
-        from urdf_ik.cli.commands import chains as list_of_chains
-
-        show = list_of_chains.as_json if printed_as is ReportFormat.JSON else list_of_chains.as_text
-        return console.write(show(chosen.model(), chosen.base), None)
+        model = chosen.model()
+        console.emit(_chains_data(model, chosen.base), lambda: _chains_text(model, chosen.base), printed_as)
+        return
     arm = chosen.load(degrees)
     if pairs:
         table = arm.cell.collisions.table()
-        listed = {"checked": table.checked, "allowed": [[*pair, why] for pair, why in table.allowed.items()]}
-        return console.write(console.json_text(listed) if printed_as is ReportFormat.JSON else f"{table}\n", None)
-    write = as_json if printed_as is ReportFormat.JSON else as_text
-    return console.write(write(arm, angles_of(arm, degrees)), None)
+        data = {"checked": table.checked, "allowed": [[*pair, why] for pair, why in table.allowed.items()]}
+        console.emit(data, lambda: f"{table}\n", printed_as)
+        return
+    angles = angles_of(arm, degrees)
+    console.emit(_data(arm, angles), lambda: as_text(arm, angles), printed_as)
 
 
-def as_json(arm: Arm, angles: Angles) -> str:
+def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
     """The same facts as data; a limit that is not there is null."""
     from urdf_ik.ik.cuspidality import is_cuspidal
 
     structure = arm.structure
     angle, distance = structure.imperfection
     limits = angles.shown(arm.limits.T).T
-    return console.json_text(
-        {
-            "robot": arm.name,
-            "source": arm.model.source,
-            "warnings": [str(each) for each in arm.model.warnings],
-            "base": arm.base,
-            "tip": arm.tip,
-            "units": {"angle": angles.unit, "length": "m"},
-            "locked": dict(arm.chain.locked),
-            "joints": [
-                {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
-                for name, kind, axis, (lower, upper) in zip(
-                    arm.joint_names, arm.chain.joint_types, arm.chain.directions, limits, strict=True
-                )
+    return {
+        "robot": arm.name,
+        "source": arm.model.source,
+        "warnings": [str(each) for each in arm.model.warnings],
+        "base": arm.base,
+        "tip": arm.tip,
+        "units": {"angle": angles.unit, "length": "m"},
+        "locked": dict(arm.chain.locked),
+        "joints": [
+            {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
+            for name, kind, axis, (lower, upper) in zip(
+                arm.joint_names, arm.chain.joint_types, arm.chain.directions, limits, strict=True
+            )
+        ],
+        "mimics": [follower._asdict() for follower in arm.chain.followers],
+        "structure": {
+            "pairs": [
+                {
+                    "axes": [pair.first, pair.first + 1],
+                    "relation": pair.relation,
+                    "angle": angles.angle(pair.angle),
+                    "distance": pair.distance,
+                    "off_angle": angles.angle(pair.off_angle),
+                    "off_distance": pair.off_distance,
+                }
+                for pair in structure.pairs
             ],
-            "mimics": [follower._asdict() for follower in arm.chain.followers],
-            "structure": {
-                "pairs": [
-                    {
-                        "axes": [pair.first, pair.first + 1],
-                        "relation": pair.relation,
-                        "angle": angles.angle(pair.angle),
-                        "distance": pair.distance,
-                        "off_angle": angles.angle(pair.off_angle),
-                        "off_distance": pair.off_distance,
-                    }
-                    for pair in structure.pairs
-                ],
-                "triples": [
-                    {
-                        "axes": _numbers(triple),
-                        "relation": triple.relation,
-                        "off_angle": angles.angle(triple.imperfection) if triple.relation == "parallel" else 0.0,
-                        "off_distance": triple.imperfection if triple.relation == "meet" else 0.0,
-                        "point": triple.point,
-                    }
-                    for triple in structure.triples
-                ],
-                "imperfection": {"angle": angles.angle(angle), "distance": distance},
-            },
-            "solver": {
-                "supported": bool(structure.family),
-                "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
-                "family": structure.family or None,
-                "task": arm.task,
-                "method": structure.method or None,
-                "exact": structure.is_exact if structure.family else None,
-                "cuspidal": is_cuspidal(arm.solver),
-                "max_solutions": structure.max_solutions,
-                "branches": structure.branches,
-            },
-        }
-    )
+            "triples": [
+                {
+                    "axes": _numbers(triple),
+                    "relation": triple.relation,
+                    "off_angle": angles.angle(triple.imperfection) if triple.relation == "parallel" else 0.0,
+                    "off_distance": triple.imperfection if triple.relation == "meet" else 0.0,
+                    "point": triple.point,
+                }
+                for triple in structure.triples
+            ],
+            "imperfection": {"angle": angles.angle(angle), "distance": distance},
+        },
+        "solver": {
+            "supported": bool(structure.family),
+            "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
+            "family": structure.family or None,
+            "task": arm.task,
+            "method": structure.method or None,
+            "exact": structure.is_exact if structure.family else None,
+            "cuspidal": is_cuspidal(arm.solver),
+            "max_solutions": structure.max_solutions,
+            "branches": structure.branches,
+        },
+    }
 
 
 def as_text(arm: Arm, angles: Angles) -> str:
@@ -126,38 +129,36 @@ def as_text(arm: Arm, angles: Angles) -> str:
     from urdf_ik.ik.cuspidality import in_words, is_cuspidal
     from urdf_ik.ik.solutions import branch_names
 
-    structure = arm.structure
-    unit = angles.unit
+    structure, chain = arm.structure, arm.chain
+    limits = [
+        ["none" if abs(x) == float("inf") else tables.number(x) for x in ends] for ends in angles.shown(arm.limits.T).T
+    ]
+    directions = [" ".join(f"{x:>7}" for x in tables.numbers(axis)) for axis in chain.directions]
+    columns = zip(arm.joint_names, chain.joint_types, directions, limits, angles.units, strict=True)
     joints = tables.grid(
         ["#", "joint", "type", "axis in base at q = 0", "lower", "upper", "unit"],
-        [
-            [i + 1, name, kind, _vector(axis), *(_limit(x) for x in limits), "m" if kind == "prismatic" else unit]
-            for i, (name, kind, axis, limits) in enumerate(
-                zip(
-                    arm.joint_names,
-                    arm.chain.joint_types,
-                    arm.chain.directions,
-                    angles.shown(arm.limits.T).T,
-                    strict=True,
-                )
-            )
-        ],
+        [[i, name, kind, axis, *ends, unit] for i, (name, kind, axis, ends, unit) in enumerate(columns, 1)],
         left=["joint", "type", "axis in base at q = 0", "unit"],
     )
     axes = tables.grid(
-        ["axes", "relation", f"angle [{unit}]", "distance [m]", "imperfection"],
+        ["axes", "relation", f"angle [{angles.unit}]", "distance [m]", "imperfection"],
         [_pair_row(pair, angles) for pair in structure.pairs] + [_triple_row(t, angles) for t in structure.triples],
         left=["axes", "relation", "imperfection"],
     )
+    slides = {joint.name for joint in arm.model.joints if joint.type == "prismatic"}
     facts = [
         ("robot", arm.name),
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joint{'s' if arm.dof > 1 else ''}"),
-        *[("mimics", str(follower)) for follower in arm.chain.followers],
-        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.chain.locked],
+        *[("mimics", str(follower)) for follower in chain.followers],
     ]
-    solver = [("family", structure.family or _UNSOLVED)]
-    branches = []
+    for name, value in chain.locked:
+        at = f"{value:.6g} m" if name in slides else f"{angles.angle(value):.6g} {angles.unit}"
+        facts.append(("locked", f"{name} at {at}"))
+    if allowed := len(arm.cell.disabled):
+        facts.append(("may touch", f"{allowed} pair{'s' * (allowed > 1)} of links, by the SRDF; `--pairs` lists all"))
+    facts += [("warning", str(each)) for each in arm.model.warnings]
+    solver, branches = [("family", structure.family or _UNSOLVED)], []
     if structure.family:
         solver += [("controls", arm.task)] if arm.task != "pose" else []
         solver += [
@@ -165,17 +166,14 @@ def as_text(arm: Arm, angles: Angles) -> str:
             ("solver", structure.method),
             ("solutions", structure.solutions_in_words()),
             ("imperfection", structure.imperfection_in_words()),
-            *([("cuspidal", in_words(is_cuspidal(arm.solver)))] if structure.is_6r else []),
-            *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
+            ("cuspidal", in_words(is_cuspidal(arm.solver)) if structure.is_6r else ""),
+            ("redundancy", "" if arm.redundancy is None else str(arm.redundancy)),
         ]
         if branch_names.local(structure.branches):
             solver.append(("names", _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED))
-        branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
+        branches = [f"{'' if i else 'branches':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
-    if allowed := len(arm.cell.disabled):
-        facts.append(("may touch", f"{allowed} pair{'s' * (allowed > 1)} of links, by the SRDF; `--pairs` lists all"))
-    facts += [("warning", str(each)) for each in arm.model.warnings]
-    return tables.render(_facts(facts), "", joints, "", axes, "", _facts(solver), *branches)
+    return tables.render(*tables.facts(facts, 14), "", joints, "", axes, "", *tables.facts(solver, 14), *branches)
 
 
 def _columns(branches: tuple[str, ...]) -> list[str]:
@@ -192,15 +190,6 @@ def _columns(branches: tuple[str, ...]) -> list[str]:
             lines.append(f"{start + 1:>2} to {end}  {branches[start]} to {branches[end - 1]}")
         start = end
     return lines
-
-
-def _facts(facts: list[tuple[str, str]]) -> str:
-    """Lines of a heading and its text, folded under itself."""
-    lines = []
-    for heading, text in facts:
-        folded = textwrap.wrap(text, 64, break_long_words=False, break_on_hyphens=False) or [""]
-        lines += [f"{heading if i == 0 else '':<14}{line}" for i, line in enumerate(folded)]
-    return "\n".join(lines)
 
 
 def _pair_row(pair: AxisPair, angles: Angles) -> list[str]:
@@ -230,14 +219,66 @@ def _numbers(triple: AxisTriple) -> list[int]:
     return [triple.first, triple.first + 1, triple.first + 2]
 
 
-def _vector(axis: Any) -> str:
-    return " ".join(f"{tables.number(float(x), 4):>7}" for x in axis)
+def _chains_data(model: UrdfModel, base: str | None) -> dict[str, Any]:
+    """The chains and limbs."""
+    chains = [asdict(each) for each in model.chains(base)]
+    limbs = [{**asdict(each), "family": _family(model, each)} for each in model.limbs(base)]
+    return {"robot": model.name, "source": model.source, "root": model.root, "chains": chains, "limbs": limbs}
 
 
-def _held(arm: Arm, name: str, value: float, angles: Angles) -> str:
-    slides = any(joint.name == name and joint.type == "prismatic" for joint in arm.model.joints)
-    return f"{value:.6g} m" if slides else f"{angles.angle(value):.6g} {angles.unit}"
+def _chains_text(model: UrdfModel, base: str | None) -> str:
+    """A table of the limbs, and how to choose one."""
+    chains, limbs = model.chains(base), [each for each in model.limbs(base) if each.kind != "finger"]
+    if not chains:
+        return tables.render(f"{model.source}: no chain of movable joints")
+    meant = [Limb(each.name, "chain", each.base, each.tip, each.joints) for each in chains if each.chosen]
+    there = {(each.base, each.tip) for each in limbs}
+    shown = [*(each for each in meant if (each.base, each.tip) not in there), *limbs]
+    chosen = {(each.base, each.tip) for each in meant}
+    rows = [
+        [
+            each.name,
+            len(each.joints),
+            each.base,
+            each.tip,
+            _family(model, each),
+            "yes" if (each.base, each.tip) in chosen else "",
+        ]
+        for each in shown[:_LIMBS_SHOWN]
+    ]
+    heads = ["chain", "joints", "base", "tip", "family", "meant"]
+    left = ["chain", "base", "tip", "family", "meant"]
+    table = tables.grid(heads, rows, left=left)
+    for dropped in ("base", "tip"):
+        if not tables.fits(table):
+            at = heads.index(dropped)
+            heads, rows = heads[:at] + heads[at + 1 :], [row[:at] + row[at + 1 :] for row in rows]
+            table = tables.grid(heads, rows, left=[each for each in left if each in heads])
+    notes = [f"{len(shown) - _LIMBS_SHOWN} more: --format json lists them"] if len(shown) > _LIMBS_SHOWN else []
+    for each in chains:
+        if each.chosen and each.frames:
+            notes.append(f"{each.tip} ({each.reason}); fixed to its last link, too: {listed(each.frames, 4)}")
+        if each.chosen and each.before:
+            notes.append(f"--base {model.root} takes in {listed(each.before, 4)}")
+    if fingers := [each for each in model.limbs(base) if each.kind == "finger"]:
+        notes.append("fingers: " + listed([f"{each.name} ({len(each.joints)})" for each in fingers], 4))
+    if not meant:
+        notes.append("none is meant by itself: name one with --chain, or with --base and --tip")
+    folded = [line for note in notes for line in tables.folded(note, further="  ")]
+    return tables.render(f"{model.name}: {model.source}", "", table, *([""] if folded else []), *folded)
 
 
-def _limit(value: float) -> str:
-    return "none" if abs(value) == float("inf") else tables.number(float(value), 4)
+def _family(model: UrdfModel, limb: Limb) -> str:
+    """How the limb is solved, in a few words."""
+    from urdf_ik.ik import families
+    from urdf_ik.kinematics.chain import from_urdf
+    from urdf_ik.kinematics.structure import analyse
+
+    if len(limb.joints) > _JOINTS_ANALYSED:
+        return f"lock {len(limb.joints) - _JOINTS_ANALYSED} or more"
+    try:
+        chain = from_urdf(model, limb.base, limb.tip)
+        plan = families.choose(analyse(chain), chain) if chain.n else None
+    except UrdfIkError:
+        return "broken"
+    return plan.name if plan is not None else "none"

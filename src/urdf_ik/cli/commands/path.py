@@ -1,32 +1,28 @@
-"""Follow a path: the cheapest joint motion through all waypoints, over all branches and turns.
-
-The motion is proven between the waypoints and free of contacts. Where there is none, the answer says for every start
-branch how far it gets and what stops it there. The status is 1 when there is no plan.
-
-Examples:
-    urdf-ik path zyyzyz_6r --poses seam.csv -o plan.csv --timed motion.csv
-    urdf-ik path my_arm.urdf --tip tool0 -p seam.csv --world cell.urdf --margin 0.01 --reconfigure
-    urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -p -
-    urdf-ik path ur5 --q 0,-1,1,0,1,0 --q 0.1,-1,1,0,1,0 --no-collisions
-"""
+"""The command ``path``; and the options of a path, which ``plot`` and ``view`` have too."""
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 import typer
 from typer import Option
 
-from urdf_ik.cli import console, options, tables
-from urdf_ik.cli.arm_options import ArmOptions, angles_of
-from urdf_ik.cli.console import Angles
-from urdf_ik.cli.errors import Status
-from urdf_ik.cli.options import ReportFormat
-from urdf_ik.cli.path_options import Followed, PathOptions, followed
+from urdf_ik.arm import Arm
+from urdf_ik.cell import World
+from urdf_ik.cli import console, options, tables, targets
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.console import Angles, Status
+from urdf_ik.cli.options import PoseOptions, ReportFormat
+from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError, escaped
-from urdf_ik.paths import Plan
+from urdf_ik.paths import Plan, path_settings
+from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 
@@ -34,13 +30,121 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 SUFFIXES = (".csv", ".json", ".npz")
-# Whether the straight joint motion of a change touches something.
 _FREE = {None: "not checked", True: "free", False: "hits"}
+"""Whether the straight joint motion of a change touches something."""
+_TYPES: Mapping[str, tuple[Any, str]] = {
+    "joint vector": (str, "Q1,Q2,..."),
+    "number": (float, "VALUE"),
+    "per joint": (str, "V|V1,V2,..."),
+    "length and angle": (str, "M,RAD"),
+    "flag": (bool, ""),
+    "choice": (StrEnum("Cost", {cost: cost for cost in path_settings.COSTS}), ""),
+}
+"""The type and the metavariable of an option for a setting of each kind."""
+_SHARED = {"world": options.World, "margin": options.Margin, "collisions": options.Collisions}
+"""Settings whose options other commands have, too."""
 
 
-def command(
+@dataclass(frozen=True)
+class PathOptions(options.Record):
+    """The settings of a path, as typed; None for what is not there."""
+
+    GROUP = "Path"
+    settings: dict[str, Any]
+
+    @classmethod
+    def parameters(cls) -> list[inspect.Parameter]:
+        """An option for each setting."""
+        out = []
+        for name, setting in path_settings.options().items():
+            kind, unit = setting.metadata["kind"], setting.metadata["unit"]
+            hint: Any = _SHARED.get(name)
+            if hint is None:
+                of, metavar = _TYPES[kind]
+                metavar = unit.upper() if kind == "number" and unit else metavar
+                text = f"{setting.metadata['help'].removesuffix('.')}{f' [{unit}]' if unit else ''}."
+                hint = Annotated[of | None, Option(metavar=metavar or None, help=text)]
+            out.append(options.parameter(name, hint))
+        return out
+
+    @classmethod
+    def read(cls, values: dict[str, Any]) -> Self:
+        """The settings of their options."""
+        return cls(values)
+
+    def in_rad(self, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> dict[str, Any]:
+        """The settings with their values in rad and m.
+
+        Raises:
+            typer.BadParameter: a value that is not a number, or too many or too few of them.
+            UrdfIkError: the world cannot be read.
+        """
+        out = {}
+        for name, typed in self.settings.items():
+            setting, option = path_settings.options()[name].metadata, f"--{name.replace('_', '-')}"
+            kind, value = setting["kind"], typed
+            if typed is None:
+                continue
+            if kind == "joint vector":
+                value = angles.typed(console.numbers(typed, option, names))
+            elif kind == "per joint":
+                one = len(console.split(typed)) == 1
+                value = np.broadcast_to(console.numbers(typed, option, (name,) if one else names), len(names))
+                value = angles.typed(value) if setting["unit"] else value
+            elif kind == "length and angle":
+                length, angle = console.numbers(typed, option, ("m", angles.unit)).tolist()
+                value = length, float(np.deg2rad(angle)) if angles.degrees else angle
+            elif kind == "world":
+                value = read_world(typed, chosen)
+            elif kind == "contacts":
+                value = "require" if typed else False
+            elif kind == "choice":
+                value = typed.value
+            out[name] = value
+        return out
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A plan and its inputs.
+
+    Attributes:
+        arm: the arm that follows the path.
+        plan: found or not.
+        source: the file of the waypoints, as a message calls it.
+        world: its obstacles, or None.
+        cost: the cost that is least.
+        seconds: time that the search took [s].
+    """
+
+    arm: Arm
+    plan: Plan
+    source: str
+    world: World | None
+    cost: str
+    seconds: float
+
+
+def followed(
+    arm: Arm, angles: Angles, waypoints: PoseOptions | targets.Target, path: PathOptions, chosen: ArmOptions
+) -> Followed:
+    """Read the waypoints, if they are not read yet, and the world, and follow them.
+
+    Raises:
+        typer.BadParameter: no waypoints, or a value that is not a number.
+        UrdfIkError: a file that cannot be read, or a setting that makes no sense.
+    """
+    settings = PathSettings(**path.in_rad(angles, chosen, arm.joint_names))
+    with Progress("following the path") as progress:
+        if isinstance(waypoints, PoseOptions):
+            waypoints = targets.required(arm, waypoints, angles, "waypoints")
+        plan = arm.follow(waypoints.poses, **vars(settings) | {"progress": progress.say})
+    return Followed(arm, plan, waypoints.source, settings.world, settings.cost, progress.seconds)
+
+
+def path(
     *,
-    waypoints: options.PoseOptions,
+    waypoints: PoseOptions,
     path: PathOptions,
     alternatives: Annotated[
         bool,
@@ -49,16 +153,7 @@ def command(
     chosen: ArmOptions,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
-    output: Annotated[
-        Path | None,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write the plan: .csv, .json or .npz; always rad, m.",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = None,
+    output: Annotated[Path | None, options.output("Write the plan: .csv, .json or .npz; always rad, m.")] = None,
     timed: Annotated[
         Path | None,
         Option(
@@ -68,7 +163,16 @@ def command(
         ),
     ] = None,
 ) -> None:
-    """Print the plan, or the reasons why there is none, and write the plan to a file.
+    """Follow a path: the cheapest joint motion through all waypoints, over all branches and turns.
+
+    The motion is proven between the waypoints and free of contacts. Where there is none, the answer says for every
+    start branch how far it gets and what stops it there. The status is 1 when there is no plan.
+
+    Examples:
+        urdf-ik path zyyzyz_6r --poses seam.csv -o plan.csv --timed motion.csv
+        urdf-ik path my_arm.urdf --tip tool0 -p seam.csv --world cell.urdf --margin 0.01 --reconfigure
+        urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -p -
+        urdf-ik path ur5 --q 0,-1,1,0,1,0 --q 0.1,-1,1,0,1,0 --no-collisions
 
     Raises:
         typer.BadParameter: options that make no sense.
@@ -77,8 +181,7 @@ def command(
     """
     for file, option in ((output, "--output"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:
-            kinds = ", ".join(SUFFIXES)
-            raise console.usage(f"{files.name_of(file)}: plans are written as {kinds}; name the file so", option)
+            raise console.usage(f"{file}: plans are written as {', '.join(SUFFIXES)}; name the file so", option)
         if file is not None:
             files.writable(file)
     chosen.apart_from(waypoints)
@@ -92,10 +195,8 @@ def command(
     except ArgumentError as error:  # the plan is worth having without its times
         untimed = error
     others = plan.alternatives if alternatives else ()
-    if printed_as is ReportFormat.JSON:
-        console.write(json_of(found, angles, in_time, others), None)
-    else:
-        console.write(text_of(found, angles, in_time, others), None)
+    data = _data(found, angles, in_time, others)
+    console.emit(data, lambda: _text(found, angles, in_time, others), printed_as)
     for file, content in ((output, plan), (timed, in_time)):
         if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
             getattr(content, f"to_{file.suffix.lower()[1:]}")(file)
@@ -110,126 +211,84 @@ def command(
         raise typer.Exit(Status.FAILED)
 
 
-def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
+def _text(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     count = len(plan.poses)
-    head = f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'' if count == 1 else 's'} from {found.source}"
-    lines: list[Table | str] = [head]
-    if found.world is not None:
-        lines.append(f"world: {', '.join(found.world.names)}")
-    if plan.unlooked:
-        lines.append(plan.unlooked)
-    if plan.unchecked:
-        lines.append(f"contacts not checked: {plan.unchecked}")
+    lines: list[Table | str] = [
+        f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'s' * (count != 1)} from {found.source}"
+    ]
+    lines += [] if found.world is None else [f"world: {', '.join(found.world.names)}"]
+    lines += [plan.unlooked] if plan.unlooked else []
+    lines += [f"contacts not checked: {plan.unchecked}"] if plan.unchecked else []
     took = f"in {found.seconds:.2f} s"
     if not plan.found:
-        rows = [[stop.branch, str(stop.waypoint), stop.cause, stop.reason] for stop in plan.stops]
         header = ["start branch", "before waypoint", "cause", "reason"]
-        table = tables.grid(header, rows, left=["start branch", "cause", "reason"])
-        return tables.render(*lines, f"no plan, {took}", "", table)
+        rows = [[stop.branch, stop.waypoint, stop.cause, stop.reason] for stop in plan.stops]
+        return tables.render(*lines, f"no plan, {took}", "", tables.grid(header, rows, left=(header[0], *header[2:])))
     lines += [f"found {took}", "", *_facts(found, angles, in_time), "", _joints(plan, angles)]
     if plan.changes:
-        rows = [[str(c.waypoint), c.before, c.after, _FREE[c.free]] for c in plan.changes]
         header = ["before waypoint", "from", "to", "straight joint motion"]
-        lines += ["", tables.grid(header, rows, left=["from", "to", "straight joint motion"])]
+        rows = [[c.waypoint, c.before, c.after, _FREE[c.free]] for c in plan.changes]
+        lines += ["", tables.grid(header, rows, left=header[1:])]
     if others:
-        rows = [[o.branches[0], o.branches[-1], f"{o.cost:.6g}", *_short(o, angles)] for o in others]
-        header = ["start branch", "end branch", "cost", "largest step", "room to limits", "clearance [m]"]
+        header = ["start branch", "end branch", "cost", "clearance [m]"]
+        rows = [[o.branches[0], o.branches[-1], f"{o.cost:.6g}", tables.number(_clearance(o))] for o in others]
         lines += ["", tables.grid(header, rows, left=header[:2])]
     return tables.render(*lines)
 
 
 def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     """Lines of a heading and a number."""
-    plan = found.plan
-    arm, changes = found.arm, len(plan.changes)
+    plan, arm = found.plan, found.arm
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
     used = list(dict.fromkeys(plan.branches))
     facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
     facts.append(("cost", f"{plan.cost:.6g} ({kinds[found.cost]})"))
-    facts.append(("reconfigurations", str(changes)))
-    between = len(plan.motion) - len(plan.q)
-    if between:
-        kept = "so that the tip keeps to the straight segments"
-        facts.append(("waypoints added", f"{between}, {kept}"))
-    strays = (f"{plan.tolerance[0]:g} m", f"{float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}")
-    facts.append(("tolerance", f"{' and '.join(strays)} from the straight segments, proven"))
-    step = _largest_step(plan)
-    if step is not None:
-        k, joint = step
-        value = abs(plan.q[k + 1, joint] - plan.q[k, joint])
-        facts.append(
-            ("largest step", f"{_shown(joint, value, angles)} of {arm.joint_names[joint]} to waypoint {k + 1}")
-        )
-    room, at, limited = _limit_room(plan)
-    if limited is not None:
-        text = f"{_shown(limited, room, angles)} of {arm.joint_names[limited]} at waypoint {at}"
-        facts.append(("room to a limit", text))
-    margins = plan.margins
-    if plan.obstacles is not None and np.isfinite(margins.clearance).any():
-        k = int(np.nanargmin(margins.clearance))
+    facts.append(("reconfigurations", str(len(plan.changes))))
+    if between := len(plan.motion) - len(plan.q):
+        facts.append(("waypoints added", f"{between}, so that the tip keeps to the straight segments"))
+    strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
+    facts.append(("tolerance", f"{strays} from the straight segments, proven"))
+    low, high = plan.solver.limits.T
+    room = np.minimum(plan.q - low, high - plan.q)
+    k, joint = (int(x) for x in np.unravel_index(int(np.argmin(room)), room.shape))
+    if np.isfinite(room[k, joint]):
+        shown = tables.number(angles.shown(room[k])[joint], 2 if angles.degrees else 4)
+        facts.append(("room to a limit", f"{shown} {angles.units[joint]} of {arm.joint_names[joint]} at waypoint {k}"))
+    if plan.obstacles is not None and np.isfinite(_clearance(plan)):
+        k = int(np.nanargmin(plan.margins.clearance))
         pair = plan.obstacles.pair(plan.q[k])
         names = f" between {pair[0]} and {pair[1]}" if pair else ""
-        facts.append(("least clearance", f"{margins.clearance[k]:.4f} m{names} at waypoint {k}"))
-    k = int(np.argmin(margins.manipulability))
-    facts.append(("manipulability", f"at least {margins.manipulability[k]:.4g}, at waypoint {k}"))
+        facts.append(("least clearance", f"{_clearance(plan):.4f} m{names} at waypoint {k}"))
+    k = int(np.argmin(plan.margins.manipulability))
+    facts.append(("manipulability", f"at least {plan.margins.manipulability[k]:.4g}, at waypoint {k}"))
     if in_time is not None:
         facts.append(("time", f"{in_time.duration:.3f} s ({in_time.method})"))
     return [f"{name:<18}{text}" for name, text in facts]
 
 
+def _clearance(plan: Plan) -> float:
+    """The least clearance at the waypoints [m], NaN where there is none."""
+    clearance = plan.margins.clearance
+    return np.nan if np.isnan(clearance).all() else float(np.nanmin(clearance))
+
+
 def _joints(plan: Plan, angles: Angles) -> Table:
+    """First, last, least and largest value of each joint, its largest step, and its limits."""
     digits = 2 if angles.degrees else 4
-    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T).T
+    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T)
     steps = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
+    columns = np.stack([q[0], q[-1], q.min(axis=0), q.max(axis=0), steps, *limits], axis=1)
+    named = zip(plan.solver.joint_names, angles.units, columns, strict=True)
     rows = [
-        [
-            name,
-            angles.unit if angles.turning[k] else "m",
-            *(tables.number(float(x), digits) for x in (q[0, k], q[-1, k], q[:, k].min(), q[:, k].max(), steps[k])),
-            *(tables.number(float(x), digits) if np.isfinite(x) else "none" for x in limits[k]),
-        ]
-        for k, name in enumerate(plan.solver.joint_names)
+        [name, unit, *("none" if np.isinf(x) else tables.number(x, digits) for x in row)] for name, unit, row in named
     ]
     header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
     return tables.grid(header, rows, left=["joint", "unit"])
 
 
-def _short(plan: Plan, angles: Angles) -> list[str]:
-    step, (room, _, joint) = _largest_step(plan), _limit_room(plan)
-    clearance = plan.margins.clearance
-    return [
-        "-" if step is None else _shown(step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
-        "-" if joint is None else _shown(joint, room, angles),
-        "-" if np.isnan(clearance).all() else f"{np.nanmin(clearance):.4f}",
-    ]
-
-
-def _largest_step(plan: Plan) -> tuple[int, int] | None:
-    """Waypoint before the largest step of a joint, and the joint; None for a single waypoint."""
-    if len(plan.q) < 2:
-        return None
-    steps = np.abs(np.diff(plan.q, axis=0))
-    k, joint = np.unravel_index(int(np.argmax(steps)), steps.shape)
-    return int(k), int(joint)
-
-
-def _limit_room(plan: Plan) -> tuple[float, int, int | None]:
-    """The least room to a limit [rad or m], its waypoint and its joint; without a joint where none has a limit."""
-    low, high = plan.solver.limits.T
-    room = np.minimum(plan.q - low, high - plan.q)
-    k, joint = np.unravel_index(int(np.argmin(room)), room.shape)
-    return float(room[k, joint]), int(k), int(joint) if np.isfinite(room[k, joint]) else None
-
-
-def _shown(joint: int, value: float, angles: Angles) -> str:
-    if not angles.turning[joint]:
-        return f"{tables.number(value)} m"
-    return f"{tables.number(float(angles.angle(value)), 2 if angles.degrees else 4)} {angles.unit}"
-
-
-def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
+def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> dict[str, Any]:
     """The plan with its margins, or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     data: dict[str, Any] = {
@@ -263,4 +322,4 @@ def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
                 for each in others
             ],
         }
-    return console.json_text(data)
+    return data

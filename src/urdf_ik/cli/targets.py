@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import PoseOptions
-from urdf_ik.cli.solutions.redundancy import own_values
+from urdf_ik.support import files
+from urdf_ik.typing import Array
 
 ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
     "--rpy": ("roll", "pitch", "yaw"),
@@ -37,9 +37,9 @@ class Target:
     ``source``: the file of the poses, or the option that they were typed with.
     """
 
-    poses: NDArray[np.float64]
+    poses: Array
     note: str
-    redundancy: NDArray[np.float64] | None = None
+    redundancy: Array | None = None
     source: str = ""
 
 
@@ -69,6 +69,8 @@ def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> T
         typer.BadParameter: options that exclude each other, or values that do not make a pose.
         ArgumentError: a file cannot be read.
     """
+    from urdf_ik.paths.waypoint_files import read_poses
+
     oriented = [option for option in ORIENTATIONS if _typed_as(typed, option)]
     kinds = {"--xyz": bool(typed.xyz or oriented), "--q": bool(typed.q), "--poses": typed.poses is not None}
     there = [option for option, is_there in kinds.items() if is_there]
@@ -78,14 +80,14 @@ def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> T
         q = angles.typed(console.joint_vectors(typed.q, "--q", arm.joint_names))
         return replace(_of_vectors(arm, q, "target: the tip at the joint vector that was given"), source="--q")
     if typed.poses is not None:
-        poses = console.read_poses(typed.poses, "--poses", degrees=angles.degrees)
-        place = console.place(typed.poses)
-        return Target(poses, f"poses: {len(poses)} from {place}", source=place)
+        poses = read_poses(console.opened(typed.poses, "--poses"), degrees=angles.degrees)
+        source = files.STDIN if typed.poses == console.STDIN else typed.poses
+        return Target(poses, f"poses: {len(poses)} from {source}", source=source)
     return _typed(arm, typed, oriented, angles, task) if there else None
 
 
 def required(arm: Arm, typed: PoseOptions, angles: Angles, what: str) -> Target:
-    """The poses that are given, which a message calls ``what``.
+    """The poses that are typed or in a file, which a message calls ``what``.
 
     Raises:
         typer.BadParameter: there are none, or values that do not make a pose.
@@ -97,13 +99,7 @@ def required(arm: Arm, typed: PoseOptions, angles: Angles, what: str) -> Target:
     return found
 
 
-def own_poses(arm: Arm, typed: PoseOptions, angles: Angles) -> NDArray[np.float64] | None:
-    """The poses (N, 4, 4) that are given, or None: for commands that draw poses of their own as well."""
-    found = given(arm, typed, angles)
-    return None if found is None else found.poses
-
-
-def of_task(arm: Arm, poses: NDArray[np.float64], task: str) -> NDArray[np.float64]:
+def of_task(arm: Arm, poses: Array, task: str) -> Array:
     """The targets of a task that belong to poses (N, 4, 4), as ``arm.ik(..., task=task)`` takes them.
 
     Raises:
@@ -131,7 +127,7 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     count = len(arm.solver.parameters)
     if not count:
         raise console.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
-    values = console.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
+    values = console.numbers(typed, "--redundancy", ["value"] * len(console.split(typed)))
     if not len(values) or len(values) % count:
         needed = "a value is needed" if count == 1 else f"{count} values are needed, or so many times as many, one"
         raise console.usage(f"{needed} of the {'; of the '.join(map(str, arm.solver.parameters))}", "--redundancy")
@@ -175,7 +171,7 @@ def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles
     return Target(poses, f"target: as typed{_unit(option, values, in_degrees)}", source="--xyz")
 
 
-def _unit(option: str, values: NDArray[np.float64], in_degrees: bool) -> str:
+def _unit(option: str, values: Array, in_degrees: bool) -> str:
     """The unit of typed angles, where it is not what is expected: rad, and rarely more than a turn of them."""
     if in_degrees:
         return f", {option} in degrees"
@@ -190,9 +186,14 @@ def _of_less(arm: Arm) -> str:
     return "" if arm.task == "pose" else f"; {arm.name} controls its {arm.task}: --task {arm.task.replace(' ', '-')}"
 
 
-def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:
+def own_redundancy(arm: Arm, q: Array) -> Array | None:
+    """Redundancy parameters of joint vectors (N, n); None for an arm without one."""
+    return None if arm.redundancy is None else arm.redundancy_of(q)
+
+
+def _of_vectors(arm: Arm, q: Array, note: str) -> Target:
     """The poses of joint vectors (N, n), with the redundancy parameters of these joint vectors."""
-    return Target(arm.fk(q), note, own_values(arm, q))
+    return Target(arm.fk(q), note, own_redundancy(arm, q))
 
 
 def _example(arm: Arm, angles: Angles, seed: int) -> Target:
@@ -201,7 +202,7 @@ def _example(arm: Arm, angles: Angles, seed: int) -> Target:
     lower, upper = arm.limits.T
     rounded = np.round(q, 1)
     q = np.where((rounded >= lower) & (rounded <= upper), rounded, q)
-    solutions = arm.ik(arm.fk(q), redundancy=own_values(arm, q))
+    solutions = arm.ik(arm.fk(q), redundancy=own_redundancy(arm, q))
     regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
     inside = solutions.within_limits().valid.sum(axis=-1)
     best = int(np.lexsort((-inside, -regular))[0])
@@ -209,7 +210,7 @@ def _example(arm: Arm, angles: Angles, seed: int) -> Target:
     return _of_vectors(arm, q[best : best + 1], f"target: this arm's example, the tip at q = {shown}")
 
 
-def _draws(arm: Arm, count: int, seed: int, share: float = 1.0) -> NDArray[np.float64]:
+def _draws(arm: Arm, count: int, seed: int, share: float = 1.0) -> Array:
     """Joint vectors (count, n) from the middle ``share`` of the limits, within half a turn or a metre of zero."""
     turning = np.array([kind != "prismatic" for kind in arm.chain.joint_types])
     reach = np.where(turning, np.pi, 1.0)

@@ -1,1 +1,0 @@
-"""Commands that fit an arm to measurements."""

@@ -1,1 +1,0 @@
-"""Commands that fill a map or a data set, chunk by chunk."""

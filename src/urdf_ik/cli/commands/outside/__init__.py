@@ -1,1 +1,0 @@
-"""Commands that take an arm out of Python."""

@@ -1,0 +1,229 @@
+"""The commands ``plot`` and ``view``, which draw an arm."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+from typer import Argument, Option
+
+from urdf_ik.arm import Arm
+from urdf_ik.cli import console, options, targets
+from urdf_ik.cell import World
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.commands.path import PathOptions, followed
+from urdf_ik.cli.console import usage
+from urdf_ik.cli.progress import Progress
+from urdf_ik.errors import ArgumentError, escaped
+from urdf_ik.typing import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from urdf_ik.show.viewer import Viewer
+
+Picture = StrEnum("Picture", ["ARM", "BRANCHES", "OVERLAY", "LIMITS", "WORKSPACE", "SLIDERS", "PATH", "INTERVALS"])
+_Value = StrEnum("_Value", ["REACH", "SOLUTIONS", "MANIPULABILITY", "MARGIN", "CLEARANCE"])
+
+
+@dataclass(frozen=True)
+class _Layer(options.Record):
+    """Options of a layer of a workspace, as typed."""
+
+    GROUP = "Workspace"
+    map: Annotated[Path | None, Option(metavar="PATH", help="Map from `urdf-ik workspace`, to cut a layer from.")] = (
+        None
+    )
+    axis: Annotated[str, Option(metavar="x|y|z", help="Axis across which a layer lies.")] = "z"
+    at: Annotated[float, Option(metavar="M", help="Place of the layer on that axis [m].")] = 0.0
+    show: Annotated[
+        _Value,
+        Option(metavar="VALUE", help=f"Value of a layer's voxels: {', '.join(_Value)}.", show_default=False),
+    ] = _Value.REACH
+
+
+def plot(
+    *,
+    picture: Annotated[
+        Picture,
+        Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders, path or intervals."),
+    ] = Picture.ARM,
+    typed: options.PoseOptions,
+    seed: options.Seed = 0,
+    shapes: Annotated[bool, Option(help="The shapes of the links, too, meshes among them.")] = False,
+    layer: _Layer,
+    path: PathOptions,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    output: Annotated[Path | None, options.output("PNG, SVG or PDF. Default: a window.")] = None,
+) -> None:
+    """Draw an arm, the branches of a pose, joint limits, the workspace or a path.
+
+    Branches of a pose stand side by side or overlaid. Limits show all turns of the solutions. A path shows each
+    joint in all branches along it, limits and contacts, and the plan. Without a pose it is the arm's example,
+    without --output a window. The workspace of two turning joints is exact; any other is one layer of a map.
+
+    Examples:
+        urdf-ik plot zyyzyz_6r branches -o all_branches.png
+        urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png
+        urdf-ik plot zyyzyz_6r path --poses seam.csv -o path.png
+        urdf-ik plot srs_7r intervals -o intervals.png
+
+    Raises:
+        ArgumentError: there is no display, or the file cannot be written.
+    """
+    from urdf_ik.show import plot as pictures
+    from urdf_ik.show.plot.slider_panel import require_display
+
+    chosen.apart_from(typed)
+    arm = chosen.load(degrees)
+    angles = angles_of(arm, degrees)
+    if output is None:
+        require_display()
+    elif output.suffix.lower() not in pictures.SUFFIXES:
+        raise ArgumentError(f"{output}: pictures are written as {', '.join(pictures.SUFFIXES)}; name the file so")
+    panel = None
+    if picture is Picture.PATH:
+        figure = pictures.path(followed(arm, angles, typed, path, chosen).plan)
+    else:
+        target = targets.target(arm, typed, None, seed, angles)
+        if (count := len(target.poses)) > 1:
+            text = (
+                f"{picture.value} shows one pose, and {count} are given; 'plot {{ROBOT}} path' draws a way through them"
+            )
+            raise usage(text, "--poses")
+        q = angles.typed(console.joint_vectors(typed.q, "--q", arm.joint_names)[0]) if typed.q else None
+        if picture is Picture.SLIDERS:
+            # The object that the sliders belong to must live as long as the window.
+            panel = pictures.sliders(arm, q, window=output is None)
+            figure = panel.figure
+        elif picture is Picture.ARM:
+            figure = pictures.arm(arm, q, shapes=shapes)
+        elif picture is Picture.WORKSPACE:
+            figure = _workspace(arm, q, layer)
+        else:
+            world = read_world(path.settings["world"], chosen)
+            figure = _of_pose(arm, target, picture, shapes, degrees, world)
+    if output is None:
+        pictures.show(figure)
+    else:
+        pictures.save(figure, output)
+
+
+def _of_pose(
+    arm: Arm, target: targets.Target, picture: Picture, shapes: bool, degrees: bool, world: World | None
+) -> Figure:
+    """A picture of a pose's solutions."""
+    from urdf_ik.show import plot
+
+    if picture is Picture.INTERVALS:
+        return plot.intervals(arm.intervals(target.poses[0]), degrees=degrees)
+    solutions = arm.ik(target.poses[0], redundancy=None if target.redundancy is None else target.redundancy[0])
+    if picture is Picture.LIMITS:
+        return plot.limits(solutions)
+    return plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes, world=world)
+
+
+def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> Figure:
+    from urdf_ik.maps import workspaces
+    from urdf_ik.maps.grid import AXES
+    from urdf_ik.show import plot
+    from urdf_ik.show.plot.slider_panel import is_two_links
+
+    axis, at = layer.axis, layer.at
+    if layer.map is not None:
+        found = workspaces.opened(layer.map)
+        workspaces.require_map_of(found.about, arm)
+        return plot.workspace_slice(found, axis, at, layer.show.value)
+    if is_two_links(arm):
+        return plot.planar_workspace(workspaces.planar(arm), q)
+    if axis not in tuple(AXES):
+        raise usage(f"no axis is called {axis!r}; there are x, y and z", "--axis")
+    grid = workspaces.grid_of(arm, arm.chain.size / 30.0, None)
+    k = AXES.index(axis)
+    if not grid.lower[k] <= at <= grid.upper[k]:
+        raise usage(f"{axis} = {at:g} m is out of reach, from {grid.lower[k]:g} to {grid.upper[k]:g} m", "--at")
+    bounds = np.array([grid.lower, grid.upper])
+    bounds[:, k] = at - 0.5 * grid.voxel, at + 0.5 * grid.voxel
+    with Progress("solving poses") as progress:
+        found = workspaces.workspace(
+            arm,
+            grid.voxel,
+            bounds=bounds,
+            manipulability=layer.show is _Value.MANIPULABILITY,
+            margin=layer.show is _Value.MARGIN,
+            progress=progress.tick,
+        )
+    return plot.workspace_slice(found, axis, at, layer.show.value)
+
+
+def view(
+    *,
+    typed: options.PoseOptions,
+    path: PathOptions,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    host: Annotated[
+        str, Option(metavar="ADDRESS", help="Listen there; 0.0.0.0 lets everybody in the network in.")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        Option(metavar="PORT", help="Default: 8080, or the first free one after it.", show_default=False),
+    ] = None,
+    dark: Annotated[bool, Option("--dark", help="Light on dark.")] = False,
+    output: Annotated[Path | None, options.output("Write the scene there as one HTML page, and leave.")] = None,
+) -> None:
+    """Show an arm in the browser: every solution of a target to drag, sliders for the joints.
+
+    One pose is where the target begins. With more poses it also shows a plan to play along their path, or where each
+    branch ends; with --world, obstacles. Ctrl-C ends it.
+
+    Examples:
+        urdf-ik view ur5
+        urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000
+        urdf-ik view panda -o panda.html
+        urdf-ik view zyyzyz_6r --poses seam.csv --world cell.urdf
+
+    Raises:
+        MissingPackage: viser is not installed.
+        UrdfIkError: the port is in use, or the host is not this machine, or a file cannot be read.
+        typer.BadParameter: the file cannot be written.
+    """
+    from urdf_ik.show.viewer import Viewer
+
+    chosen.apart_from(typed)
+    arm = chosen.load(degrees)
+    angles, plan, first = angles_of(arm, degrees), None, None
+    target = targets.given(arm, typed, angles)
+    world = read_world(path.settings["world"], chosen)
+    if target is not None and len(target.poses) == 1:
+        first = target.poses[0]
+    elif target is not None:
+        plan = followed(arm, angles, target, path, chosen).plan
+        if not plan.found:
+            typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
+    if output is not None:
+        with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
+            _begin(viewer, first)
+            console.write(viewer.html(scene=True), output)
+        return
+    roots = chosen.mesh_root or ()
+    with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
+        _begin(viewer, first)
+        with suppress(KeyboardInterrupt):  # how the user ends it: the status is 0
+            typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
+            if viewer.message:
+                typer.echo(escaped(viewer.message), err=True)
+            viewer.wait()
+
+
+def _begin(viewer: Viewer, first: Array | None) -> None:
+    """Show the target's first pose."""
+    if first is not None:
+        viewer.move_target(first)
+        viewer.settle()

@@ -1,0 +1,366 @@
+"""The commands ``workspace`` and ``placement``: where the tip reaches, and where the base should stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from typer import Option
+
+from urdf_ik.arm import Arm
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.console import Angles, usage
+from urdf_ik.cli.options import ReportFormat
+from urdf_ik.cli.progress import Progress
+from urdf_ik.errors import ArgumentError
+from urdf_ik.maps import placements, workspaces
+from urdf_ik.support import files
+
+_VALUES = ("collision-free", "manipulability", "margin", "clearance")
+
+
+@dataclass(frozen=True)
+class StoreOptions(options.Record):
+    """The folder that keeps long work and the workers that do it, as typed."""
+
+    GROUP = "Store and workers"
+    store: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Keep the work there; the same command continues it.")
+    ] = None
+    workers: Annotated[
+        int | None, Option(metavar="N", min=1, help="Processes that fill the store (urdf-ik[scale]).")
+    ] = None
+    scheduler: Annotated[
+        str | None, Option(metavar="ADDRESS", help="Dask scheduler of other workers, as tcp://HOST:PORT.")
+    ] = None
+
+    @contextmanager
+    def client(self) -> Iterator[Any]:
+        """The workers, for as long as the work takes; None for this process.
+
+        Raises:
+            typer.BadParameter: two options exclude each other, or one needs another.
+        """
+        if self.workers is None and self.scheduler is None:
+            yield None
+            return
+        if self.workers is not None and self.scheduler is not None:
+            raise usage("--scheduler has workers of its own: give it or --workers", "--workers")
+        if self.store is None:
+            raise usage("workers fill a store: give --store FOLDER, too", "--workers")
+        from urdf_ik.maps import cluster
+
+        with cluster.connect(self.scheduler, self.workers) as client:
+            yield client
+
+
+@dataclass(frozen=True)
+class MapOptions(options.Record):
+    """Options of a map that have the names of ``urdf_ik.maps.workspace``'s arguments."""
+
+    GROUP = "Map"
+    voxel: Annotated[
+        float | None, Option(metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
+    ] = None
+    orientations: Annotated[
+        int | None,
+        Option(metavar="N", min=1, help="Number of them at each voxel. Default: 200.", show_default=False),
+    ] = None
+    bounds: Annotated[
+        str | None, Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: the reach of the links.")
+    ] = None
+    values: Annotated[
+        str | None,
+        Option(
+            metavar="KINDS",
+            help="Keep more of each voxel: manipulability, margin, and collision-free, clearance (slow); with commas.",
+        ),
+    ] = None
+    threads: options.Threads = 1
+
+    def changed(self) -> dict[str, Any]:
+        """The options that differ from their defaults.
+
+        Raises:
+            typer.BadParameter: an unknown value, or a box that is none.
+        """
+        out = {name: value for name, value in asdict(self).items() if value != getattr(MapOptions, name)}
+        for kind in console.split(out.pop("values", "")):
+            if kind not in _VALUES:
+                raise usage(f"no value is called {kind!r}; there are {', '.join(_VALUES)}", "--values")
+            out[kind.replace("-", "_")] = True
+        return out if self.bounds is None else out | {"bounds": console.box(self.bounds, "--bounds").tolist()}
+
+
+def workspace(
+    *,
+    map: MapOptions,  # noqa: A002  the group of its options
+    world: options.World = None,
+    work: StoreOptions,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: Annotated[Path | None, options.output("Write the map here, as .npz.")] = None,
+) -> None:
+    """The region that the tip reaches: exact for a planar arm, a map for any other.
+
+    Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any other arm: a map of voxels
+    x orientations, with the number of solutions, how many are within limits, and the share that each branch covers.
+    `urdf-ik plot --map` draws it. With --store it is computed on the disk, block by block: killed at any moment,
+    the same command continues where it stopped.
+
+    Examples:
+        urdf-ik workspace planar_2r --degrees
+        urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz
+        urdf-ik workspace zyyzyz_6r --voxel 0.25 --orientations 50 --store map.zarr --workers 2
+
+    Raises:
+        typer.BadParameter: options that exclude each other.
+        ArgumentError: ``output`` cannot be written, or an option has an invalid value.
+        JobError: the store, the scheduler or the workers cannot be used.
+    """
+    arm = chosen.load(degrees)
+    angles, asked = angles_of(arm, degrees), map.changed()
+    if world is not None:
+        asked["world"] = read_world(world, chosen)
+    if output is not None:
+        files.writable(output)
+    if output is not None and work.store is not None:
+        raise usage("a map goes into a file or into a store: give --output or --store", "--store")
+    wants_map = bool(asked) or output is not None or work.store is not None
+    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not wants_map:
+        region = workspaces.planar(arm)
+        console.emit(_region_data(region), lambda: _region_text(region, angles), printed_as)
+        return
+    with work.client() as client, Progress("solving poses") as progress:
+        if work.store is not None:
+            found = workspaces.stored_workspace(arm, work.store, **asked, client=client, progress=progress.tick)
+        else:
+            found = workspaces.workspace(arm, **asked, output=output, progress=progress.tick)
+    console.emit(_map_data(found), lambda: _map_text(found, output or work.store), printed_as)
+
+
+def _region_text(region: workspaces.PlanarWorkspace, angles: Angles) -> str:
+    areas = [(name, part.area) for name, part in _parts(region).items()]
+    total = region.boundary.area
+    table = tables.grid(
+        ["region", "area [m2]", "share [%]"],
+        [[name, f"{area:.6f}", f"{100.0 * area / total:.1f}"] for name, area in areas],
+        left=["region"],
+    )
+    rows = [
+        [
+            name,
+            *(tables.number(float(x), 6) for x in (*arc.centre, arc.radius)),
+            *(tables.number(float(angles.angle(x)), 4) for x in (arc.start, arc.start + arc.sweep)),
+            arc.name,
+        ]
+        for name, part in _parts(region).items()
+        for arc in part.arcs
+    ]
+    header = ["arc of", "x [m]", "y [m]", "radius [m]", f"from [{angles.unit}]", f"to [{angles.unit}]", "where"]
+    head = f"{region.name}: exact workspace of two turning joints, links {region.lengths[0]:g} and "
+    return tables.render(
+        f"{head}{region.lengths[1]:g} m",
+        "",
+        table,
+        "",
+        tables.grid(header, rows, left=["arc of", "where"]),
+    )
+
+
+def _parts(region: workspaces.PlanarWorkspace) -> dict[str, workspaces.Region]:
+    return {"either elbow": region.boundary, **region.regions, "both, two solutions": region.overlap}
+
+
+def _region_data(region: workspaces.PlanarWorkspace) -> dict[str, Any]:
+    return {
+        "robot": region.name,
+        "lengths": region.lengths,
+        "axes": region.plane.axes,
+        "units": {"angle": "rad", "length": "m"},
+        "regions": {
+            name: {
+                "area": part.area,
+                "arcs": [
+                    {"centre": arc.centre, "radius": arc.radius, "start": arc.start, "sweep": arc.sweep}
+                    for arc in part.arcs
+                ],
+            }
+            for name, part in _parts(region).items()
+        },
+    }
+
+
+def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
+    about, unit = found.about, "m2" if found.about.task.startswith("planar") else "m3"
+    totals, cell = found.totals(), found.about.cell(found.grid.voxel)
+    volume, dexterous = totals.reached_voxels * cell, totals.dexterous_voxels * cell
+    shape = " x ".join(map(str, found.grid.shape))
+    lines = [
+        f"{about.robot}: {about.base} to {about.tip}, {about.task}",
+        f"{shape} voxels of {found.grid.voxel:g} m, {len(found.samples)} at each: {about.sampled}",
+        f"reached: {totals.reached_poses} of {totals.poses} poses, {totals.reached_voxels} of {totals.voxels} voxels",
+        f"volume: {volume:.4f} {unit}, in every orientation {dexterous:.4f} {unit}",
+    ]
+    names = {"solutions": "solutions", "within": "within limits", "free": "free of collision"}
+    lines += [f"{names[name]}: {count}" for name, count in totals.solutions.items()]
+    if place is not None:
+        lines.append(f"map written to {place}")
+    rows = [
+        [name, f"{100.0 * share.voxels:.1f}", f"{100.0 * share.poses:.1f}"]
+        for name, share in totals.branch_shares.items()
+    ]
+    table = tables.grid(["branch", "voxels [%]", "poses [%]"], rows, left=["branch"])
+    return tables.render(*lines, "", table)
+
+
+def _map_data(found: workspaces.WorkspaceMap) -> dict[str, Any]:
+    about, totals, cell = found.about, found.totals(), found.about.cell(found.grid.voxel)
+    return {
+        "robot": about.robot,
+        "urdf_sha256": about.urdf_sha256,
+        "task": about.task,
+        "counted": about.counted,
+        "grid": found.grid.described(),
+        "poses": {"all": totals.poses, "reached": totals.reached_poses},
+        "voxels": {"all": totals.voxels, "reached": totals.reached_voxels},
+        "volume": totals.reached_voxels * cell,
+        "dexterous_volume": totals.dexterous_voxels * cell,
+        "branches": {name: share._asdict() for name, share in totals.branch_shares.items()},
+    }
+
+
+def placement(
+    *,
+    typed: options.PoseOptions,
+    bounds: Annotated[
+        str,
+        Option(
+            metavar="X0,Y0,Z0,X1,Y1,Z1",
+            help="Box of the base's positions in the cell [m]; equal numbers: one position.",
+        ),
+    ],
+    step: Annotated[float, Option(metavar="M", help="From one position to the next [m].")],
+    headings: Annotated[int, Option(metavar="N", min=1, help="Headings of the base at each position.")] = 1,
+    mount: Annotated[
+        str | None, Option(metavar="R,P,Y", help="Orientation of the base at heading 0, for an arm that hangs.")
+    ] = None,
+    as_path: Annotated[bool, Option("--path", help="The targets are the waypoints of a path to be followed.")] = False,
+    world: options.World = None,
+    margin: options.Margin = None,
+    collisions: options.Collisions = None,
+    places: Annotated[int, Option(metavar="N", min=1, help="Number of best places to print.")] = 5,
+    show: Annotated[str, Option(metavar="VALUE", help="Score to draw: reached, branches, margin, ...")] = "reached",
+    threads: options.Threads = 1,
+    work: StoreOptions,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: Annotated[Path | None, options.output("Draw the map: PNG, SVG or PDF.")] = None,
+) -> None:
+    """Find where to put the base: every position of a grid, in every heading, with scores.
+
+    The scores are the number of targets that are reached within the limits, the number of branches, the least limit
+    margin and clearance, and with --path whether the path can be followed. The best places are printed; --output
+    draws the map. With --store it is computed on the disk and continues after a kill.
+
+    Examples:
+        urdf-ik placement zyyzyz_6r --poses seam.csv --bounds=-0.5,-0.5,0,0.5,0.5,0 --step 0.25
+        urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-0.5,0,0,0.5,0,0 --step 0.5 --path --world cell.urdf
+        urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-1,-1,0,1,1,0 --step 0.5 --headings 4 --store bases.zarr
+
+    Raises:
+        typer.BadParameter: options that exclude each other, or an unknown score.
+        ArgumentError: a file without poses, invalid options, or a picture that cannot be written.
+        JobError: the store, the scheduler or the workers cannot be used.
+    """
+    from urdf_ik.cli import targets
+    from urdf_ik.model.poses import pose
+    from urdf_ik.show import plot
+
+    chosen.apart_from(typed)
+    if show not in placements.SHOWN:
+        raise usage(f"no score is called {show!r}; there are {', '.join(placements.SHOWN)}", "--show")
+    if output is not None and output.suffix.lower() not in plot.SUFFIXES:
+        raise ArgumentError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
+    box = console.box(bounds, "--bounds")
+    turned = None
+    if mount is not None:
+        rpy = console.numbers(mount, "--mount", ("roll", "pitch", "yaw"))
+        turned = pose([0.0, 0.0, 0.0], rpy=np.deg2rad(rpy) if degrees else rpy)[:3, :3]
+    obstacles = read_world(world, chosen)
+    arm = chosen.load(degrees)
+    angles = angles_of(arm, degrees)
+    target = targets.required(arm, typed, angles, "targets")
+    with work.client() as client, Progress("scoring positions") as progress:
+        found = placements.placement(
+            arm,
+            target.poses,
+            bounds=box,
+            step=step,
+            turns=headings,
+            mount=turned,
+            path=as_path,
+            world=obstacles,
+            margin=margin or 0.0,
+            collisions=collisions,
+            threads=threads,
+            store=work.store,
+            client=client,
+            progress=progress.tick,
+        )
+    if output is not None:
+        plot.save(plot.placements(found, show), output)
+    best = found.places(places)
+    data = {
+        **found.about,
+        "reached_all": int((found.reached == len(found.targets)).sum()),
+        "places": [place._asdict() for place in best],
+    }
+    console.emit(data, lambda: _places_text(found, arm, angles, best, output), printed_as)
+
+
+def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, best: Any, picture: Path | None) -> str:
+    """The sums of a map of positions, and a table of the best ones."""
+    from urdf_ik.model.poses import to_rpy
+
+    whole = int((found.reached == len(found.targets)).sum())
+    counts = " x ".join(map(str, found.reached.shape[:3]))
+    lines = [
+        f"{found.about['robot']}: {found.about['base']} to {found.about['tip']}, {len(found.targets)} targets",
+        f"{counts} positions, {len(found.headings)} heading{'s' * (len(found.headings) > 1)} at each; "
+        f"all targets are reached from {whole} of {found.reached.size}",
+    ]
+    if found.followed is not None:
+        lines.append(f"the path is followed from {int(found.followed.sum())} of them")
+    if not found.reached.any():
+        base = best[0].pose
+        why = arm.explain(np.linalg.inv(base) @ found.targets[0]) or "it touches something"
+        at = ", ".join(tables.number(float(value), 3) for value in base[:3, 3])
+        lines += tables.folded(f"from ({at}) m, target 0: {why}")
+    if picture is not None:
+        lines.append(f"picture written to {picture}")
+    upright = bool(np.array_equal(found.mount, np.eye(3)))  # or roll and pitch are worth a column
+    header = [
+        "x [m]",
+        "y [m]",
+        "z [m]",
+        *[f"{name} [{angles.unit}]" for name in ("roll", "pitch", "yaw")[2 * upright :]],
+    ]
+    header += ["reached", "branches", "margin"]
+    header += ["clear [m]"] * (found.clearance is not None) + ["followed", "cost"] * (found.followed is not None)
+    rows = []
+    for place in best:
+        turned = angles.angle(np.asarray(to_rpy(place.pose)))
+        row = [tables.number(float(value), 3) for value in (*place.pose[:3, 3], *turned[2 * upright :])]
+        row += [str(place.reached), str(place.branches), tables.number(place.margin, 3)]
+        row += [tables.number(place.clearance, 3)] * (found.clearance is not None)
+        row += ["yes" if place.followed else "no", tables.number(place.cost, 3)] * (place.followed is not None)
+        rows.append(row)
+    return tables.render(*lines, "", tables.grid(header, rows))

@@ -1,1 +1,0 @@
-"""Targets, solutions and their checks, as ``urdf-ik ik`` reads and writes them."""
