@@ -97,7 +97,7 @@ COMMANDS = (
         (("compare", ARM), None, 2, ("1 arm given", "two to 26 can be compared")),
         (("compare", ARM, ARM, "--tip", "C=tool0"), None, 2, ("--tip", "no arm C, the last one is B")),
         (("compare", ARM, ARM, "--tip", "tool0", "--tip", "tool0"), None, 2, ("--tip", "2 times for arm A")),
-        (("compare", ARM, ARM, "--srdf", "B=no.srdf"), None, 2, ("--srdf", "no file 'no.srdf'")),
+        (("compare", ARM, ARM, "--srdf", "B=no.srdf"), None, 3, ("no.srdf",)),
         (("compare", "-", "-"), TWO_JOINTS, 2, ("only one arm", "standard input")),
         (("compare", ARM, ARM, "--lock", "B=joint_1"), None, 2, ("--lock", "'joint_1'")),
         (("compare", ARM, ARM, "--tool-rpy", "B=0,0"), None, 2, ("--tool-rpy", "roll,pitch,yaw")),

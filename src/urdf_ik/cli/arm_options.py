@@ -47,7 +47,13 @@ class ArmOptions(Record):
         None
     )
     srdf: Annotated[
-        Path | None, Option(metavar="FILE", help="SRDF: its groups are chains, its disabled pairs may touch.")
+        Path | None,
+        Option(
+            metavar="FILE",
+            exists=True,
+            dir_okay=False,
+            help="SRDF: its groups are chains, its disabled pairs may touch.",
+        ),
     ] = None
     allow: Annotated[
         list[str] | None, Option(metavar="LINK,LINK", help="Two links that may touch (`info --pairs`); repeatable.")
@@ -56,7 +62,8 @@ class ArmOptions(Record):
         list[str] | None, Option(metavar="NAME=VALUE", help="Hold a joint: rad, m, or 30deg; repeatable.")
     ] = None
     mesh_root: Annotated[
-        list[Path] | None, Option(metavar="DIR", help="Folder of meshes or ROS packages; repeatable.")
+        list[Path] | None,
+        Option(metavar="DIR", exists=True, file_okay=False, help="Folder of meshes or ROS packages; repeatable."),
     ] = None
     xacro_arg: Annotated[list[str] | None, Option(metavar="NAME:=VALUE", help="Argument of a xacro; repeatable.")] = (
         None
