@@ -13,8 +13,8 @@ import typer
 from typer import Argument, Option
 
 from urdf_ik.arm import Arm
-from urdf_ik.cli import console, options, targets
 from urdf_ik.cell import World
+from urdf_ik.cli import console, options, targets
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.commands.path import PathOptions, followed
 from urdf_ik.cli.console import usage
