@@ -40,7 +40,6 @@ ROOMS = {
     "verify.baselines": "Lock files",
     "verify.comparison": "Arms compared",
     "verify.judging": "Other solvers judged",
-    "verify.surveys": "Checks of many arms",
     "maps.cluster": "Workers",
     "maps.store": "Stores",
     "verify.crosscheck": "The cross-check against Pinocchio",
