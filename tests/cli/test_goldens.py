@@ -25,6 +25,7 @@ VOLATILE = {
     "time": "time",
     "version": "of this package",
     "urdf_ik": "its version in files",
+    "instructions": "the instruction set in use",
     "versions": "of packages",
     "made": "date and versions in a lock and in a compiled arm",
     "source": "absolute path of the URDF",

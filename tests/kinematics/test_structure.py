@@ -205,8 +205,8 @@ def test_imperfection_of_the_family(small: float) -> None:
         structure = structure_of(axes, described.points)
         assert structure.family == FAMILY[kind]
         assert structure.imperfection == pytest.approx((share * small, 0.0), rel=1e-5, abs=1e-15)
-        # The columns keep their names, whatever more may be found beside them.
-        assert list(structure.branches[:8]) == NAMED
+        # The columns keep their names, in an order that geometry gives, whatever more may be found beside them.
+        assert sorted(structure.branches[:8]) == sorted(NAMED)
         assert len(set(structure.branches)) == structure.max_solutions
     for described, kind, shift, share in ((industrial(), "wrist, 2||3", Z, 2 / 3), (ur_like(), "2||3||4, 5x6", X, 1.0)):
         points = described.points.copy()
@@ -276,7 +276,8 @@ def test_family_of_every_kind(kind: str, orthogonal: bool) -> None:
             continue  # two random axes that all but meet
         seeds += 1
         assert structure.family == FAMILY[kind]
-        assert list(structure.branches) == BRANCHES.get(structure.family, NAMED)
+        # Geometry gives the names of shoulder and elbow to columns: see tests/ik/test_branch_names.py.
+        assert sorted(structure.branches) == sorted(BRANCHES.get(structure.family, NAMED))
         assert structure.max_solutions == len(set(structure.branches)) == 8
         assert max(structure.imperfection) < 1e-13
         assert structure.method.startswith("Closed form")
@@ -294,7 +295,7 @@ def test_base_signs_and_slides_do_not_matter(kind: str) -> None:
         signs = rng.choice([-1.0, 1.0], (6, 1))
         slid = described.points + rng.uniform(-2.0, 2.0, (6, 1)) * described.axes
         found = structure_of(signs * described.axes, slid, mount=(turn, rng.uniform(-3.0, 3.0, 3)))
-        assert (found.family, found.branches) == (expected.family, expected.branches)
+        assert (found.family, sorted(found.branches)) == (expected.family, sorted(expected.branches))
         assert [p.relation for p in found.pairs] == [p.relation for p in expected.pairs]
         assert [(t.first, t.relation) for t in found.triples] == [(t.first, t.relation) for t in expected.triples]
         for pair, other in zip(found.pairs, expected.pairs, strict=True):

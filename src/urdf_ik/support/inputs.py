@@ -156,7 +156,11 @@ def whole(value: Any, what: str, error: Error = ArgumentError, *, low: int = 0, 
 
 def threads(value: Any) -> int:
     """A number of threads that share a piece of work; 'auto': one for each processor that this process may use."""
-    return min(processors(), MOST_THREADS) if value == "auto" else whole(value, "threads", low=1, high=MOST_THREADS)
+    if isinstance(value, str):
+        if value != "auto":
+            raise _refusal(value, "threads", f"a whole number from 1 to {MOST_THREADS}, or 'auto', is")
+        return min(processors(), MOST_THREADS)
+    return whole(value, "threads", low=1, high=MOST_THREADS)
 
 
 def processors() -> int:

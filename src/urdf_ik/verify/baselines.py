@@ -13,14 +13,12 @@ import math
 import os
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 from scipy.optimize import linear_sum_assignment
 
 from urdf_ik.arm import Arm
-from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError, UnsupportedArm, printable
 from urdf_ik.model.poses import as_pose_array, check_poses
@@ -48,6 +46,9 @@ from urdf_ik.verify.differences import (
 )
 from urdf_ik.verify.sampling import AT_ONCE, Answer, Planted, Pose, least_singular_value
 from urdf_ik.version import __version__
+
+if TYPE_CHECKING:
+    from urdf_ik.cell import CollisionModel
 
 FORMAT, VERSION = "urdf-ik lock", 1
 
@@ -114,6 +115,8 @@ def freeze(
     shapes, unchecked = arm.cell.to_check(collisions)
     planted = sampling.planted_vectors(arm.cell.reference, rng)
     vectors = {kind: sampling.drawn_vectors(arm, kind, rng, count) for kind, count in sampling.COUNTS.items()}
+    import pinocchio as pin  # arms are loaded and described without it
+
     made_by = (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
     baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by)
     asked: list[tuple[str, Array, Array | None]] = [("own", own, None)]

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import UnsupportedArm
@@ -95,6 +94,8 @@ def compare(
             group.add(int(valid[i].sum()), len(theirs), answer)
             differences += _records(sameness, answer, T[i], vectors[index], index, near, list(names))
         watch.step(indices.stop, 3 * n)
+    import pinocchio as pin
+
     return Completeness(
         robot=arm.name,
         base=arm.base,

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.pinocchio_reference import Reference, finite, pose_errors
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm, UrdfError
 from urdf_ik.ik.solutions import IKSolutions
@@ -21,6 +19,9 @@ from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section, quoted
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
+
+if TYPE_CHECKING:
+    from urdf_ik.cell import CollisionModel
 
 PROPERTIES = (
     "joints and limits",
@@ -109,6 +110,8 @@ def check(
         tallies += kinematics.tallies + inverse.tallies
         tallies += [] if touching is None else touching.tallies
         skipped += inverse.skipped + ([("collision", reason)] if reason else [])
+    import pinocchio as pin
+
     return CrossCheck(
         robot=arm.name,
         base=reference.base,
@@ -155,6 +158,8 @@ def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[_Collis
     """The comparison of collisions, or None and the reason why it is skipped."""
     if wanted is False:
         return None, "not asked for"
+    from urdf_ik.cell import CollisionModel
+
     shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
     if not shapes.has_geometry:
         if wanted:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.arm import Arm
-from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.typing import Array
 from urdf_ik.verify.description import Row, flat, matrix
+
+if TYPE_CHECKING:
+    from urdf_ik.cell import CollisionModel
 
 COUNTS = {"random": 20, "round": 10, "near limits": 10, "near singularity": 10}
 """Poses of each kind that a lock file has solved."""
