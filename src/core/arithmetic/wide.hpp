@@ -70,7 +70,7 @@ template <int L> struct Wide {
         return out;
     }
 
-    friend STEP Wide operator-(const Wide& a) {
+    friend PART Wide operator-(const Wide& a) {
         Wide out = a;
         out.negative = !a.negative;
         return out;
@@ -190,22 +190,22 @@ template <int L> struct WideComplex {
     WideComplex(double x) : re(x), im(0.0) {}
     WideComplex(const Wide<L>& x, const Wide<L>& y) : re(x), im(y) {}
 
-    friend STEP WideComplex operator+(const WideComplex& a, const WideComplex& b) { return {a.re + b.re, a.im + b.im}; }
-    friend STEP WideComplex operator-(const WideComplex& a, const WideComplex& b) { return {a.re - b.re, a.im - b.im}; }
-    friend STEP WideComplex operator*(const WideComplex& a, const WideComplex& b) {
+    friend PART WideComplex operator+(const WideComplex& a, const WideComplex& b) { return {a.re + b.re, a.im + b.im}; }
+    friend PART WideComplex operator-(const WideComplex& a, const WideComplex& b) { return {a.re - b.re, a.im - b.im}; }
+    friend PART WideComplex operator*(const WideComplex& a, const WideComplex& b) {
         return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
     }
     STEP WideComplex& operator+=(const WideComplex& b) { return *this = *this + b; }
     STEP WideComplex& operator-=(const WideComplex& b) { return *this = *this - b; }
 };
-template <int L> STEP WideComplex<L> operator*(const Wide<L>& f, const WideComplex<L>& a) { return {f * a.re, f * a.im}; }
+template <int L> PART WideComplex<L> operator*(const Wide<L>& f, const WideComplex<L>& a) { return {f * a.re, f * a.im}; }
 // A real number as a complex one, where V is complex.
 template <class V, int L> STEP V lifted(const Wide<L>& a) {
     if constexpr (std::is_same_v<V, Wide<L>>) return a;
     else return {a, Wide<L>(0.0)};
 }
 template <int L> STEP WideComplex<L> half(const WideComplex<L>& a) { return {half(a.re), half(a.im)}; }
-template <int L> STEP WideComplex<L> inverse(const WideComplex<L>& a) {
+template <int L> PART WideComplex<L> inverse(const WideComplex<L>& a) {
     const Wide<L> w = inverse(a.re * a.re + a.im * a.im);
     return {a.re * w, -(a.im * w)};
 }

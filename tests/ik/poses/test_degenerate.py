@@ -179,11 +179,11 @@ def test_tiny_lengths(step: int, length: float) -> None:
         assert_reached(arm, planted(arm, rng, 3))
 
 
-@pytest.mark.parametrize("first", thinned(range(0, 120, 20), 6))
-def test_random_degenerate_arms(first: int) -> None:
-    """20 random degenerate arms: no pose is lost, and an arm that is not solved is refused as UnsupportedArm."""
+@pytest.mark.parametrize("count", [20, pytest.param(120, marks=pytest.mark.slow)])
+def test_random_degenerate_arms(count: int) -> None:
+    """Of random degenerate arms no pose is lost, and an arm that is not solved is refused as UnsupportedArm."""
     solved = 0
-    for seed in range(first, first + 20):
+    for seed in range(count):
         rng = np.random.default_rng([7, seed])
         arm = urdf_ik.load(random_degenerate(rng), "base", "tool")
         try:
@@ -191,4 +191,4 @@ def test_random_degenerate_arms(first: int) -> None:
             solved += 1
         except UrdfIkError as error:
             assert isinstance(error, UnsupportedArm), f"seed {seed}: {error}"
-    assert solved > 10
+    assert solved > count // 2
