@@ -64,6 +64,7 @@ test-all: $(VENV)/.dev-installed
 
 lint: $(VENV)/.dev-installed
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/clang-format --dry-run --Werror $(CORE)
 	$(BIN)/nbstripout --verify --keep-id notebooks/*.ipynb

@@ -103,9 +103,7 @@ def _polished(reference: ReferenceModel, q: np.ndarray, target: np.ndarray) -> n
     return best
 
 
-def tally(
-    peers: list[Peer], reference: ReferenceModel, planted: np.ndarray, *, isolated: bool = False
-) -> list[Tally]:
+def tally(peers: list[Peer], reference: ReferenceModel, planted: np.ndarray, *, isolated: bool = False) -> list[Tally]:
     """Give every solver the pose of each planted joint vector (n, 6) and count what comes back.
 
     ``isolated``: only solutions at which the arm is not singular have to be there; of a curve of solutions every solver

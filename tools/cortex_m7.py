@@ -74,8 +74,10 @@ def main() -> None:
     parser.add_argument("--optimise", default="-O2")
     given = parser.parse_args()
     if missing := [program for program in (COMPILER, EMULATOR) if shutil.which(program) is None]:
-        sys.exit(f"{' and '.join(missing)} not found; Debian: gcc-arm-none-eabi libnewlib-arm-none-eabi "
-            f"libstdc++-arm-none-eabi-newlib {EMULATOR}")
+        sys.exit(
+            f"{' and '.join(missing)} not found; Debian: gcc-arm-none-eabi libnewlib-arm-none-eabi "
+            f"libstdc++-arm-none-eabi-newlib {EMULATOR}"
+        )
     print("| arm | code and constants [kB] | poses with the same count | solutions | stack [kB] |")
     print("|---|---|---|---|---|")
     differ = False

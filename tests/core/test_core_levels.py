@@ -152,9 +152,7 @@ def test_no_symbol_is_shared_between_instruction_sets() -> None:
     folders = {each.stem: each for each in build.glob("CMakeFiles/*.dir") if not each.stem.startswith(apart)}
     if shutil.which("nm") is None or not {f"core_{level}" for level in LEVELS} <= folders.keys():
         pytest.skip("nm, and the folder that the core was built in, are needed: an editable install")
-    symbols = {
-        name: set().union(*(_symbols(file) for file in folder.rglob("*.o"))) for name, folder in folders.items()
-    }
+    symbols = {name: set().union(*(_symbols(file) for file in folder.rglob("*.o"))) for name, folder in folders.items()}
     assert all(symbols[f"core_{level}"] for level in LEVELS)
     for level in LEVELS:
         for other in symbols.keys() - {f"core_{level}"}:

@@ -22,9 +22,7 @@ def test_the_readme_is_short() -> None:
 
 def test_the_command_prints_what_is_shown() -> None:
     """`urdf-ik ik zyyzyz_6r` prints what its page shows; errors, which are rounding, may differ in their digits."""
-    shown = re.search(
-        r"`make run` and `urdf-ik ik zyyzyz_6r` print:\s*```text\n(.*?)```", COMMAND, re.DOTALL
-    )
+    shown = re.search(r"`make run` and `urdf-ik ik zyyzyz_6r` print:\s*```text\n(.*?)```", COMMAND, re.DOTALL)
     assert shown is not None
     command = [sys.executable, "-m", "urdf_ik.cli", "ik", "zyyzyz_6r"]
     printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "answers/beside.hpp"
+#include "answers/referee.hpp"
 #include "families/general/collecting.hpp"
 #include "families/general/complete.hpp"
 #include "families/general/complex_roots.hpp"
@@ -15,7 +16,6 @@
 #include "families/general/eliminant.hpp"
 #include "families/general/hidden_joint.hpp"
 #include "families/general/precise_eliminant.hpp"
-#include "answers/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -16,9 +16,9 @@
 #pragma once
 
 #include "answers/on_curve.hpp"
+#include "answers/referee.hpp"
 #include "families/general/complete.hpp"
 #include "families/imperfect/certified.hpp"
-#include "answers/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
