@@ -48,12 +48,13 @@ ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos", "sincos", "remainder"}
 
 # Answers at the instruction set that a fresh process is told, which another compiler is compared with.
 _EXPECTED = """
-import sys, numpy as np, test_one_file
+import sys, native_arms, numpy as np, test_one_file
 for name, arm in test_one_file.CHOSEN:
     T, values = test_one_file.targets(arm)
     s = test_one_file.expected(arm, T, values)
     given = {} if values is None else {"values": values}
-    np.savez(f"{sys.argv[1]}/{test_one_file.place_of(name)}", T=T, q=s.q, valid=s.valid, info=s._info, **given)
+    place = f"{sys.argv[1]}/{test_one_file.place_of(name)}"
+    np.savez(place, T=T, q=s.q, valid=s.valid, flags=native_arms.flags_of(s), **given)
 """
 
 
@@ -218,7 +219,7 @@ def test_one_file_solves_as_python_does(name: str, tmp_path: Path) -> None:
 
 def same_bits(found: Answers, s: urdf_ik.IKSolutions) -> None:
     """Solutions and flags are equal to the last bit."""
-    assert (found.flags == s._info).all()
+    assert (found.flags == native_arms.flags_of(s)).all()
     assert found.q[s.valid].tobytes() == s.q[s.valid].tobytes()
 
 
@@ -281,7 +282,7 @@ def test_each_family_gives_the_same_bits_by_clang(
     wanted = [dict(np.load(of_v2 / f"{place_of(name)}.npz")) for name, _ in named]
     asked = [(each["T"], each.get("values")) for each in wanted]
     for (name, arm), each, found in zip(named, wanted, answers(unit, arms, asked), strict=True):
-        assert (found.flags == each["info"]).all(), name
+        assert (found.flags == each["flags"]).all(), name
         assert found.q[each["valid"]].tobytes() == each["q"][each["valid"]].tobytes(), name
         assert np.abs(found.zero - arm.fk(np.zeros(arm.dof))).max() < 1e-12, name
 

@@ -14,7 +14,7 @@ import numpy as np
 from core_steps import FOLDER
 from numpy.typing import NDArray
 
-from urdf_ik import _core
+from urdf_ik import IKSolutions, _core
 from urdf_ik.cmake import core
 
 Array = NDArray[np.float64]
@@ -110,3 +110,11 @@ def solved(file: Path, T: Array, values: Array | None = None, q_ref: Array | Non
         q=q, flags=flags, status=numbers[:, 0], column=numbers[:, 1], nearest=nearest, pose=pose, J=J, free=free,
         count=numbers[:, 2], images=images, allocations=int(done.stderr.split()[0]),
     )  # fmt: skip
+
+
+def flags_of(s: IKSolutions) -> NDArray[np.uint8]:
+    """The flags (m, B) of Python's answer as C has them: validity, singularities, and the status in the first."""
+    flags = s.valid.astype(np.uint8) | (np.where(s.valid, s.singular, 0).astype(np.uint8) << 1)
+    status = {"complete": 0, "incomplete": 32, "clustered": 64, "continuum": 96}
+    flags[:, 0] |= np.array([status[each] for each in s.status], np.uint8)
+    return np.asarray(flags)

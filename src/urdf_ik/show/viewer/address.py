@@ -29,21 +29,14 @@ def check(host: str, port: int | None) -> None:
         with socket.socket(family, kind, protocol) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does
             probe.bind(address)
-    except (UnicodeError, ValueError):  # a label of more than 63 characters, a null byte
-        raise ArgumentError(
-            f"{quoted(host)} is no host name or address; 127.0.0.1 is this machine alone, 0.0.0.0 everybody"
-        ) from None
-    except OSError as error:
-        if error.errno == errno.EADDRINUSE:
+    except (UnicodeError, ValueError, OSError) as error:  # a label of more than 63 characters, a null byte
+        if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
             raise ArgumentError(
                 f"port {port} on {host} is in use; name another one, or leave it out for the first free one"
             ) from None
-        if error.errno == errno.EACCES:
-            raise ArgumentError(f"port {port} on {host} is not allowed: {error.strerror}; 1024 and above are") from None
-        raise ArgumentError(
-            f"cannot listen on {quoted(host)}: {error.strerror or error}; "
-            "127.0.0.1 is this machine alone, 0.0.0.0 everybody"
-        ) from None
+        reason = getattr(error, "strerror", None) or "no host name or address"
+        hint = "127.0.0.1 is this machine alone, 0.0.0.0 everybody; ports from 1024 on are allowed"
+        raise ArgumentError(f"cannot listen on {quoted(host)}: {reason}; {hint}") from None
 
 
 def is_local(host: str) -> bool:

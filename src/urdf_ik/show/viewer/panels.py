@@ -274,8 +274,7 @@ class WorkPanel:
     Attributes:
         text: where a pose or a joint vector is pasted.
         postures: names of postures.
-        form: how the joint vector and the target are written.
-        copied: these two, to be selected and copied.
+        copied: the joint vector and the target as Python, to be selected and copied.
     """
 
     def __init__(
@@ -284,34 +283,26 @@ class WorkPanel:
         """Add the widgets; ``change`` is called with what makes the next state, ``say`` with what is wrong."""
         self._arm, self._change, self._say = arm, change, say
         self._postures = states.postures(arm)
-        self._state: State | None = None
         self._folder = gui.add_folder("Paste, copy, postures", expand_by_default=False, order=5e8)
         with self._folder:
             hint = "q = [...], 16 numbers of a matrix, or x y z and a quaternion"
             self.text = gui.add_text("Pose or q", "", hint=hint)
             self.postures = gui.add_dropdown("Posture", (_NO_POSTURE, *self._postures))
-            self.form = gui.add_dropdown("Copy as", typed_text.FORMS)
             self.copied = gui.add_markdown("")
         self._keys = [gui.add_command("Next solution", hotkey="N"), gui.add_command("Previous solution", hotkey="P")]
         on_change(self.text, self._typed)
         on_change(self.postures, self._posed)
-        self.form.on_update(lambda _: self._write())
         for key, step in zip(self._keys, (1, -1), strict=True):
             key.on_trigger(lambda _, step=step: change(lambda state: states.with_next(state, step)))
 
     def show(self, state: State) -> None:
         """Write the joint vector and the target of ``state``."""
-        self._state = state
-        self._write()
+        self.copied.content = f"```\n{typed_text.written(state.q, state.target)}\n```"
 
     def remove(self) -> None:
         """Take the widgets out of the panel again."""
         for part in (self._folder, *self._keys):
             part.remove()
-
-    def _write(self) -> None:
-        if (state := self._state) is not None:
-            self.copied.content = f"```\n{typed_text.written(state.q, state.target, self.form.value)}\n```"
 
     def _typed(self, text: str) -> None:
         if not text.strip():

@@ -14,7 +14,6 @@ from urdf_ik.model.poses import check_poses, pose
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
-FORMS = ("Python", "JSON")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _BESIDE = re.compile(r"[\s,;()\[\]]|np\.|array|tensor")
 _DIGITS = 9
@@ -55,15 +54,10 @@ def read(text: str, arm: Arm) -> tuple[str, Array]:
     )
 
 
-def written(q: Array, target: Array, form: str) -> str:
-    """A joint vector and the target's pose as lines of Python, or as JSON; :func:`read` takes each line of the first.
-
-    Example:
-        >>> written(np.array([0.5, -1.0]), np.eye(4), "JSON")[:22]
-        '{"q": [0.5, -1.0], "po'
-    """
+def written(q: Array, target: Array) -> str:
+    """A joint vector and the target's pose as lines of Python, each of which :func:`read` takes."""
     joints, matrix = ((np.round(each, _DIGITS) + 0.0).tolist() for each in (q, target))
-    return json.dumps({"q": joints, "pose": matrix}) if form == "JSON" else f"q = {joints}\npose = {matrix}"
+    return f"q = {joints}\npose = {matrix}"
 
 
 def _parsed(text: str) -> tuple[str, Array]:
