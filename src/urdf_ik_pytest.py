@@ -9,8 +9,8 @@ the arms and the locks by the fixtures ``arm`` and ``arm_lock``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -74,19 +74,19 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 @pytest.fixture(scope="session")
-def _urdf_ik_given(request: pytest.FixtureRequest) -> Given:
-    given: Given = request.param
+def _urdf_ik_given(request: pytest.FixtureRequest) -> _Given:
+    given: _Given = request.param
     return given
 
 
 @pytest.fixture(scope="session")
-def arm(_urdf_ik_given: Given) -> Arm:
+def arm(_urdf_ik_given: _Given) -> Arm:
     """The arm of ``--urdf``, each of them in turn."""
     return _urdf_ik_given.arm
 
 
 @pytest.fixture(scope="session")
-def arm_lock(_urdf_ik_given: Given) -> Baseline:
+def arm_lock(_urdf_ik_given: _Given) -> Baseline:
     """The lock of the arm of ``--urdf``; a test is skipped where there is none."""
     lock = _urdf_ik_given.lock
     if lock is None:
@@ -98,11 +98,11 @@ def arm_lock(_urdf_ik_given: Given) -> Baseline:
 def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config, items: list[pytest.Item]) -> None:
     """Add the tests of every ``--urdf`` to what was collected."""
     for given in _given(config):
-        checked = CheckedArm.from_parent(session, name=given.name, nodeid=given.name, given=given)
+        checked = _CheckedArm.from_parent(session, name=given.name, nodeid=given.name, given=given)
         items.extend(checked.collect())
 
 
-class Given:
+class _Given:
     """One ``--urdf`` with its links and its lock.
 
     Attributes:
@@ -128,12 +128,12 @@ class Given:
         import urdf_ik
 
         base, tip = self._links
-        held: dict[str, float] = {}
+        locked: dict[str, float] = {}
         if self.lock_path.is_file():
-            lock = self._read()
-            held = dict(lock.arm.locked)
-            base, tip = (lock.arm.base if base is None else base), (lock.arm.tip if tip is None else tip)
-        return urdf_ik.load(self._source, base=base, tip=tip, locked=held)
+            frozen = self._read().arm
+            locked = dict(frozen.locked)
+            base, tip = (frozen.base if base is None else base), (frozen.tip if tip is None else tip)
+        return urdf_ik.load(self._source, base=base, tip=tip, locked=locked)
 
     @cached_property
     def lock(self) -> Baseline | None:
@@ -161,26 +161,27 @@ class Given:
         return Baseline.load(self.lock_path)
 
 
-class CheckedArm(pytest.Collector):
+class _CheckedArm(pytest.Collector):
     """One ``--urdf``: loaded and checked when the first of its tests runs."""
 
-    def __init__(self, *, given: Given, **node: Any) -> None:
+    def __init__(self, *, given: _Given, **node: Any) -> None:
         super().__init__(**node)
         self.given = given
         self._reported_by = ""
         self.add_marker(MARK)
 
-    def collect(self) -> Iterator[_Stated]:
+    def collect(self) -> Iterator[_Test]:
         """One test a property of the cross-check and of the lock, and one for reading the file."""
         from urdf_ik.verify.crosscheck import PROPERTIES
 
         for name in (READABLE, *PROPERTIES):
-            yield Property.from_parent(self, name=name)
+            yield _Test.from_parent(self, name=name, check=partial(self._require_property, name))
         for kind in UNCHANGED:
-            yield Unchanged.from_parent(self, name=f"unchanged {kind}", kind=kind)
+            name = f"unchanged {kind}"
+            yield _Test.from_parent(self, name=name, check=partial(self._require_unchanged, name, kind))
 
     @cached_property
-    def report(self) -> CrossCheck | Exception:
+    def _report(self) -> CrossCheck | Exception:
         """The cross-check's report, or why there is none."""
         import urdf_ik
         from urdf_ik.verify import crosscheck
@@ -191,112 +192,104 @@ class CheckedArm(pytest.Collector):
         except urdf_ik.UrdfIkError as error:
             return error
 
-    def refuse(self, error: Exception, name: str) -> None:
+    def _refuse(self, reason: str, name: str) -> None:
         """Fail the first of the tests that runs with why there is no report, and skip the others: it is one fault.
 
         The test for reading the file may not be among those that were chosen, so any of them can be the first.
         """
         if self._reported_by in ("", name):
             self._reported_by = name
-            raise _Disagrees(str(error))
-        pytest.skip(
-            f"not run: {self.given.source} cannot be read or checked; "
-            f"the test {self._reported_by!r} failed and says why"
-        )
+            raise _Disagrees(reason)
+        words = f"{self.given.source} cannot be read or checked; the test {self._reported_by!r} failed and says why"
+        pytest.skip(f"not run: {words}")
+
+    def _require_property(self, name: str) -> None:
+        """Fail where a property does not hold; skip where the arm has no such thing, such as collision shapes."""
+        from urdf_ik.verify.testing import verdict
+
+        report = self._report
+        if isinstance(report, Exception):
+            self._refuse(str(report), name)
+        elif name != READABLE:
+            holds, words = verdict(report, name)
+            if holds is None:
+                pytest.skip(words)
+            if not holds:
+                replay = [line for line in report.lines() if line.startswith("replay: ")]
+                raise _Disagrees("\n".join([report.title(), words, *replay]))
+
+    def _require_unchanged(self, name: str, kind: str) -> None:
+        """Fail where something of a kind differs from the lock; skip where there is no lock."""
+        import urdf_ik
+        from urdf_ik.verify.baselines import replays
+        from urdf_ik.verify.differences import summed
+
+        given = self.given
+        try:
+            report = given.verification
+        except urdf_ik.UrdfIkError as error:
+            self._refuse(str(error), name)
+            return
+        if report is None:
+            pytest.skip(f"no lock file {given.lock_path.name}: pytest --urdf-freeze writes it")
+        if wrong := tuple(difference for difference in report.differences if difference.kind == kind):
+            lines = [
+                f"{report.title()}: {kind}",
+                *(f"  {line}" for line in summed(wrong)),
+                *replays(wrong),
+                f"with: arm = urdf_ik.load({given.source!r}, {report.arm.base!r}, {report.arm.tip!r})",
+                f"      lock = urdf_ik.verify.baselines.Baseline.load({str(given.lock_path)!r})",
+                f"if that is meant: urdf-ik verify {given.source} {given.lock_path.name} --update",
+            ]
+            raise _Disagrees("\n".join(lines))
 
 
-class _Stated(pytest.Item):
+class _Test(pytest.Item):
     """A test that fails with a sentence."""
 
+    def __init__(self, *, check: Callable[[], None], **node: Any) -> None:
+        super().__init__(**node)
+        self._check = check
+
+    def runtest(self) -> None:
+        """Check."""
+        self._check()
+
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """The property's own words instead of this module's source."""
-        if isinstance(excinfo.value, _Disagrees):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
+        """The check's own words instead of this module's source."""
+        return str(excinfo.value) if isinstance(excinfo.value, _Disagrees) else super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where it comes from, and its heading."""
         return self.path, None, self.name
 
 
-class Property(_Stated):
-    """One property of one arm."""
-
-    def runtest(self) -> None:
-        """Fail where it does not hold; skip where the arm has no such thing, such as collision shapes."""
-        from urdf_ik.verify.testing import verdict
-
-        assert isinstance(self.parent, CheckedArm)
-        report = self.parent.report
-        if isinstance(report, Exception):
-            self.parent.refuse(report, self.name)
-            return
-        if self.name == READABLE:
-            return
-        holds, words = verdict(report, self.name)
-        if holds is None:
-            pytest.skip(words)
-        if not holds:
-            replay = [line for line in report.lines() if line.startswith("replay: ")]
-            raise _Disagrees("\n".join([report.title(), words, *replay]))
-
-
-class Unchanged(_Stated):
-    """One kind of differences to the lock of one arm."""
-
-    def __init__(self, *, kind: str, **node: Any) -> None:
-        super().__init__(**node)
-        self._kind = kind
-
-    def runtest(self) -> None:
-        """Fail where there is one; skip where there is no lock."""
-        import urdf_ik
-        from urdf_ik.verify.differences import summed
-
-        assert isinstance(self.parent, CheckedArm)
-        given = self.parent.given
-        try:
-            found = given.verification
-        except urdf_ik.UrdfIkError as error:
-            self.parent.refuse(error, self.name)
-            return
-        if found is None:
-            pytest.skip(f"no lock file {given.lock_path.name}: pytest --urdf-freeze writes it")
-        wrong = tuple(each for each in found.differences if each.kind == self._kind)
-        if wrong:
-            replay = dict.fromkeys(f"replay: {each.replay}" for each in wrong if each.replay)
-            read = f"arm = urdf_ik.load({given.source!r}, {found.arm.base!r}, {found.arm.tip!r})"
-            lock = f"lock = urdf_ik.verify.baselines.Baseline.load({str(given.lock_path)!r})"
-            words = [*(f"  {line}" for line in summed(wrong)), *replay, f"with: {read}", f"      {lock}",
-                     f"if that is meant: urdf-ik verify {given.source} {given.lock_path.name} --update"]  # fmt: skip
-            raise _Disagrees("\n".join([f"{found.title()}: {self._kind}", *words]))
-
-
 class _Disagrees(AssertionError):
     """A property does not hold."""
 
 
-def _given(config: pytest.Config) -> list[Given]:
+def _given(config: pytest.Config) -> list[_Given]:
     """Every ``--urdf``, the same objects whenever they are asked for."""
-    kept: list[Given] | None = config.stash.get(_KEPT, None)
-    if kept is None:
+    if _KEPT not in config.stash:
         sources = config.getoption("--urdf")
         options = ("--base", "--tip", "--urdf-lock")
-        each = [_one_each(config.getoption(option), option, len(sources)) for option in options]
-        kept = config.stash[_KEPT] = []
-        for k, (source, base, tip, lock) in enumerate(zip(sources, *each, strict=True)):
+        values = [_one_each(config.getoption(option), option, len(sources)) for option in options]
+        config.stash[_KEPT] = []
+        for k, (source, base, tip, lock) in enumerate(zip(sources, *values, strict=True)):
             name = source if sources.count(source) == 1 else f"{source}[{base or tip or k}]"
-            kept.append(Given(config, name, source, (base, tip), lock))
-    return kept
+            config.stash[_KEPT].append(_Given(config, name, source, (base, tip), lock))
+    return config.stash[_KEPT]
 
 
-_KEPT = pytest.StashKey[list[Given]]()
+_KEPT = pytest.StashKey[list[_Given]]()
 
 
-def _one_each(given: list[str], option: str, n: int) -> list[str | None]:
+def _one_each(values: list[str], option: str, n: int) -> list[str | None]:
     """One value for each of n arms."""
-    if len(given) <= 1:
-        return [given[0] if given else None] * n
-    if len(given) != n:
-        raise pytest.UsageError(f"{option} is given {len(given)} times, --urdf {n} times: one for all, or one for each")
-    return list(given)
+    if len(values) <= 1:
+        return [values[0] if values else None] * n
+    if len(values) != n:
+        raise pytest.UsageError(
+            f"{option} is given {len(values)} times, --urdf {n} times: one for all, or one for each"
+        )
+    return list(values)

@@ -15,7 +15,7 @@ from cases import described, from_catalogue
 
 import urdf_ik
 from urdf_ik.cell.pinocchio_reference import Reference
-from urdf_ik.errors import UnsupportedArm, UrdfIkError
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.verify import completeness
 from urdf_ik.verify.completeness import BOTH, CORNER, DISTANCES, SECOND, SOLVER, Completeness, Difference, Group
 from urdf_ik.verify.sameness import Sameness
@@ -187,19 +187,8 @@ def test_poses_lie_where_they_are_said_to() -> None:
         assert len(signs) == 2
 
 
-def test_progress_counts_up_to_the_end() -> None:
-    """Progress ends with all poses done."""
-    seen: list[tuple[int, int]] = []
-    completeness.compare(loaded("zyyzyz_6r"), 10, progress=lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (30, 30) and seen == sorted(seen)
-
-
-def test_senseless_requests_are_refused() -> None:
-    """No pose, a seed below zero, an arm that is not one of six turning joints."""
-    with pytest.raises(UrdfIkError, match="n=0"):
-        completeness.compare(loaded("zyyzyz_6r"), 0)
-    with pytest.raises(UrdfIkError, match="seed=-1"):
-        completeness.compare(loaded("zyyzyz_6r"), 1, -1)
+def test_an_arm_of_five_joints_is_refused() -> None:
+    """The second method is for six turning joints."""
     five = standard_dh("five", (1.5, 0.3, 0.9, -0.7, 1.1), (0.1, 0.4, 0.2, 0.1, 0.0), (0.3, 0.0, 0.1, 0.2, 0.1))
     with pytest.raises(UnsupportedArm, match="six turning joints"):
         completeness.compare(urdf_ik.load(five.urdf, base="base", tip="tool"), 1)

@@ -161,7 +161,9 @@ def test_an_answer_without_its_double_solution_is_not_accepted() -> None:
     assert less[0] is None and "no solution stands for it" in less[1]
 
 
-@pytest.mark.parametrize("quarters", [(1, 1, 2, -1, -1, -1), (2, 1, 2, -1, 1, -1)])
+@pytest.mark.parametrize(
+    "quarters", [(1, 1, 2, -1, -1, -1), pytest.param((2, 1, 2, -1, 1, -1), marks=pytest.mark.slow)]
+)
 def test_where_two_folds_meet_a_solution_stands_for_four_roots(quarters: tuple[int, ...]) -> None:
     """Four roots are within 1e-5 rad. The answer is clustered: it would not pass as complete, or without a solution."""
     arm = described(upright_ur()).arm

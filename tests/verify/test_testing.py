@@ -100,6 +100,7 @@ def test_plugin_stands_beside_the_users_tests(pytester: pytest.Pytester) -> None
     done.stdout.no_fnmatch_line("*Traceback*")
 
 
+@pytest.mark.slow
 def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> None:
     """A file that is no URDF fails one test, with the reader's message; an unsolved arm fails what it lacks."""
     pytester.path.joinpath("broken.urdf").write_text("<robot name='x'><link")
@@ -119,6 +120,7 @@ def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> N
     wrong.stderr.fnmatch_lines(["*--tip is given 2 times, --urdf 3 times*"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spelled", ["--urdf {0}", "--urdf={0}", "--urdf {0} --urdf-lock {1}"])
 def test_plugin_leaves_the_root_and_the_configuration_alone(pytester: pytest.Pytester, spelled: str) -> None:
     """An absolute URDF of another folder, in any spelling: rootdir and pytest.ini stay those of the working folder."""
@@ -142,6 +144,7 @@ def test_plugin_leaves_the_root_and_the_configuration_alone(pytester: pytest.Pyt
     )
 
 
+@pytest.mark.slow
 def test_plugin_freezes_verifies_and_names_the_joint(pytester: pytest.Pytester) -> None:
     """--urdf-freeze writes what is missing; every small change fails the test of its kind, and names the joint."""
     arm = urdf_ik.load(ARM)
@@ -167,6 +170,7 @@ def test_plugin_freezes_verifies_and_names_the_joint(pytester: pytest.Pytester) 
     assert missing.ret == pytest.ExitCode.TESTS_FAILED
 
 
+@pytest.mark.slow
 def test_plugin_hands_arms_and_locks_to_the_users_tests(pytester: pytest.Pytester) -> None:
     """Each test that takes them runs once an arm; without --urdf it is skipped; a fixture of the user's goes first."""
     pytester.makepyfile("def test_own(arm, arm_lock):\n    assert arm_lock.verify(arm).passed\n")

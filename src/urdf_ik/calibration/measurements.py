@@ -17,7 +17,6 @@ from urdf_ik.paths import read_waypoints
 from urdf_ik.paths.waypoint_files import ORIENTATIONS, POSITION
 from urdf_ik.support import files, inputs
 from urdf_ik.support.tables import Table, read_table
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 KINDS = {"pose": 6, "position": 3, "distance": 1, "plane": 1}
@@ -160,7 +159,7 @@ def _joint_columns(arm: Arm, name: str, table: Table) -> list[str]:
     if missing := [joint for joint in arm.joint_names if header.count(joint) != 1]:
         problem = "twice" if missing[0] in header else "no column for it"
         raise ArgumentError(
-            f"{name}, line {table.first}: joint {quoted(missing[0])}: {problem}; the header is {','.join(header)}, and "
+            f"{name}, line {table.first}: joint {missing[0]!r}: {problem}; the header is {','.join(header)}, and "
             f"the joints are {', '.join(arm.joint_names)}"
         )
     return list(arm.joint_names)

@@ -19,7 +19,6 @@ from urdf_ik.model.poses import pose, to_rotvec
 from urdf_ik.model.urdf import Joint
 from urdf_ik.model.urdf.edits import text_of, with_numbers
 from urdf_ik.support import files, inputs
-from urdf_ik.support.text import quoted
 
 JOINTS = {
     "shoulder": "shoulder_pan_joint",
@@ -92,7 +91,7 @@ def _origin(name: str, link: str, numbers: Any, wanted: str) -> tuple[float, ...
         except (KeyError, TypeError, ValueError):
             value = math.nan
         if not math.isfinite(value):
-            raise ArgumentError(f"{name}: {link}: {each} is {quoted(numbers.get(each))}; a finite number is needed")
+            raise ArgumentError(f"{name}: {link}: {each} is {numbers.get(each)!r}; a finite number is needed")
         out.append(value)
     if max(map(abs, out[:3])) > 10.0:
         raise ArgumentError(f"{name}: {link}: {out[:3]} is no place in m; is it in mm?")
@@ -146,9 +145,9 @@ def _joints(arm: Arm) -> dict[str, Joint]:
         own = [joint for joint in ending if joint.name in arm.joint_names] or ending
         if len(own) != 1:
             raise UrdfError(
-                f"no joint {quoted(suffix)}, with a prefix or without"
+                f"no joint {suffix!r}, with a prefix or without"
                 if not own
-                else f"{len(own)} joints {quoted(suffix)}",
+                else f"{len(own)} joints {suffix!r}",
                 source=arm.model.source,
                 hint="a kinematics YAML belongs to one arm of Universal Robots; choose it by base and tip",
             )

@@ -20,12 +20,12 @@ from scipy.optimize import linear_sum_assignment
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import Reference
-from urdf_ik.errors import ArgumentError, UnsupportedArm, printable
+from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import files, inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.report import Report, from_plain
-from urdf_ik.support.text import plain, quoted
+from urdf_ik.support.text import plain
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
@@ -100,7 +100,7 @@ def freeze(
     Raises:
         PoseError: one of ``poses`` is no pose.
         UrdfError: ``collisions="require"``, and not all shapes can be read.
-        ArgumentError: ``collisions``, ``seed``, ``time_limit`` or ``progress`` is none of these.
+        ArgumentError: ``collisions``, ``time_limit`` or ``progress`` is none of these.
 
     Example:
         >>> import urdf_ik
@@ -110,7 +110,7 @@ def freeze(
     """
     inputs.arm(arm)
     watch = Watch(time_limit, progress)
-    rng = np.random.default_rng(inputs.whole(seed, "seed", high=2**64))
+    rng = np.random.default_rng(seed)
     own = np.zeros((0, 4, 4)) if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     shapes, unchecked = arm.cell.to_check(collisions)
     planted = sampling.planted_vectors(arm.cell.reference, rng)
@@ -179,7 +179,7 @@ class Baseline:
         count = sum(len(pose.answers) for pose in self.poses)
         facts = [f"{len(self.poses)} poses", f"{count} solutions"]
         facts += [f"contacts {self.contacts}"] * bool(self.contacts) + [self.unlooked] * bool(self.unlooked)
-        return f"<Baseline of {printable(self.arm.title)}: {', '.join(facts)}>"
+        return f"<Baseline of {self.arm.title}: {', '.join(facts)}>"
 
     def verify(
         self,
@@ -230,7 +230,7 @@ class Baseline:
                 today = _answers_of_today(self, arm, order, "collisions" in skipped, notes, watch)
             except UnsupportedArm as error:
                 if self.poses:
-                    words = f"the arm cannot be solved any more: {printable(error, 300)}"
+                    words = f"the arm cannot be solved any more: {error}"
                     differing.append(Difference("solutions", "", words))
             differing += _solutions(self, today, arm, order, tolerance)
         unlooked = ""
@@ -289,12 +289,12 @@ class Baseline:
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:
-            raise ArgumentError(f"{name} is no lock file: {printable(error, 200)}{hint}") from None
+            raise ArgumentError(f"{name} is no lock file: {error}{hint}") from None
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             raise ArgumentError(f'{name} is no lock file: it has no "format": "{FORMAT}"{hint}')
         if data.get("version") != VERSION:
-            version = quoted(data.get("version"))
-            raise ArgumentError(f"{name} is a lock file of version {version}; this release reads {VERSION}{hint} anew")
+            version = f"version {data.get('version')!r}; this release reads {VERSION}"
+            raise ArgumentError(f"{name} is a lock file of {version}{hint} anew")
         try:
             arm = from_dict(data["arm"])
             poses = [{**pose, "answers": pose["solutions"]} for pose in data["poses"]]
@@ -311,7 +311,7 @@ class Baseline:
             baseline._require_complete()
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"{type(error).__name__} {error}"
-            raise ArgumentError(f"{name} is a damaged lock file: {printable(reason, 200)}{hint} anew") from None
+            raise ArgumentError(f"{name} is a damaged lock file: {reason}{hint} anew") from None
         return baseline
 
     def _require_complete(self) -> None:
@@ -327,7 +327,7 @@ class Baseline:
                 raise ValueError(f"{name}: {width} finite numbers are needed")
         for kind in (*(planted.kind for planted in self.planted), *(pose.kind for pose in self.poses)):
             if kind not in sampling.KINDS:
-                raise ValueError(f"no kind of pose: {quoted(kind)}")
+                raise ValueError(f"no kind of pose: {kind!r}")
 
 
 def _lines(value: Any, indent: str = "\n") -> str:
@@ -400,7 +400,7 @@ def _notes(then: Description, now: Description) -> list[str]:
     if then.family != now.family:
         out.append(f"the family was {then.family or 'none'}, and is {now.family or 'none'}")
     if then.robot != now.robot:
-        out.append(f"the robot's name was {printable(then.robot)!r}, and is {printable(now.robot)!r}")
+        out.append(f"the robot's name was {then.robot!r}, and is {now.robot!r}")
     return out
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,7 @@ from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.report import Report
-from urdf_ik.support.text import Section, quoted
+from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT as TOLERANCES
 from urdf_ik.typing import Array
 from urdf_ik.verify.description import described, parameters_of
@@ -43,7 +43,6 @@ from urdf_ik.verify.sampling import redundancy_at, solutions_of
 
 _SAMPLES = 20_000
 _ROUNDING = 1e-9  # rad, m: an imperfection that is no more than rounded decimals
-_MM = 1000.0
 # 'solution 3', 'further 1': such a number says nothing about the posture, unlike 'elbow up'.
 _NUMBERED = re.compile(r"\d+$")
 
@@ -81,7 +80,7 @@ def compare(
         The comparison; ``print`` it, or take its fields.
 
     Raises:
-        ArgumentError: n is below 1, the seed or a tolerance is negative, or a kind cannot be ignored.
+        ArgumentError: n is below 1, a tolerance is negative, or a kind cannot be ignored.
         PoseError: one of ``poses`` is invalid.
 
     Example:
@@ -92,9 +91,8 @@ def compare(
     """
     inputs.arm(a, "a")
     inputs.arm(b, "b")
-    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    n = inputs.poses(n)
     notes: list[str] = []
-    inputs.callback(progress, "progress")
     tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
     own = None if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     order, reason = _order(a, b)
@@ -138,12 +136,12 @@ def compare(
     )
 
 
-def _side(arm: Arm) -> Side:
-    prismatic = tuple(bool(slides) for slides in arm.chain.prismatic)
-    return Side(arm.name, arm.model.source, arm.base, arm.tip, arm.joint_names, prismatic)
+def _side(arm: Arm) -> _Side:
+    prismatic = tuple(arm.chain.prismatic.tolist())
+    return _Side(arm.name, arm.model.source, arm.base, arm.tip, arm.joint_names, prismatic)
 
 
-def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
+def _structure(a: Arm, b: Arm) -> tuple[_Fact, ...]:
     """Structural properties of both arms, and the relations between axes that differ."""
 
     def known(arm: Arm) -> dict[str, str]:
@@ -171,9 +169,9 @@ def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
         return out
 
     left, right = known(a), known(b)
-    facts = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    facts = [_Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
     left, right = related(a), related(b)
-    relations = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    relations = [_Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
     return (*facts, *(fact for fact in relations if not fact.same))
 
 
@@ -184,7 +182,7 @@ def _off(arm: Arm) -> str:
     return f"off by {angle:.2g} rad, {distance:.2g} m"
 
 
-def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[AxisChange, ...]:
+def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[_AxisChange, ...]:
     out = []
     for i, k in enumerate(order):
         u, v = a.chain.H[i], b.chain.H[k]
@@ -192,17 +190,14 @@ def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[AxisChange, ...]:
         slides = bool(a.chain.prismatic[i])
         distance = 0.0 if slides else float(np.linalg.norm(np.cross(a.chain.points[i] - b.chain.points[k], v)))
         flipped = angle > np.pi - TOLERANCES.near_angle
-        out.append(AxisChange(a.joint_names[i], b.joint_names[k], angle, distance, flipped))
+        out.append(_AxisChange(a.joint_names[i], b.joint_names[k], angle, distance, flipped))
     return tuple(out)
 
 
-def _limits(a: Arm, b: Arm, order: list[int]) -> tuple[LimitChange, ...]:
-    def bounds(arm: Arm, i: int) -> tuple[float, float]:
-        lower, upper = arm.limits[i]
-        return float(lower), float(upper)
-
+def _limits(a: Arm, b: Arm, order: list[int]) -> tuple[_LimitChange, ...]:
     return tuple(
-        LimitChange(a.joint_names[i], b.joint_names[k], bounds(a, i), bounds(b, k)) for i, k in enumerate(order)
+        _LimitChange(a.joint_names[i], b.joint_names[k], tuple(a.limits[i].tolist()), tuple(b.limits[k].tolist()))
+        for i, k in enumerate(order)
     )
 
 
@@ -312,8 +307,8 @@ def _order(a: Arm, b: Arm) -> tuple[list[int] | None, str]:
     for i, k in enumerate(order):
         if a.chain.prismatic[i] != b.chain.prismatic[k]:
             kinds = ["slides" if arm.chain.prismatic[j] else "turns" for arm, j in ((a, i), (b, k))]
-            ours, theirs = quoted(a.joint_names[i]), quoted(b.joint_names[k])
-            return None, f"joint {ours} of A {kinds[0]}, joint {theirs} of B {kinds[1]}"
+            ours, theirs = a.joint_names[i], b.joint_names[k]
+            return None, f"joint {ours!r} of A {kinds[0]}, joint {theirs!r} of B {kinds[1]}"
     return order, ""
 
 
@@ -355,11 +350,11 @@ def _spread(values: Array) -> tuple[float, float, float]:
 
 
 def _floats(values: Array) -> tuple[float, ...]:
-    return tuple(float(value) for value in values)
+    return tuple(values.tolist())
 
 
 @dataclass(frozen=True)
-class Side:
+class _Side:
     """One of the two arms.
 
     Attributes:
@@ -380,7 +375,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Fact:
+class _Fact:
     """One thing that is known of both arms' structure, in words."""
 
     what: str
@@ -394,7 +389,7 @@ class Fact:
 
 
 @dataclass(frozen=True)
-class AxisChange:
+class _AxisChange:
     """How a joint axis of B lies to that of A at q = 0, each in its own base.
 
     Attributes:
@@ -413,7 +408,7 @@ class AxisChange:
 
 
 @dataclass(frozen=True)
-class LimitChange:
+class _LimitChange:
     """The limits of a joint, lower and upper [rad or m], infinite where there is no limit."""
 
     joint: str
@@ -509,14 +504,14 @@ class Comparison(Report):
     """
 
     differences: tuple[Difference, ...]
-    a: Side
-    b: Side
+    a: _Side
+    b: _Side
     n: int
     seed: int
-    structure: tuple[Fact, ...]
-    axes: tuple[AxisChange, ...]
+    structure: tuple[_Fact, ...]
+    axes: tuple[_AxisChange, ...]
     tip: tuple[float, float]
-    limits: tuple[LimitChange, ...]
+    limits: tuple[_LimitChange, ...]
     farthest: tuple[float, float]
     reach: tuple[Reach, ...]
     branches: tuple[BranchChange, ...]
@@ -546,8 +541,12 @@ class Comparison(Report):
 
     def sections(self) -> tuple[Section, ...]:
         """The tables: structure, frames, limits, reach, branches, tool error."""
-        tables = (_structure_table(self), _frames_table(self), _limits_table(self), _reach_table(self))
-        return tuple(each for each in (*tables, _branches_table(self), _tool_table(self)) if each is not None)
+        tables = [_structure_table(self), _frames_table(self)]
+        tables += [_limits_table(self)] if self.limits else []
+        tables += [_reach_table(self)] if self.reach else []
+        tables += [_branches_table(self)] if self.branches else []
+        tables += [_tool_table(self.tool)] if self.tool is not None else []
+        return tuple(tables)
 
     def lines(self) -> tuple[str, ...]:
         """The differences, and what was not compared."""
@@ -566,105 +565,70 @@ class Comparison(Report):
 def _structure_table(comparison: Comparison) -> Section:
     facts = comparison.structure
     differ = sum(not fact.same for fact in facts)
-    title = f"structure: {'the same' if not differ else f'{differ} of {len(facts)} facts differ'}"
+    title = f"structure: {f'{differ} of {len(facts)} facts differ' if differ else 'the same'}"
     rows = tuple((fact.what, fact.a, fact.b, "" if fact.same else "differs") for fact in facts)
     return Section(title, ("", "A", "B", " "), rows, left=("", "A", "B", " "))
 
 
-def _frames_table(comparison: Comparison) -> Section | None:
+def _frames_table(comparison: Comparison) -> Section:
     distance, angle = comparison.tip
-    tip = f"tip at q = 0: {_mm(distance)} mm and {_deg(angle)} deg apart"
-    if distance <= DEFAULT.distance and angle <= DEFAULT.angle:
-        tip = "tip at q = 0: at the same place"
-    far = "farthest sampled tip from the base: A {:.4f} m, B {:.4f} m".format(*comparison.farthest)
+    same = distance <= DEFAULT.distance and angle <= DEFAULT.angle
+    apart = "at the same place" if same else f"{_mm(distance)} mm and {_deg(angle)} deg apart"
+    farthest = "farthest sampled tip from the base: A {:.4f} m, B {:.4f} m".format(*comparison.farthest)
     rows = tuple(
         (_pair(c.joint, c.joint_b), _deg(c.angle), _mm(c.distance), "flipped" if c.flipped else "")
         for c in comparison.axes
         if c.angle > DEFAULT.angle or c.distance > DEFAULT.distance
     )
-    title = "frames: " + (f"{len(rows)} of {len(comparison.axes)} axes moved" if rows else "no axis moved")
-    title = title if comparison.axes else "frames"
-    return Section(title, ("joint", "turned [deg]", "moved [mm]", ""), rows, (tip, far), left=("joint", ""))
+    moved = f": {len(rows)} of {len(comparison.axes)} axes moved" if rows else ": no axis moved"
+    title, remarks = f"frames{moved if comparison.axes else ''}", (f"tip at q = 0: {apart}", farthest)
+    return Section(title, ("joint", "turned [deg]", "moved [mm]", ""), rows, remarks, left=("joint", ""))
 
 
-def _limits_table(comparison: Comparison) -> Section | None:
-    if not comparison.limits:
-        return None
-    changed = [(change, slides) for change, slides in zip(comparison.limits, comparison.a.prismatic, strict=True)
-               if not change.same]  # fmt: skip
-    rows = tuple((_pair(c.joint, c.joint_b), *_bounds(c, slides)) for c, slides in changed)
+def _limits_table(comparison: Comparison) -> Section:
+    rows = tuple(
+        (_pair(c.joint, c.joint_b), *(_value(x, slides) for x in (*c.a, *c.b)), "mm" if slides else "deg")
+        for c, slides in zip(comparison.limits, comparison.a.prismatic, strict=True)
+        if not c.same
+    )
     title = f"limits: {f'{len(rows)} of {len(comparison.limits)} joints differ' if rows else 'the same'}"
     return Section(title, ("joint", "A lower", "A upper", "B lower", "B upper", "unit"), rows, left=("joint", "unit"))
 
 
-def _reach_table(comparison: Comparison) -> Section | None:
+def _reach_table(comparison: Comparison) -> Section:
     rows = []
-    for reach in comparison.reach:
+    for r in comparison.reach:
         for k, letter in enumerate("AB"):
-            rows.append(
-                (
-                    f"{reach.poses} poses of {reach.made_by}",
-                    letter,
-                    str(reach.solved[k]),
-                    str(reach.within_limits[k]),
-                    str(reach.solutions[k]),
-                    f"{reach.solutions[k] / reach.poses:.2f}",
-                    str(reach.same_number) if k == 0 else "",
-                )
-            )
+            counts = map(str, (r.solved[k], r.within_limits[k], r.solutions[k]))
+            mean, same = f"{r.solutions[k] / r.poses:.2f}", "" if k else str(r.same_number)
+            rows.append((f"{r.poses} poses of {r.made_by}", letter, *counts, mean, same))
     header = ("asked for", "arm", "reached", "within limits", "solutions", "a pose", "same in both")
-    return Section("reach and solutions", header, tuple(rows), left=("asked for", "arm")) if rows else None
+    return Section("reach and solutions", header, tuple(rows), left=("asked for", "arm"))
 
 
-def _branches_table(comparison: Comparison) -> Section | None:
-    if not comparison.branches:
-        return None
+def _branches_table(comparison: Comparison) -> Section:
     slides = comparison.a.prismatic
-    units = ["mm" if sliding else "deg" for sliding in slides]
-    header = ("branch", "matched by", "poses", "lost", *(f"q{i + 1} [{unit}]" for i, unit in enumerate(units)), "worst")
-    rows = tuple(
-        (
-            branch.branch,
-            branch.matched,
-            str(branch.poses),
-            str(branch.unmatched),
-            *(_value(value, sliding) for value, sliding in zip(branch.median, slides, strict=True)),
-            _worst(branch.worst, slides),
-        )
-        for branch in comparison.branches
-    )
+    joints = (f"q{i + 1} [{'mm' if sliding else 'deg'}]" for i, sliding in enumerate(slides))
+    rows = []
+    for b in comparison.branches:
+        medians = (_value(value, sliding) for value, sliding in zip(b.median, slides, strict=True))
+        k = int(np.argmax(b.worst))
+        worst = f"q{k + 1} {_value(b.worst[k], slides[k])}" if b.worst[k] > 0.0 else "0" if b.poses else "-"
+        rows.append((b.branch, b.matched, str(b.poses), str(b.unmatched), *medians, worst))
     title = f"joint differences, branch by branch: medians over {comparison.n} poses of A, and the worst"
-    return Section(title, header, rows, left=("branch", "matched by", "worst"))
+    header = ("branch", "matched by", "poses", "lost", *joints, "worst")
+    return Section(title, header, tuple(rows), left=("branch", "matched by", "worst"))
 
 
-def _tool_table(comparison: Comparison) -> Section | None:
-    tool = comparison.tool
-    if tool is None:
-        return None
-    rows = (
-        ("position [mm]", *map(_mm, tool.position)),
-        ("rotation [deg]", *map(_deg, tool.rotation)),
-    )
-    at = f"worst at q = [{', '.join(f'{value:.6g}' for value in tool.q)}] (rad, m)" if any(tool.position) else ""
+def _tool_table(tool: ToolError) -> Section:
+    rows = (("position [mm]", *map(_mm, tool.position)), ("rotation [deg]", *map(_deg, tool.rotation)))
+    worst = (f"worst at q = [{', '.join(f'{value:.6g}' for value in tool.q)}] (rad, m)",) * any(tool.position)
     title = f"tool error when A's joint vectors ({tool.joint_vectors}) are used on B"
-    return Section(title, ("", "median", "95 %", "worst"), rows, (at,) if at else (), left=("",))
+    return Section(title, ("", "median", "95 %", "worst"), rows, worst, left=("",))
 
 
 def _pair(a: str, b: str) -> str:
     return a if a == b else f"{a} / {b}"
-
-
-def _bounds(change: LimitChange, slides: bool) -> tuple[str, ...]:
-    numbers = [_value(value, slides) for value in (*change.a, *change.b)]
-    return *numbers, "mm" if slides else "deg"
-
-
-def _worst(values: Sequence[float], slides: Sequence[bool]) -> str:
-    """The joint that is farthest off, with its value."""
-    if math.isnan(values[0]):
-        return "-"
-    k = max(range(len(values)), key=lambda i: values[i])
-    return f"q{k + 1} {_value(values[k], slides[k])}" if values[k] else "0"
 
 
 def _value(value: float, slides: bool) -> str:
@@ -672,7 +636,7 @@ def _value(value: float, slides: bool) -> str:
 
 
 def _mm(value: float) -> str:
-    return _number(value * _MM)
+    return _number(1000.0 * value)
 
 
 def _deg(value: float) -> str:

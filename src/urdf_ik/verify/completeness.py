@@ -62,7 +62,7 @@ def compare(
 
     Raises:
         UnsupportedArm: the arm has no solver, or is not one of six turning joints.
-        ArgumentError: n is below 1, the seed is negative, or ``time_limit`` is no number of seconds.
+        ArgumentError: n is below 1, or ``time_limit`` is no number of seconds.
 
     Example:
         >>> import urdf_ik
@@ -71,7 +71,7 @@ def compare(
         (True, [True, True, True])
     """
     inputs.arm(arm)
-    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    n = inputs.poses(n)
     watch, unlooked = Watch(time_limit, progress), ""
     vectors = planted(arm, n, seed)
     sameness = Sameness(arm.chain, arm.cell.reference)
@@ -132,9 +132,7 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
     Returns:
         The planted joint vector (6,) [rad] and Pinocchio's pose for it, (4, 4) [m].
     """
-    inputs.arm(arm)
-    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
-    q = _plant(arm.chain, n, seed, inputs.whole(index, "index", high=3 * n - 1))
+    q = _plant(arm.chain, n, seed, index)
     return q, arm.cell.reference.pose(q)
 
 

@@ -16,7 +16,7 @@ from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.report import Report
-from urdf_ik.support.text import Section, quoted
+from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
 
@@ -78,7 +78,7 @@ def check(
 
     Raises:
         UrdfError: ``collision`` is true, and there are no collision shapes or not all of them can be read.
-        ArgumentError: n is below 1, the seed is negative, or ``time_limit`` is no number of seconds.
+        ArgumentError: n is below 1, or ``time_limit`` is no number of seconds.
 
     Example:
         >>> import urdf_ik
@@ -86,7 +86,7 @@ def check(
         True
     """
     inputs.arm(arm)
-    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    n = inputs.poses(n)
     watch = Watch(time_limit, progress)
     reference = arm.cell.reference
     tallies, skipped, unlooked = [_limits(arm, reference)], [], ""
@@ -137,12 +137,7 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
 
     Returns:
         The planted joint vector (n,) [rad or m] and Pinocchio's pose for it, (4, 4) [m].
-
-    Raises:
-        ArgumentError: the seed or the index is negative.
     """
-    inputs.arm(arm)
-    seed, index = inputs.whole(seed, "seed", high=2**64), inputs.whole(index, "index")
     q = _draw(arm.cell.reference, seed, index)
     return q, arm.cell.reference.pose(q)
 
@@ -255,7 +250,7 @@ class CrossCheck(Report):
         for row in self.rows:
             if row.name == name:
                 return row
-        raise ArgumentError(f"no row {quoted(name)}; rows: {', '.join(row.name for row in self.rows)}")
+        raise ArgumentError(f"no row {name!r}; rows: {', '.join(row.name for row in self.rows)}")
 
     def title(self) -> str:
         """The arm, the poses and the reference."""
@@ -533,7 +528,7 @@ class _Collision:
 
     def __init__(self, arm: Arm, shapes: CollisionModel, most: int | None) -> None:
         self._arm, self._shapes = arm, shapes
-        self._left: float = np.inf if most is None else inputs.whole(most, "collision_poses")
+        self._left = np.inf if most is None else most
         self._verdict = _Tally("collision, verdict", "cases", 0.0, counted=True)
         self._distance = _Tally("collision, distance", "m", CONTACT)
         self.tallies = [self._verdict, self._distance]

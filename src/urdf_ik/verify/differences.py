@@ -11,7 +11,6 @@ import numpy as np
 from urdf_ik.cell.pinocchio_reference import pose_errors
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 from urdf_ik.verify.description import MISSING, Description, Shape, Step, matrix
 
@@ -88,7 +87,7 @@ def ignored(kinds: str | Iterable[str]) -> frozenset[str]:
     parts = kinds.replace(",", " ").split() if isinstance(kinds, str) else list(kinds)
     for part in parts:
         if part not in KINDS[1:]:
-            raise ArgumentError(f"{quoted(part)} cannot be ignored; what can: {', '.join(KINDS[1:])}")
+            raise ArgumentError(f"{part!r} cannot be ignored; what can: {', '.join(KINDS[1:])}")
     return frozenset(parts)
 
 
@@ -162,7 +161,7 @@ def order_of(a: Description, b: Description) -> tuple[int, ...]:
 
 def _names(a: Description, b: Description) -> list[Difference]:
     out = [
-        Difference("names", theirs, f"the {what} was {quoted(ours)}, and is {quoted(theirs)}")
+        Difference("names", theirs, f"the {what} was {ours!r}, and is {theirs!r}")
         for what, ours, theirs in (("base", a.base, b.base), ("tip", a.tip, b.tip))
         if ours != theirs
     ]
@@ -178,7 +177,7 @@ def _names(a: Description, b: Description) -> list[Difference]:
     gone = set(a.joint_names) - set(b.joint_names)
     for name, other in zip(a.joint_names, b.joint_names, strict=True):
         if name != other:
-            words = f"renamed to {quoted(other)}" if name in gone else f"its place is taken by {quoted(other)}"
+            words = f"renamed to {other!r}" if name in gone else f"its place is taken by {other!r}"
             out.append(Difference("names", name, words))
     return out
 
@@ -395,6 +394,6 @@ def _allowed(a: Description, b: Description) -> list[Difference]:
     for before, after, words in ((a, b, "may no longer touch"), (b, a, "may touch now")):
         if pairs := sorted({*before.allowed} - {*after.allowed}):
             more = f" and {len(pairs) - 1} other pairs of links" if len(pairs) > 1 else ""
-            first = " and ".join(quoted(link) for link in pairs[0])
+            first = " and ".join(map(repr, pairs[0]))
             out.append(Difference("collisions", pairs[0][0], f"{first}{more} {words} by an SRDF"))
     return out

@@ -11,7 +11,7 @@ from typing import Any
 
 from urdf_ik.arm import load
 from urdf_ik.arm.loading import read
-from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError, UrdfIkError, printable
+from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError, UrdfIkError
 from urdf_ik.support import inputs
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
@@ -29,7 +29,7 @@ arm has no chain of joints, as a URDF of obstacles; the time limit passed before
 
 
 @dataclass(frozen=True)
-class CheckedFile:
+class _CheckedFile:
     """One file, checked.
 
     Attributes:
@@ -68,7 +68,7 @@ class FolderCheck(Report):
     """
 
     question: dict[str, Any]
-    arms: tuple[CheckedFile, ...]
+    arms: tuple[_CheckedFile, ...]
     unlooked: str = ""
 
     @property
@@ -88,15 +88,12 @@ class FolderCheck(Report):
     def sections(self) -> tuple[Section, ...]:
         """A table with a row a file; the family's name without its details."""
         header = ("file", "joints", "family", "found", "result")
-        rows = tuple(
-            (printable(c.file, 200), str(c.joints or ""), re.split("[,:]", c.family)[0], c.found, c.result)
-            for c in self.arms
-        )
+        rows = tuple((c.file, str(c.joints or ""), re.split("[,:]", c.family)[0], c.found, c.result) for c in self.arms)
         return (Section("", header, rows, left=("file", "family", "found", "result")),)
 
     def lines(self) -> tuple[str, ...]:
         """What failed, or why an arm was not checked."""
-        return tuple(f"{each.result} {printable(each.file, 200)}: {each.words}" for each in self.arms if each.words)
+        return tuple(f"{each.result} {each.file}: {each.words}" for each in self.arms if each.words)
 
     def summary(self) -> str:
         """How many files have which result."""
@@ -146,13 +143,13 @@ def check_folder(
         problem = f"the folder holds no file that ends in {ENDING}"
         raise UrdfError(problem, source=str(folder), hint="name a folder of URDFs, or a single file")
 
-    def checked(path: Path) -> CheckedFile:
+    def checked(path: Path) -> _CheckedFile:
         name = str(path.relative_to(folder))
         try:
             arm = load(path, base, tip, mesh_roots=mesh_roots)
         except UrdfIkError as error:
             without = isinstance(error, ChainError) and not read(path, mesh_roots=mesh_roots)[0].chains()
-            return CheckedFile(name, NOT_AN_ARM if without else REFUSED, words=str(error))
+            return _CheckedFile(name, NOT_AN_ARM if without else REFUSED, words=str(error))
         about = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joints": arm.dof}
         about["family"] = arm.structure.family or ""
         report: crosscheck.CrossCheck | completeness.Completeness
@@ -169,12 +166,12 @@ def check_folder(
                 words = "; ".join([*wrong, *[report.unlooked] * bool(report.unlooked)])
         except UrdfIkError as error:
             result = NOT_CHECKED if isinstance(error, UnsupportedArm) else REFUSED
-            return CheckedFile(name, result, words=str(error), **about)  # type: ignore[arg-type]
+            return _CheckedFile(name, result, words=str(error), **about)  # type: ignore[arg-type]
         result = PASSED if report.passed else FAILED if report.faulty else NOT_ENDED
         whole = report.to_dict()
-        return CheckedFile(name, result, found=figure, words=words, report=whole, **about)  # type: ignore[arg-type]
+        return _CheckedFile(name, result, found=figure, words=words, report=whole, **about)  # type: ignore[arg-type]
 
-    arms: list[CheckedFile] = []
+    arms: list[_CheckedFile] = []
     while len(arms) < len(paths) and not watch.is_over:
         arms.append(checked(paths[len(arms)]))
         watch.step(len(arms), len(paths))

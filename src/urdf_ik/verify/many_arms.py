@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError, printable
+from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.report import Report
@@ -165,7 +165,7 @@ class ManyArms(Report):
         figure = Figure(figsize=(9.0, 1.0 + 0.22 * len(lines)), layout="constrained")
         axes = figure.add_subplot(xlabel="pose")
         axes.pcolormesh(states, cmap=ListedColormap(list(SHADES.values())), vmin=-0.5, vmax=len(SHADES) - 0.5)
-        labels = [printable(f"{name}: {branch}" if branch else name, 44) for name, branch in lines]
+        labels = [f"{name}: {branch}" if branch else name for name, branch in lines]
         axes.set_yticks(np.arange(len(lines)) + 0.5, labels, fontsize=8)
         axes.invert_yaxis()
         handles = [Patch(color=shade, label=state) for state, shade in SHADES.items()]
@@ -250,8 +250,7 @@ def _named(arms: Mapping[str, Arm] | Iterable[Arm]) -> dict[str, Arm]:
         named = {str(name): arm for name, arm in arms.items()}
     else:
         every = inputs.items(arms, "arms", "arms, as urdf_ik.load returns them,")
-        for k, arm in enumerate(every):
-            inputs.arm(arm, f"arms[{k}]")
+        for arm in every:
             names = (arm.name, *(f"{arm.name} ({i})" for i in range(2, len(every) + 2)))
             named[next(name for name in names if name not in named)] = arm
     if not named:

@@ -18,7 +18,6 @@ from typing import Any, Self
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, printable
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 FORMS = "module:function, file.py:function, or process:COMMAND"
@@ -40,15 +39,15 @@ def solver_of(spec: str) -> Callable[[Array], Any]:
     if spec.startswith("process:"):
         return SolverProcess(shlex.split(spec.removeprefix("process:")))
     if not place:
-        raise ArgumentError(f"no solver {quoted(spec)}; give {FORMS}")
+        raise ArgumentError(f"no solver {spec!r}; give {FORMS}")
     try:
         module = _from_file(place) if place.endswith(".py") else importlib.import_module(place)
         solve: Callable[[Array], Any] = getattr(module, name)
     except Exception as error:  # a module of the user's may raise anything
-        reason = printable(f"{type(error).__name__}: {error}", 300)
-        raise ArgumentError(f"solver {quoted(spec)} cannot be imported: {reason}; give {FORMS}") from None
+        reason = f"{type(error).__name__}: {error}"
+        raise ArgumentError(f"solver {spec!r} cannot be imported: {reason}; give {FORMS}") from None
     if not callable(solve):
-        raise ArgumentError(f"{quoted(spec)} is no function; give {FORMS}")
+        raise ArgumentError(f"{spec!r} is no function; give {FORMS}")
     return solve
 
 
@@ -81,9 +80,7 @@ class SolverProcess:
         try:
             self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         except (OSError, ValueError, IndexError) as error:
-            raise ArgumentError(
-                f"the solver {quoted(' '.join(command))} cannot be started: {printable(error)}"
-            ) from None
+            raise ArgumentError(f"the solver {' '.join(command)!r} cannot be started: {printable(error)}") from None
         self._received = b""
 
     def __call__(self, T: Array) -> Any:
@@ -103,10 +100,10 @@ class SolverProcess:
         try:
             answer = json.loads(line)
         except (ValueError, RecursionError):
-            raise ArgumentError(f"the process answered {quoted(line)}; a line of JSON is needed") from None
+            raise ArgumentError(f"the process answered {line!r}; a line of JSON is needed") from None
         if not isinstance(answer, dict) or "q" not in answer:
             why = answer.get("error", answer) if isinstance(answer, dict) else answer
-            raise ArgumentError(f"the process answered {quoted(why)}; an object with 'q' is needed")
+            raise ArgumentError(f"the process answered {why!r}; an object with 'q' is needed")
         return (answer["q"], np.array(answer["approximate"])) if "approximate" in answer else answer["q"]
 
     def _line(self) -> bytes:

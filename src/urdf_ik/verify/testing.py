@@ -14,7 +14,6 @@ from typing import IO, Any
 
 from urdf_ik.arm import Arm, load
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support.text import quoted
 from urdf_ik.verify.crosscheck import CrossCheck, check
 
 __all__ = ["assert_agrees_with_pinocchio", "verdict"]
@@ -82,4 +81,4 @@ def verdict(report: CrossCheck, name: str) -> tuple[bool | None, str]:
     for group, reason in own_first:
         if group in _ESSENTIAL or name.startswith(group):
             return (False if group in _ESSENTIAL else None), f"not checked: {group}: {reason}"
-    raise ArgumentError(f"{quoted(name)} is no property; there are: {', '.join(row.name for row in report.rows)}")
+    raise ArgumentError(f"{name!r} is no property; there are: {', '.join(row.name for row in report.rows)}")

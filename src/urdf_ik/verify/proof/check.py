@@ -38,7 +38,7 @@ _SHARP = 1e-9  # rad; a box as narrow as that is as good as its root
 
 
 @dataclass(frozen=True)
-class Refusal:
+class _Refusal:
     """One answer that claims more than holds.
 
     Attributes:
@@ -70,8 +70,8 @@ class ProofCheck(Report):
     poses: int
     unproven: int
     accepted: int
-    open: tuple[Refusal, ...]
-    refused: tuple[Refusal, ...]
+    open: tuple[_Refusal, ...]
+    refused: tuple[_Refusal, ...]
     unlooked: str = ""
 
     @property
@@ -163,11 +163,11 @@ def check_proof(
                 clustered=status == "clustered",
             )
             if verdict is None:
-                open_.append(Refusal(i, status, reason))
+                open_.append(_Refusal(i, status, reason))
             elif verdict:
                 accepted += 1
             else:
-                refused.append(Refusal(i, status, reason))
+                refused.append(_Refusal(i, status, reason))
         looked_at = i + 1
         watch.step(looked_at, count)
     unlooked = "" if looked_at == count else watch.ended(f"with {looked_at} of {count} poses: the others were")
