@@ -145,9 +145,7 @@ def _joints(arm: Arm) -> dict[str, Joint]:
         own = [joint for joint in ending if joint.name in arm.joint_names] or ending
         if len(own) != 1:
             raise UrdfError(
-                f"no joint {suffix!r}, with a prefix or without"
-                if not own
-                else f"{len(own)} joints {suffix!r}",
+                f"no joint {suffix!r}, with a prefix or without" if not own else f"{len(own)} joints {suffix!r}",
                 source=arm.model.source,
                 hint="a kinematics YAML belongs to one arm of Universal Robots; choose it by base and tip",
             )
