@@ -41,6 +41,13 @@ def test_the_tip_that_is_meant(more: tuple[str, ...], tip: str) -> None:
     assert [each.tip for each in model.chains() if each.chosen] == [tip]
 
 
+@pytest.mark.parametrize(("joints", "kind"), [(4, "limb"), (5, "arm")])
+def test_five_joints_without_names_are_an_arm(joints: int, kind: str) -> None:
+    """Where no name says what a limb is, its number of joints does."""
+    (limb,) = read(arm(*ARM[:joints])).limbs()
+    assert (limb.kind, len(limb.joints)) == (kind, joints)
+
+
 def test_a_chain_begins_behind_a_floating_joint() -> None:
     """A mobile base has no joint vector: the arm on it does."""
     assert read(arm("free floating world l0", *ARM)).resolve_chain() == ("l0", "l6")

@@ -7,8 +7,8 @@ from typing import Any
 from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain import from_urdf
-from urdf_ik.model.merging import joined
 from urdf_ik.model.poses import check_poses
+from urdf_ik.model.urdf.edits import joined
 from urdf_ik.model.xml import require_name
 from urdf_ik.support import inputs
 

@@ -14,7 +14,7 @@ from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model import poses, urdf
 from urdf_ik.model.urdf import UrdfModel
-from urdf_ik.model.xml import require_name
+from urdf_ik.model.xml import numbers_text, origin_attributes, require_name
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -43,13 +43,13 @@ def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: lis
     joint = etree.SubElement(robot, "joint", name=fixed, type="fixed")
     etree.SubElement(joint, "parent", link=mount)
     etree.SubElement(joint, "child", link=name)
-    etree.SubElement(joint, "origin", _origin(centre))
+    etree.SubElement(joint, "origin", origin_attributes(centre))
     to_centre = np.linalg.inv(centre)
     folders: list[Path] = []
     for kind in ("visual", "collision"):
         for shape, placed in bodies:
             part = etree.SubElement(link, kind)
-            etree.SubElement(part, "origin", _origin(to_centre @ placed))
+            etree.SubElement(part, "origin", origin_attributes(to_centre @ placed))
             tag, attributes = _geometry(shape, folders)
             etree.SubElement(etree.SubElement(part, "geometry"), tag, attributes)
     roots = tuple(dict.fromkeys((*model.mesh_roots, *folders)))
@@ -61,7 +61,7 @@ def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: lis
 def _geometry(shape: Shape, folders: list[Path]) -> tuple[str, dict[str, str]]:
     """A shape's URDF element; the folder of a mesh is added to ``folders``."""
     if isinstance(shape, Box):
-        return "box", {"size": _numbers(shape.size)}
+        return "box", {"size": numbers_text(shape.size)}
     if isinstance(shape, Sphere):
         return "sphere", {"radius": repr(shape.radius)}
     if isinstance(shape, Cylinder | Capsule):
@@ -70,7 +70,7 @@ def _geometry(shape: Shape, folders: list[Path]) -> tuple[str, dict[str, str]]:
     if isinstance(shape, Mesh):
         file = shape.file()
         folders.append(file.parent)
-        return "mesh", {"filename": str(file), "scale": _numbers(shape.scale)}
+        return "mesh", {"filename": str(file), "scale": numbers_text(shape.scale)}
     raise ArgumentError(
         f"a tool cannot have a {type(shape).__name__} for a shape, which a URDF cannot hold; give Box, Sphere, "
         "Cylinder, Capsule or Mesh"
@@ -92,11 +92,3 @@ def _one_pose(pose: Any, what: str) -> Array:
     if T.ndim != 2:
         raise PoseError(f"an array of shape {T.shape} given for {what}; one pose (4, 4) is needed")
     return T
-
-
-def _origin(T: Array) -> dict[str, str]:
-    return {"xyz": _numbers(T[:3, 3]), "rpy": _numbers(poses.to_rpy(T))}
-
-
-def _numbers(values: Any) -> str:
-    return " ".join(repr(float(value) + 0.0) for value in values)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import codecs
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from lxml import etree
 
 from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.model.poses import to_rpy
+from urdf_ik.typing import Array
 
 TEXT = "<text>"
 XACRO_HINT = "for a xacro, end the file's name in .xacro, or give xacro_args (--xacro-arg NAME:=VALUE)"
@@ -127,6 +129,16 @@ def written_tag(element: Any) -> str:
     """Name of an element as its author wrote it, with the prefix."""
     name: str = element.tag.rpartition("}")[2]
     return f"{element.prefix}:{name}" if element.prefix is not None else name
+
+
+def numbers_text(values: Iterable[float]) -> str:
+    """Numbers as an attribute holds them, to all digits; no negative zero."""
+    return " ".join(repr(float(value) + 0.0) for value in values)
+
+
+def origin_attributes(T: Array) -> dict[str, str]:
+    """A pose (4, 4) [m] as the attributes of an ``<origin>``."""
+    return {"xyz": numbers_text(T[:3, 3]), "rpy": numbers_text(to_rpy(T))}
 
 
 def has_xacro(value: str | None) -> bool:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from urdf_ik.model.urdf.chains import Candidate
-from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.checks import MOVABLE, Joint
 from urdf_ik.model.urdf.defects import UrdfWarning
-from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.urdf.reader import read
 from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
 

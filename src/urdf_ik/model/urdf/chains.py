@@ -13,8 +13,7 @@ from itertools import islice
 import numpy as np
 
 from urdf_ik.errors import ChainError
-from urdf_ik.model.urdf.checks import MOVABLE
-from urdf_ik.model.urdf.joint import Joint
+from urdf_ik.model.urdf.checks import MOVABLE, Joint
 from urdf_ik.support.text import nearest, quoted
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
@@ -26,9 +25,9 @@ _KINDS = {
     "arm": "arm shoulder elbow wrist forearm upperarm biceps hand sh el wr clavicle ubarm",
     "torso": "torso waist trunk spine chest lumbar thorax",
 }
-LONGEST_WHEEL = 2
+_WHEEL_JOINTS = 2
 """A limb with more joints is not a wheel, though it may end in one."""
-ARM_JOINTS = 5
+_UNNAMED_ARM_JOINTS = 5
 """A limb whose names match no kind is an arm if it has at least so many joints."""
 _KIND_OF = {word: kind for kind, words in _KINDS.items() for word in words.split()}
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
@@ -82,11 +81,11 @@ class Ending:
         if self.arm:
             return "finger"
         votes = Counter(kind for name in self.names for word in _words(name) if (kind := _kind_of(word)))
-        if len(self.joints) > LONGEST_WHEEL:
+        if len(self.joints) > _WHEEL_JOINTS:
             del votes["wheel"]
         if votes:
             return votes.most_common(1)[0][0]
-        return "arm" if len(self.joints) >= ARM_JOINTS else "limb"
+        return "arm" if len(self.joints) >= _UNNAMED_ARM_JOINTS else "limb"
 
 
 def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
@@ -136,15 +135,15 @@ def _name(ending: Ending, kind: str) -> str:
     return "_".join([*parts, kind])
 
 
-FINGER_JOINTS = 3
+_FINGER_JOINTS = 3
 """A branch with more joints is not a finger, whatever its name."""
-SLIDING_JOINTS = 1
+_SLIDING_JOINTS = 1
 """A prismatic joint beside others at the end of an arm is a finger if its branch has at most so many joints."""
 _MOST_NAMES = 40
 """An error lists at most so many names of chains and limbs."""
 _SHOWN = 8
 """An error describes at most so many chains."""
-ARM_JOINTS = 3
+_HAND_AFTER = 3
 """A hand comes after at least so many joints."""
 
 _FINGER = re.compile(
@@ -152,7 +151,6 @@ _FINGER = re.compile(
     re.IGNORECASE,
 )
 _WRIST = re.compile(r"rot|roll|pitch|yaw|wrist|base|mount", re.IGNORECASE)
-_SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 # Names of tool frames, the most specific first.
 _TOOL_FRAMES = (
     re.compile(r"(^|[_/])tcp\d?([_/]|$)", re.IGNORECASE),
@@ -247,7 +245,7 @@ class Chains:
             hand, arm = len(way) - 1, Ending("", "", (), ())
             for start, end in itertools.pairwise(stops):
                 last, own = end == len(way) - 1, way[start + 1 : end + 1]
-                if last or _actuated(own) >= ARM_JOINTS:
+                if last or _actuated(own) >= _HAND_AFTER:
                     ending = self._ending([way[start], *own], arm.names)
                     endings.setdefault((ending.base, ending.tip), ending)
                     if not arm.names and ending.kind == "arm":
@@ -325,11 +323,11 @@ class Chains:
         height = self._height(joint)
         if beside > 1 and not height:
             return True
-        if depth < ARM_JOINTS:
+        if depth < _HAND_AFTER:
             return False
         if beside > 1:
             named = _FINGER.search(joint.name) or _FINGER.search(joint.child)
-            return height <= (FINGER_JOINTS if named else SLIDING_JOINTS * (joint.type == "prismatic"))
+            return height <= (_FINGER_JOINTS if named else _SLIDING_JOINTS * (joint.type == "prismatic"))
         return height <= 1 and bool(_FINGER.search(joint.name)) and not _WRIST.search(joint.name)
 
     def _candidate(self, way: Sequence[_Body], start: int, chosen: bool, name: str) -> Candidate:

@@ -1,15 +1,21 @@
-"""A URDF's text with other origins and axes of joints; everything else stays as it was written, comments too."""
+"""A URDF's text with other origins and axes of joints, comments and all; and two URDFs joined into one."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 from xml.parsers import expat
 
-from urdf_ik.errors import UrdfError
+import numpy as np
+from lxml import etree
+from numpy.typing import NDArray
+
+from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.model.urdf.reader import read
 from urdf_ik.model.urdf.urdf_model import UrdfModel
-from urdf_ik.model.xml import open_source
+from urdf_ik.model.xml import numbers_text, open_source, origin_attributes
 
 _ATTRIBUTE = r"""(\s{name}\s*=\s*)("[^"]*"|'[^']*')"""
 _TAG_END = re.compile(r"""(?:[^"'>]|"[^"]*"|'[^']*')*>""")
@@ -83,7 +89,7 @@ def text_of(model: UrdfModel) -> Any:
 def _changed(tag: str, attributes: Mapping[str, Sequence[float]]) -> str:
     """A start tag with attributes set."""
     for name, numbers in attributes.items():
-        value = " ".join(repr(float(each)) for each in numbers)
+        value = numbers_text(numbers)
         tag, found = re.subn(_ATTRIBUTE.format(name=name), rf'\g<1>"{value}"', tag, count=1)
         if not found:
             close = len(tag) - (2 if tag.endswith("/>") else 1)
@@ -122,3 +128,35 @@ def _joints(data: bytes, source: str) -> dict[str, tuple[_Tag, dict[str, _Tag]]]
             hint="correct the XML at this line; it is needed to write the file again as it was",
         ) from None
     return found
+
+
+_NAMING = ("link", "joint", "material")
+
+
+def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float64], prefix: str) -> UrdfModel:
+    """Fix the root of ``other`` to ``link`` of ``model`` at ``pose`` (4, 4) m; its names get ``prefix``.
+
+    Raises:
+        ArgumentError: ``model`` already has one of the prefixed names.
+    """
+    robot, added = etree.fromstring(model.xml), etree.fromstring(other.xml)
+    taken = {(each.tag, each.get("name")) for each in robot if each.tag in _NAMING}
+    for element in added.iter():
+        if element.tag in _NAMING and element.get("name") is not None:
+            element.set("name", prefix + element.get("name"))
+        for attribute in ("link", "joint"):
+            if element.tag in ("parent", "child", "mimic") and element.get(attribute) is not None:
+                element.set(attribute, prefix + element.get(attribute))
+    for element in added:
+        if (element.tag, element.get("name")) in taken:
+            raise ArgumentError(f"{element.tag} {element.get('name')!r} is there twice; give another name=...")
+        robot.append(element)
+    joint = etree.SubElement(robot, "joint", name=f"{prefix}mount", type="fixed")
+    etree.SubElement(joint, "origin", origin_attributes(pose))
+    etree.SubElement(joint, "parent", link=link)
+    etree.SubElement(joint, "child", link=prefix + other.root)
+    folders = [each.path.parent for each in (model, other) if each.path is not None]
+    roots = tuple(dict.fromkeys((*model.mesh_roots, *other.mesh_roots, *folders)))
+    whole = read(etree.tostring(robot, encoding="utf-8"), mesh_roots=roots)
+    there = (each.within(prefix) for each in other.warnings)
+    return replace(whole, source=model.source, warnings=(*model.warnings, *there, *whole.warnings))

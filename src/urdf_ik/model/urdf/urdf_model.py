@@ -12,11 +12,10 @@ from typing import Any
 from lxml import etree
 
 from urdf_ik.errors import ChainError, printable
-from urdf_ik.model import meshes, ros_packages
+from urdf_ik.model import meshes
 from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
-from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.checks import MOVABLE, Joint
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
-from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.support import files
 from urdf_ik.support.text import nearest, quoted
 
@@ -70,7 +69,7 @@ class UrdfModel:
     @property
     def package_dirs(self) -> tuple[str, ...]:
         """Folders that meshes may come from: the URDF's own, that of its ROS package, and the mesh roots."""
-        own = [] if self.path is None else [self.path.parent, ros_packages.own_package(self.path)]
+        own = [] if self.path is None else [self.path.parent, meshes.own_package(self.path)]
         return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots) if folder is not None))
 
     def write(self, path: str | os.PathLike[str]) -> None:
