@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
-import tomllib
 from importlib import metadata
 from pathlib import Path
 
@@ -87,15 +85,6 @@ def test_the_doctor_finds_versions_and_a_working_solver() -> None:
     assert "all is well" in succeed("doctor")
 
 
-def test_the_doctor_knows_every_extra() -> None:
-    """What pyproject.toml offers to users stands there with its packages, but for what only developers need."""
-    text = (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
-    offered = tomllib.loads(text)["project"]["optional-dependencies"]
-    for extra in set(offered) - {"docs", "bench", "dev"}:
-        packages = {re.split(r"[\[>=<]", need)[0] for need in offered[extra]} - {"urdf-ik", "nbmake"}
-        assert packages - {"dask"} <= set(installation.OPTIONAL[extra]), extra
-
-
 def test_the_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     """A package that is not there is named with its extra; a needed one ends with status 1."""
     found = metadata.version
@@ -106,7 +95,7 @@ def test_the_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> Non
         return found(package)
 
     monkeypatch.setattr(metadata, "version", version)
-    assert "without viser: pip install 'urdf-ik[viewer]'" in succeed("doctor")
+    assert "without viser: pip install 'viser>=" in succeed("doctor")
     monkeypatch.setattr(installation, "NEEDED", ("numpy", "no-such-package"))
     result = call("doctor")
     assert result.exit_code == 1 and "something is wrong" in result.stdout

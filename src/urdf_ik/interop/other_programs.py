@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.errors import ArgumentError
 from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
-from urdf_ik.support import inputs
+from urdf_ik.support import extras, inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -118,7 +118,7 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
     try:
         import pink
     except ImportError:
-        raise MissingPackage("pink is not installed: pip install 'urdf-ik[interop]'") from None
+        raise extras.missing("pink is not installed", "interop") from None
     inputs.arm(arm)
     model = arm.cell.reference.pin_model
     return pink.Configuration(model, model.createData(), arm.to_pinocchio(_one(arm, q)))
@@ -235,7 +235,7 @@ def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> RerunArm
     try:
         import rerun
     except ImportError:
-        raise MissingPackage("rerun is not installed: pip install 'urdf-ik[interop]'") from None
+        raise extras.missing("rerun is not installed", "interop") from None
     return RerunArm(rerun, arm, path, recording)
 
 

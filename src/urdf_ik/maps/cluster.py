@@ -14,10 +14,10 @@ from typing import Any
 from numpy.typing import NDArray
 
 from urdf_ik import _core
-from urdf_ik.errors import ArgumentError, JobError, MissingPackage
+from urdf_ik.errors import ArgumentError, JobError
+from urdf_ik.support import extras
 from urdf_ik.version import __version__
 
-INSTALL = "stores and workers need Zarr, Dask and xarray; install them with: pip install 'urdf-ik[scale]'"
 ANSWER_WITHIN = 10.0
 """Time within which a scheduler has to answer [s]."""
 WORKER_WITHIN = 60.0
@@ -47,7 +47,7 @@ def package(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        raise MissingPackage(INSTALL) from None
+        raise extras.missing("stores and workers need Zarr, Dask and xarray", "scale") from None
 
 
 def versions() -> dict[str, str]:

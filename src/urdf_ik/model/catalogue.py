@@ -8,6 +8,7 @@ from pathlib import Path
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model import downloads
+from urdf_ik.support import extras
 from urdf_ik.support.text import nearest
 
 BUNDLED: Mapping[str, str] = {
@@ -63,7 +64,6 @@ EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
 They are the default chain of the file, except for a name of one of several arms or tool frames.
 """
 
-INSTALL_EXAMPLE_ROBOT_DATA = "pip install 'urdf-ik[robots]'"
 _DISTRIBUTION = "example-robot-data"
 _MARKER = "share/example-robot-data/package.xml"
 
@@ -153,13 +153,12 @@ def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
     if share is None:
         raise ArgumentError(
-            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
+            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {extras.command('robots')}"
         )
     path = _robot_file(share, name)
     if not path.is_file():
         raise ArgumentError(
-            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: "
-            f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
+            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: {extras.command('robots')} --upgrade"
         )
     return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
 
@@ -203,7 +202,7 @@ def _near_and_here(name: str) -> str:
 def _alternatives(name: str) -> str:
     """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
     known = (*names(), *downloads.names())
-    more = "" if downloads.names() else f"; robot_descriptions has more: {downloads.INSTALL}"
+    more = "" if downloads.names() else f"; robot_descriptions has more: {extras.command('robots')}"
     asked = name.lower()
     wanted = (asked, asked.removesuffix("_description"))
     found = dict.fromkeys(each for one in wanted for each in nearest(one, known, n=4, cutoff=0.5))

@@ -14,7 +14,6 @@ from typing import Any
 
 from urdf_ik.errors import ArgumentError
 
-INSTALL = "pip install 'urdf-ik[robots]'"
 _ENDINGS = ("_description", "_mj_description")
 _ARMS = {"arm", "dual_arm", "mobile_manipulator"}
 

@@ -13,11 +13,11 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
-from urdf_ik.errors import MissingPackage, UrdfError
+from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes
 from urdf_ik.model.poses import pose
 from urdf_ik.model.xml import Source, numbers_text, origin_attributes, prolog_end
-from urdf_ik.support import forks
+from urdf_ik.support import extras, forks
 
 _XACRO_NAME = re.compile(r"\.xacro$", re.IGNORECASE)
 _MUJOCO = re.compile(r"<mujoco[\s/>]")
@@ -46,8 +46,6 @@ def as_urdf(
         return _mujoco_as_urdf(source)
     return source, ()
 
-
-_INSTALL_XACRO = "pip install 'urdf-ik[xacro]'"
 
 # The package xacro keeps its arguments, its file stack and its package search in module globals.
 _ONE_AT_A_TIME = forks.lock()
@@ -90,7 +88,7 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
         import xacro
         from xacro import substitution_args
     except ImportError:
-        raise MissingPackage(f"{source.name}: xacro is not installed: {_INSTALL_XACRO}") from None
+        raise extras.missing(f"{source.name}: xacro is not installed", "xacro") from None
     own = None if source.path is None else meshes.own_package(source.path)
     searched = [*roots, *([] if own is None else [own])]
 
@@ -145,7 +143,6 @@ def _has(arguments: _Arguments) -> str:
     return f"its arguments: {', '.join(known)}" if known else "it has no arguments"
 
 
-_INSTALL_MUJOCO = "pip install 'urdf-ik[mjcf]'"
 WORLD = "world"
 NO_RANGE = 1000.0
 """Bounds [m] of a slide without a range in the model: a URDF needs bounds."""

@@ -13,7 +13,7 @@ import numpy as np
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.model.poses import as_pose_array, check_poses
-from urdf_ik.support import inputs
+from urdf_ik.support import extras, inputs
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
@@ -91,7 +91,7 @@ class ManyArms(Report):
         try:
             import pandas
         except ImportError:
-            raise MissingPackage("to_frame() needs pandas: pip install 'urdf-ik[tables]'") from None
+            raise extras.missing("to_frame() needs pandas", "tables") from None
         return pandas.DataFrame([row._asdict() for row in self.rows], columns=list(Row._fields))
 
     def to_dict(self) -> dict[str, Any]:
@@ -154,7 +154,7 @@ class ManyArms(Report):
             from matplotlib.figure import Figure
             from matplotlib.patches import Patch
         except ImportError:
-            raise MissingPackage("svg() needs matplotlib: pip install 'urdf-ik[plot]'") from None
+            raise extras.missing("svg() needs matplotlib", "plot") from None
         lines = list(dict.fromkeys((row.arm, row.branch) for row in self.rows if row.reachable))
         lines += [(name, "") for name in self.arms if not any(line[0] == name for line in lines)]
         lines.sort(key=lambda line: self.arms.index(line[0]))

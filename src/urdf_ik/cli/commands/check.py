@@ -47,7 +47,7 @@ def check(
 
     With --proof it checks the solver's own proofs: a search for all complex roots of N poses, in ball arithmetic
     and without code of the solver, accepts or refuses every answer whose status is complete or clustered. It takes
-    about half a second a pose and needs python-flint: pip install 'urdf-ik[proof]'.
+    about half a second a pose and needs python-flint (the extra `proof`).
 
     ROBOT may be a folder: every URDF in it is checked, and one table shows the result of each.
 

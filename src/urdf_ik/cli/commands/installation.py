@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import re
 import sys
 import time
 from dataclasses import asdict, dataclass
@@ -19,26 +20,12 @@ from urdf_ik.cli.console import Status
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.errors import ChainError, UrdfIkError
 from urdf_ik.model import catalogue, downloads
+from urdf_ik.support import extras
 from urdf_ik.version import __version__
 
 _WIDTH, _LEAST_WORDS = 79, 12
 _SHORT = {"example-robot-data": "robot-data", "robot_descriptions": "descriptions"}
 NEEDED = ("numpy", "pin", "coal", "yourdfpy", "lxml", "trimesh", "scipy")
-OPTIONAL = {
-    "plot": ("matplotlib",),
-    "viewer": ("viser",),
-    "robots": ("example-robot-data", "robot_descriptions", "xacro"),
-    "xacro": ("xacro",),
-    "mjcf": ("mujoco",),
-    "tables": ("pandas", "xarray"),
-    "interop": ("pin-pink", "daqp", "rerun-sdk"),
-    "notebooks": ("ipykernel", "ipywidgets", "nbconvert"),
-    "proof": ("python-flint",),
-    "torch": ("torch",),
-    "jax": ("jax",),
-    "scale": ("dask", "distributed", "zarr", "xarray"),
-    "timing": ("toppra",),
-}
 _CHECKING = ("pin", "coal")
 """What only checks need; solving and drawing do without."""
 _ARMS = ("zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "srs_7r")
@@ -103,7 +90,7 @@ def _table(robots: list[Robot]) -> str:
         rows.append([robot.name, joints, short, "yes" if robot.here else "no", source])
     table = tables.grid(header, rows, left=["name", "family", "from"])
     more = len(downloads.names())
-    rest = f"robot_descriptions has {more} arms: --all lists them" if more else f"more: {downloads.INSTALL}"
+    rest = f"robot_descriptions has {more} arms: --all lists them" if more else f"more: {extras.command('robots')}"
     return tables.render(*([table] if rows else ["no robot has such a name"]), "", rest)
 
 
@@ -165,7 +152,7 @@ def examine() -> dict[str, Any]:
         "versions": versions,
         "machine": f"{platform.system()} {platform.machine()}",
         "instruction_sets": {"used": _core.isa(), "built": tuple(_core.levels())},
-        "extras": {extra: {name: _version(name) for name in names} for extra, names in OPTIONAL.items()},
+        "extras": {extra: {name: _version(name) for name in _packages(extra)} for extra in extras.for_users()},
         "tests": tests,
         "loading": loaded - begun,
         "seconds": time.perf_counter() - loaded,
@@ -184,13 +171,13 @@ def _findings(found: dict[str, Any]) -> str:
     sets = found["instruction_sets"]
     facts = [(name, version or "missing") for name, version in found["versions"].items()]
     facts.append(("machine", f"{found['machine']}, instruction set {sets['used']} of {', '.join(sets['built'])}"))
-    extras = []
+    optional = []
     for extra, packages in found["extras"].items():
         here = ", ".join(f"{name} {version}" for name, version in packages.items() if version)
         missing = ", ".join(name for name, version in packages.items() if not version)
         words = [here] if here else []
-        words += [f"without {missing}: pip install 'urdf-ik[{extra}]'"] if missing else []
-        extras.append((extra, "; ".join(words)))
+        words += [f"without {missing}: {extras.command(extra)}"] if missing else []
+        optional.append((extra, "; ".join(words)))
     rows = []
     for test in found["tests"]:
         error = "-" if test["error"] is None else f"{test['error']:.1e}"
@@ -201,7 +188,9 @@ def _findings(found: dict[str, Any]) -> str:
     if found["passed"] and not missing_pinocchio.installed():
         verdict = f"solving works; errors and contacts were not checked: {missing_pinocchio.UNCHECKED}"
     times = f"loading the packages took {found['loading']:.1f} s, the test {found['seconds']:.1f} s"
-    return tables.render(*tables.facts(facts, 14), "", *tables.facts(extras, 14), "", table, "", f"{verdict}; {times}")
+    return tables.render(
+        *tables.facts(facts, 14), "", *tables.facts(optional, 14), "", table, "", f"{verdict}; {times}"
+    )
 
 
 def _test(name: str) -> dict[str, Any]:
@@ -230,6 +219,10 @@ def _test(name: str) -> dict[str, Any]:
         error = float(np.where(answer.valid, np.maximum(position, rotation), 0.0).max())
     counts = {"poses": _POSES, "solutions": int(answer.valid.sum()), "missed": int((near > 1e-6).sum())}
     return {"arm": name, **counts, "error": error}
+
+
+def _packages(extra: str) -> list[str]:
+    return [re.split(r"[\[<>=~!]", requirement)[0] for requirement in extras.requirements(extra)]
 
 
 def _version(package: str) -> str:

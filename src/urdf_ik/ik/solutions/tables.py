@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.errors import MissingPackage
 from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Step
 from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain import Chain
+from urdf_ik.support import extras
 from urdf_ik.support.display import Markup
 from urdf_ik.support.display import table as html_table
 from urdf_ik.support.palette import colours
@@ -122,7 +122,6 @@ def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
     return f"the closest, {list(solutions)[best].branch}, has {' and '.join(parts)}"
 
 
-INSTALL = "pip install 'urdf-ik[tables]'"
 MOST_ROWS = 32
 """Solutions that a notebook shows of an answer."""
 _WIDTH, _HEIGHT, _EDGE = 260, 200, 12
@@ -133,7 +132,7 @@ def to_frame(solutions: Any, contacts: bool = True) -> Any:
     try:
         import pandas
     except ImportError:
-        raise MissingPackage(f"to_frame() needs pandas: {INSTALL}") from None
+        raise extras.missing("to_frame() needs pandas", "tables") from None
     solver, places = solutions.solver, np.argwhere(solutions.valid)
     at, q = tuple(places.T), solutions.q[solutions.valid]
     columns: dict[str, Any] = {"arm": [solver.name] * len(q)}
@@ -176,7 +175,7 @@ def to_xarray(solutions: Any) -> Any:
     try:
         import xarray
     except ImportError:
-        raise MissingPackage(f"to_xarray() needs xarray: {INSTALL}") from None
+        raise extras.missing("to_xarray() needs xarray", "tables") from None
     pose_axes = solutions.valid.ndim - 1
     poses = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
     solver = solutions.solver

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.errors import ArgumentError
 from urdf_ik.interop.autograd.newton import Given, step
 from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
+from urdf_ik.support import extras
 
 _KEPT = 32  # arms whose compiled functions are kept
 
@@ -143,7 +144,7 @@ def _jax() -> Any:
     try:
         jax: Any = import_module("jax")
     except ImportError:
-        raise MissingPackage("urdf_ik.jax needs jax: pip install 'urdf-ik[jax]'") from None
+        raise extras.missing("urdf_ik.jax needs jax", "jax") from None
     if not jax.config.jax_enable_x64:
         raise ArgumentError(
             "jax computes with 32 bits, which is too few for poses of 1e-9; call "

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import MissingPackage
 from urdf_ik.interop.autograd.newton import Given, step
 from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
+from urdf_ik.support import extras
 
 
 def geometry(arm: Arm) -> Any:
@@ -110,4 +110,4 @@ def _torch() -> Any:
     try:
         return import_module("torch")
     except ImportError:
-        raise MissingPackage("urdf_ik.torch needs torch: pip install 'urdf-ik[torch]'") from None
+        raise extras.missing("urdf_ik.torch needs torch", "torch") from None

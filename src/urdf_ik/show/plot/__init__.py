@@ -13,12 +13,13 @@ window knows of: it is drawn without a display, and a notebook shows it. ``slide
 
 from __future__ import annotations
 
-from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support import extras
 
 try:
     import matplotlib as _  # noqa: F401
 except ImportError:
-    raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
+    raise extras.missing("pictures need matplotlib", "plot") from None
 except ValueError as error:  # the environment names a backend that there is not
     raise ArgumentError(f"matplotlib does not start: {error}") from None
 

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits
 from urdf_ik.show import shapes as looks
 from urdf_ik.show.plot import axes as draw
+from urdf_ik.support import extras
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
@@ -193,7 +194,7 @@ def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
     try:
         import ipywidgets
     except ImportError:
-        raise MissingPackage("sliders in a notebook need ipywidgets: pip install 'urdf-ik[notebooks]'") from None
+        raise extras.missing("sliders in a notebook need ipywidgets", "notebooks") from None
     first, scale = start(arm, q), scales(arm)
     figure = draw.Picture(figsize=(_WIDE, _HIGH))
     stage = _Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), first)

@@ -12,9 +12,8 @@ shows obstacles. In a notebook, a cell that ends with the viewer shows its page.
 
 from __future__ import annotations
 
-from urdf_ik.show.viewer.page import INSTALL, Viewer
+from urdf_ik.show.viewer.page import Viewer
 
 __all__ = [
-    "INSTALL",
     "Viewer",
 ]

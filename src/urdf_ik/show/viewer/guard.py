@@ -16,9 +16,8 @@ from contextlib import contextmanager
 from typing import Any
 from urllib.parse import urlsplit
 
-from urdf_ik.errors import MissingPackage
 from urdf_ik.show.viewer import address
-from urdf_ik.support import forks
+from urdf_ik.support import extras, forks
 
 MAX_MESSAGE = 2**20
 """Greatest size of a message of the page [bytes]."""
@@ -121,9 +120,7 @@ def start(guard: Guard, host: str, port: int) -> Any:
         setattr(started, "request_share_url", lambda *_, **__: None)  # noqa: B010  a page must not publish the server
         if not _is_refused(address.reachable(host), started.get_port()):
             started.stop()
-            raise MissingPackage(
-                "requests to the installed viser cannot be checked: pip install --upgrade 'urdf-ik[viewer]'"
-            )
+            raise extras.missing("requests to the installed viser cannot be checked; --upgrade it", "viewer")
     return started
 
 

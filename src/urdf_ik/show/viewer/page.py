@@ -29,8 +29,8 @@ from urdf_ik.show.viewer.playback import Track
 from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
+from urdf_ik.support import extras
 
-INSTALL = "pip install 'urdf-ik[viewer]'"
 """The command that installs what the viewer needs."""
 
 
@@ -80,7 +80,7 @@ class Viewer:
         try:
             import viser as _  # noqa: F401
         except ImportError:
-            raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
+            raise extras.missing("the viewer needs viser, which is not installed", "viewer") from None
         address.check(host, port)
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, MissingPackage
-from urdf_ik.support import inputs
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support import extras, inputs
 from urdf_ik.support.report import Report
 from urdf_ik.support.watch import Watch
 
 try:
     from flint import acb, arb
 except ImportError as error:  # python-flint is an extra
-    raise MissingPackage("proofs are checked in ball arithmetic: pip install 'urdf-ik[proof]'") from error
+    raise extras.missing("proofs are checked in ball arithmetic", "proof") from error
 
 from collections.abc import Sequence
 
