@@ -27,7 +27,7 @@ _FEWEST, _MOST = 200, 1_000_000
 # Of a shape with a texture.
 _DRAWS, _SEED = 64, 0  # joint vectors among which the example is chosen
 _GREY = (180, 180, 185)
-_BUILT = "in a checkout type: make wasm page; wheels of releases hold it"
+_BUILT = "`make wasm page` in a checkout builds it; wheels of releases hold it"
 
 
 def html(arm: Arm, *, faces: int = FACES, q: ArrayLike | None = None) -> str:
