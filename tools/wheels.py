@@ -4,8 +4,8 @@
 
 The wheel in dist/ holds the core for each instruction set. auditwheel gives it the manylinux tag that its symbols allow
 (the workflow .github/workflows/wheels.yml builds in an image of manylinux_2_28 instead), `twine check` reads its
-description, and its size, with WebAssembly and the page, may not exceed 10 MB. Two builds of one commit are the same to
-the last byte: times are those of the commit. With --twice the sources are built again in another folder, and the hashes are compared.
+description; it may have 10 MB, with WebAssembly and the page. Two builds of one commit are the same to the last byte:
+times are those of the commit. With --twice the sources are built again in another folder, and the hashes are compared.
 """
 
 from __future__ import annotations

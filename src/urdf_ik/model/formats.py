@@ -168,7 +168,7 @@ def _mujoco_as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     try:
         import mujoco
     except ImportError:
-        raise MissingPackage(f"{source.name}: a MuJoCo model, and mujoco is not installed: {_INSTALL_MUJOCO}") from None
+        raise extras.missing(f"{source.name}: a MuJoCo model, and mujoco is not installed", "mjcf") from None
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         lost = _without_missing_files(spec, source, path.parent / spec.meshdir)
