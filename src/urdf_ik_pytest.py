@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 MARK = "urdf"
 READABLE = "can be read"
 UNCHANGED = ("kinematics", "limits", "names", "collisions", "visuals", "solutions")
-ENDING = ".lock.json"
 _OF_FILES = ("--urdf", "--urdf-lock")
 
 
@@ -113,13 +112,14 @@ class _Given:
 
     def __init__(self, config: pytest.Config, name: str, source: str, links: tuple[str | None, str | None],
                  lock: str | None) -> None:  # fmt: skip
+        from urdf_ik.verify.baselines import lock_beside
+
         self.name, self.source = name, source
         self._links, self._freeze = links, config.getoption("--urdf-freeze")
         # pytest may run from elsewhere than where the command was typed.
         path = config.invocation_params.dir / source
         self._source: Path | str = path if path.is_file() else source
-        beside = path.with_name(path.name.partition(".")[0] + ENDING)
-        self.lock_path = config.invocation_params.dir / lock if lock else beside
+        self.lock_path = config.invocation_params.dir / lock if lock else lock_beside(path)
         self._required = lock is not None
 
     @cached_property

@@ -34,6 +34,16 @@ class ReportFormat(StrEnum):
     JSON = "json"
 
 
+class ReviewFormat(StrEnum):
+    """Format of verifications."""
+
+    TABLE = "table"
+    JSON = "json"
+    GITHUB = "github"
+    SARIF = "sarif"
+    MARKDOWN = "markdown"
+
+
 PartOfPose = StrEnum("PartOfPose", ["pose", "position", "position-and-axis", "planar-position", "planar-pose"])
 """What a target fixes of the tip's pose, for arms with few joints; see :mod:`urdf_ik.ik.tasks`."""
 

@@ -13,6 +13,7 @@ import math
 import os
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,6 +53,9 @@ if TYPE_CHECKING:
 
 FORMAT, VERSION = "urdf-ik lock", 1
 
+ENDING = ".lock.json"
+"""Of the name of a lock file."""
+
 SIZE = 200_000
 """Bytes that a lock file has at most, unless the poses of its user need more."""
 
@@ -69,6 +73,13 @@ FOLD = 1e-12
 
 _SEED = 20_260_101
 _MOST_SHOWN = 6
+
+
+def lock_beside(robot: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Path:
+    """The lock file of a robot's file or name: NAME.lock.json in a folder, else beside the file."""
+    path = Path(robot)
+    name = path.name.partition(".")[0] + ENDING
+    return path.with_name(name) if folder is None else Path(folder) / name
 
 
 def freeze(

@@ -274,11 +274,12 @@ def _cut(side: Description) -> list[list[Step]]:
     return out
 
 
-def _pose(steps: Sequence[Step]) -> Array:
+def pose_of(steps: Sequence[Step]) -> Array:
     """Pose (4, 4) of the last joint's frame in the frame before the first one."""
     T = np.eye(4)
     for step in steps:
-        T = T @ (np.linalg.inv(matrix(step.origin)) if step.backwards else matrix(step.origin) @ _at_value(step))
+        placed = matrix(step.origin) @ _at_value(step)
+        T = T @ (np.linalg.inv(placed) if step.backwards else placed)
     return T
 
 
@@ -296,7 +297,7 @@ def _at_value(step: Step) -> Array:
 
 
 def _origin(ours: Sequence[Step], theirs: Sequence[Step]) -> tuple[float, float]:
-    return apart(_pose(ours), _pose(theirs))
+    return apart(pose_of(ours), pose_of(theirs))
 
 
 def _axis(ours: Sequence[Step], theirs: Sequence[Step]) -> tuple[float, bool]:

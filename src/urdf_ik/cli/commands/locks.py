@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -13,13 +14,14 @@ from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.console import Status
-from urdf_ik.cli.options import ReportFormat
+from urdf_ik.cli.options import ReportFormat, ReviewFormat
 from urdf_ik.cli.progress import Progress
-from urdf_ik.errors import ChainError, message
+from urdf_ik.errors import ChainError, UrdfIkError
 from urdf_ik.support import files
-from urdf_ik.verify import baselines
-from urdf_ik.verify.baselines import Baseline
+from urdf_ik.verify import baselines, review
+from urdf_ik.verify.baselines import Baseline, Verification, lock_beside
 from urdf_ik.verify.differences import Tolerance, ignored
+from urdf_ik.verify.review import VerifiedFile
 
 
 def freeze(
@@ -77,61 +79,109 @@ def freeze(
 def verify(
     *,
     chosen: ArmOptions,
-    lock_file: Annotated[Path, Argument(metavar="LOCK", help="The lock file that `urdf-ik freeze` wrote.")],
+    further: Annotated[
+        list[str] | None,
+        Argument(metavar="[LOCK | ROBOT...]", help="Its lock file; or more robots, each with a lock file of its name."),
+    ] = None,
+    locks: Annotated[
+        Path | None, Option(metavar="DIR", help="Folder of the lock files NAME.lock.json. Default: beside each robot.")
+    ] = None,
     tolerance_mm: options.Millimetres = None,
     tolerance_deg: options.DegreesOfTolerance = None,
     ignore: options.Ignored = None,
     update: Annotated[bool, Option("--update", help="Then write the lock file anew; the status is 0.")] = False,
     time_limit: options.TimeLimit = None,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
+    printed_as: Annotated[
+        ReviewFormat,
+        Option("--format", "-f", help="How to print it; github: annotations.", rich_help_panel=options.OUTPUT),
+    ] = ReviewFormat.TABLE,
 ) -> None:
-    """Verify an arm against its lock file.
+    """Verify arms against their lock files.
 
     It names the joint, link or limit that is different, by how many mm and degrees, and the solutions that were lost or
     gained at which poses. The status is 1 when something is different, or when the time limit left poses out.
 
-    Base, tip and held joints are those of the lock file where they are not given. A tool, a free axis or a redundancy
-    joint has to be given again.
+    Without a lock file it is NAME.lock.json beside the robot. Base, tip and held joints are those of the lock file
+    where they are not given. A tool, a free axis or a redundancy joint has to be given again.
+
+    github prints annotations at the lines of the file, and appends the Markdown to the job's summary; sarif is for code
+    scanning.
 
     Examples:
         urdf-ik verify my_arm.urdf my_arm.lock.json
         urdf-ik verify my_arm.urdf my_arm.lock.json --tolerance-mm 0.1 --ignore visuals,collisions
+        urdf-ik verify left.urdf right.urdf --locks locks --format github
         urdf-ik verify my_arm.urdf my_arm.lock.json --update
     """
     Tolerance.read(tolerance_mm, tolerance_deg)
     ignored(ignore or ())
-    lock = Baseline.load(lock_file)
-    try:
-        arm = _loaded(chosen, lock)
-    except ChainError as error:
-        if chosen.base is not None or chosen.tip is not None or chosen.chain is not None:
-            raise
-        text = f"FAILED: {lock.arm.base} to {lock.arm.tip} of the lock is gone: {error}"
-        console.write(message(text) + "\n", None)
-        raise typer.Exit(Status.FAILED) from None
+    more = further or []
+    named = len(more) == 1 and (more[0].endswith(".json") or ".lock" in more[0])
+    paths = {robot: lock_beside(robot, locks) for robot in [chosen.robot, *([] if named else more)]}
+    if named:
+        paths[chosen.robot] = Path(more[0])
+    done: list[VerifiedFile] = []
+    unread: UrdfIkError | None = None
     with Progress("comparing poses") as progress:
-        found = lock.verify(
-            arm,
-            tolerance_mm=tolerance_mm,
-            tolerance_deg=tolerance_deg,
-            ignore=ignore or (),
-            time_limit=time_limit,
-            progress=progress.tick,
-        )
-    console.emit(found.to_json(), lambda: f"{found}\n", printed_as)
-    if update:
-        own = [pose.matrix for pose in lock.poses if pose.kind == "own"]
-        baselines.freeze(arm, own or None).save(lock_file)
-        typer.echo(f"updated: {lock_file}", err=True)
-    elif not found.passed:
+        for robot, path in paths.items():
+            result: Verification | UrdfIkError
+            try:
+                lock = Baseline.load(path)
+                arm = _loaded(replace(chosen, robot=robot), lock)
+                result = lock.verify(
+                    arm,
+                    tolerance_mm=tolerance_mm,
+                    tolerance_deg=tolerance_deg,
+                    ignore=ignore or (),
+                    time_limit=time_limit,
+                    progress=progress.tick,
+                )
+                if update:
+                    own = [pose.matrix for pose in lock.poses if pose.kind == "own"]
+                    baselines.freeze(arm, own or None).save(path)
+                    typer.echo(f"updated: {path}", err=True)
+            except _ChainGone as error:
+                result = error
+            except UrdfIkError as error:
+                if printed_as in ("table", "json"):
+                    raise
+                result = unread = error
+            done.append(VerifiedFile(robot if Path(robot).is_file() else str(path), result))
+    _print(done, printed_as)
+    if unread is not None:
+        raise unread
+    if not (update or all(each.passed for each in done)):
         raise typer.Exit(Status.FAILED)
+
+
+class _ChainGone(ChainError):
+    """The links of the lock are not in the URDF any more."""
+
+
+def _print(done: list[VerifiedFile], printed_as: ReviewFormat) -> None:
+    """Print the results; GitHub also gets a summary of the job."""
+    summary = os.environ.get("GITHUB_STEP_SUMMARY")
+    if printed_as == "github" and summary:
+        with open(summary, "a", encoding="utf-8") as file:
+            file.write(review.markdown(done))
+    if printed_as in ("table", "json"):
+        data = [each.to_dict() for each in done]
+        console.emit(data[0] if len(data) == 1 else data, lambda: "".join(f"{each}\n" for each in done), printed_as)
+    else:
+        console.write(getattr(review, printed_as)(done), None)
 
 
 def _loaded(chosen: ArmOptions, lock: Baseline) -> Arm:
     """The arm, its base, tip and held joints those of the lock where no option names them."""
     held = [f"{name}={value!r}" for name, value in lock.arm.locked] if chosen.lock is None else chosen.lock
+    asked = chosen.base or chosen.tip or chosen.chain
     if chosen.chain is None and chosen.srdf is None:
         base = lock.arm.base if chosen.base is None else chosen.base
         tip = lock.arm.tip if chosen.tip is None else chosen.tip
         chosen = replace(chosen, base=base, tip=tip)
-    return replace(chosen, lock=held or None).load()
+    try:
+        return replace(chosen, lock=held or None).load()
+    except ChainError as error:
+        if asked is not None:
+            raise
+        raise _ChainGone(f"{lock.arm.base} to {lock.arm.tip} of the lock is gone: {error}") from None

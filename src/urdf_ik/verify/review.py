@@ -1,0 +1,195 @@
+"""Verified files for a pull request: annotations of GitHub, SARIF 2.1.0 and Markdown, each finding at its line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.support.text import json_text
+from urdf_ik.typing import Array
+from urdf_ik.verify.baselines import Verification
+from urdf_ik.verify.description import Description
+from urdf_ik.verify.differences import pose_of
+from urdf_ik.version import __version__
+
+_SARIF = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+_NAMED = re.compile(r"<(joint|link|body)\b[^<>]*?\sname\s*=\s*[\"'](.*?)[\"']", re.DOTALL)
+_POSTURE = 0.5  # rad or m, of every joint of a picture, as far as its limits allow
+_COLUMNS, _ROWS = 36, 12  # of a picture
+_DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])  # of a Braille character, by row and column
+
+
+class Finding(NamedTuple):
+    """A difference, or the reason why there is no verdict, at a line of a file."""
+
+    file: str
+    line: int
+    kind: str
+    words: str
+
+
+@dataclass(frozen=True)
+class VerifiedFile:
+    """A file and the result of its verification.
+
+    Attributes:
+        file: as it was typed, relative to the repository.
+        result: the verification, or the error that prevented it.
+    """
+
+    file: str
+    result: Verification | UrdfIkError
+
+    def findings(self) -> Iterator[Finding]:
+        """What a reviewer has to look at, at the lines of the joints and links."""
+        if isinstance(self.result, UrdfIkError):
+            line = getattr(self.result, "line", None) or 1
+            yield Finding(self.file, line, "unreadable", str(self.result))
+            return
+        places, line = _places(self.file), 1
+        for each in self.result.differences:
+            line = _line(places, each.name, line)  # solutions: where their cause is
+            yield Finding(self.file, line, each.kind, str(each))
+        if self.result.unlooked:
+            yield Finding(self.file, 1, "unfinished", self.result.unlooked)
+
+    @property
+    def passed(self) -> bool:
+        """Whether it was verified, without a difference that counts."""
+        return isinstance(self.result, Verification) and self.result.passed
+
+    def verdict(self) -> str:
+        """The file and its verdict in a line."""
+        failed = "FAILED: it cannot be verified"
+        return f"{self.file}: {self.result.verdict() if isinstance(self.result, Verification) else failed}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The verification's dictionary, or the error."""
+        if isinstance(self.result, Verification):
+            return self.result.to_dict()
+        return {"passed": False, "error": str(self.result)}
+
+    def __str__(self) -> str:
+        return str(self.result) if isinstance(self.result, Verification) else f"FAILED: {self.result}"
+
+
+def github(files: Sequence[VerifiedFile]) -> str:
+    """Workflow commands that annotate a pull request, and the verdict of each file."""
+    lines = []
+    for file in files:
+        lines.append(_command(file.verdict()))
+        for each in file.findings():
+            path = _command(each.file).replace(":", "%3A").replace(",", "%2C")
+            lines.append(f"::error file={path},line={each.line},title=urdf-ik {each.kind}::{_command(each.words)}")
+    return "\n".join(lines) + "\n"
+
+
+def sarif(files: Sequence[VerifiedFile]) -> str:
+    """A SARIF log for code scanning: a result a finding."""
+    found = [each for file in files for each in file.findings()]
+    rules = [{"id": kind} for kind in dict.fromkeys(each.kind for each in found)]
+    driver = {"name": "urdf-ik", "version": __version__, "rules": rules}
+    results = [
+        {
+            "ruleId": each.kind,
+            "level": "error",
+            "message": {"text": each.words},
+            "locations": [
+                {
+                    "physicalLocation": {
+                        "artifactLocation": {"uri": each.file.replace("\\", "/")},
+                        "region": {"startLine": each.line},
+                    }
+                }
+            ],
+        }
+        for each in found
+    ]
+    run = {"tool": {"driver": driver}, "results": results}
+    return json_text({"$schema": _SARIF, "version": "2.1.0", "runs": [run]})
+
+
+def markdown(files: Sequence[VerifiedFile]) -> str:
+    """A summary: the verdict of each file, a table of its findings, and both arms where they move differently."""
+    parts = []
+    for file in files:
+        found = list(file.findings())
+        parts.append(f"#### {_cell(file.verdict())}")
+        if found:
+            rows = (f"| {_cell(each.file)}:{each.line} | {each.kind} | {_cell(each.words)} |" for each in found)
+            parts.append("\n".join(["| line | kind | difference |", "|---|---|---|", *rows]))
+        if isinstance(file.result, Verification) and any(each.kind == "kinematics" for each in found):
+            parts.append(f"```text\n{picture(file.result.frozen, file.result.arm)}\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+def picture(then: Description, now: Description) -> str:
+    """Both arms side by side in one posture and at one scale, drawn in Braille characters."""
+    sides = [_frames(then), _frames(now)]
+    points = np.vstack(sides)
+    plane = np.linalg.svd(points - points.mean(axis=0))[2][:2]
+    up = plane[:, 2] if np.linalg.norm(plane[:, 2]) > 0.1 else np.array([0.0, 1.0])
+    plane = np.array([[up[1], -up[0]], up]) @ plane / np.linalg.norm(up)
+    flat = points @ plane.T
+    size = np.array([2 * _COLUMNS - 1, 4 * _ROWS - 1])
+    scale = (size / np.maximum(np.ptp(flat, axis=0), 1e-12)).min()
+    pictures = [_drawn((side @ plane.T - flat.min(axis=0)) * scale) for side in sides]
+    titles = (f"in the lock: {then.title}"[:_COLUMNS], f"now: {now.title}")
+    rows = [titles, *zip(*pictures, strict=True)]
+    return "\n".join(f"{left:<{_COLUMNS}}  {right}".rstrip() for left, right in rows)
+
+
+def _frames(arm: Description) -> Array:
+    """Origins (k, 3) m of the frames from base to tip, every joint at 0.5 rad or m, as far as its limits allow."""
+    limits = zip(arm.joint_names, arm.limits, strict=True)
+    values = {name: min(max(_POSTURE, lower), upper) for name, (lower, upper) in limits}
+    values |= {name: factor * values[driver] + offset for name, driver, factor, offset in arm.followers}
+    T, out = np.eye(4), [np.zeros(3)]
+    for step in arm.steps:
+        T = T @ pose_of([replace(step, held=values.get(step.name, step.held))])
+        out.append(T[:3, 3])
+    return np.array(out)
+
+
+def _drawn(corners: Array) -> list[str]:
+    """Lines of text that show a polyline (k, 2), in dots from the lower left corner."""
+    cells = np.zeros((_ROWS, _COLUMNS), dtype=np.int64)
+    for start, end in zip(corners[:-1], corners[1:], strict=True):
+        for x, y in np.rint(np.linspace(start, end, 1 + int(np.abs(end - start).max() + 1))).astype(int):
+            row = 4 * _ROWS - 1 - y
+            cells[row // 4, x // 2] |= _DOTS[row % 4, x % 2]
+    return ["".join(chr(0x2800 + cell) for cell in row) for row in cells]
+
+
+def _places(file: str) -> list[tuple[re.Pattern[str], int]]:
+    """Names of joints and links in a URDF, xacro or MJCF as patterns, with their lines; joints first."""
+    try:
+        text = Path(file).read_text("utf-8", "replace")
+    except OSError:  # a name of the catalogue
+        return []
+    text = re.sub("<!--.*?-->", lambda comment: "\n" * comment[0].count("\n"), text, flags=re.DOTALL)
+    found = sorted(_NAMED.finditer(text), key=lambda each: each[1] != "joint")
+    # An expression of a xacro may become any text.
+    names = (".+".join(map(re.escape, re.split(r"\$\{.*?\}", each[2]))) for each in found)
+    return [(re.compile(name), text.count("\n", 0, each.start()) + 1) for name, each in zip(names, found, strict=True)]
+
+
+def _line(places: list[tuple[re.Pattern[str], int]], names: str, default: int) -> int:
+    """The line of the first joint or link of a list with commas; the default where the file has none of them."""
+    lines = (line for name in names.split(", ") for pattern, line in places if pattern.fullmatch(name))
+    return next(lines, default)
+
+
+def _command(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _cell(text: str) -> str:
+    return escape(text, quote=False).replace("|", "\\|").replace("\n", " ")
