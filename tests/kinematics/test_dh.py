@@ -443,3 +443,21 @@ def test_command_refuses(words: tuple[str, ...], status: int, message: str) -> N
     result = CliRunner().invoke(app, ["dh", *words], catch_exceptions=False)
     assert result.exit_code == status
     assert message in result.output and "Traceback" not in result.output
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_fixed_rows_are_base_and_tool(convention: str, tmp_path: Path) -> None:
+    """First and last rows without a joint: Pinocchio's poses are those of the table with moving rows held at zero."""
+    head = f"# convention: {convention}\n# angles: deg\ntype,theta,d,a,alpha\n"
+    ends = "{0},30,0.1,0.2,-40\n{1}{0},0,0.0687,0.125,20\n"
+    rows = "revolute,5,0.16,0.01,90\nrevolute,0,0,-0.4,0\nrevolute,0,0.1,0.02,-90\n"
+    for kind in ("fixed", "revolute"):
+        (tmp_path / f"{kind}.csv").write_text(head + ends.format(kind, rows))
+    fixed, moving = (DHTable.read(tmp_path / f"{kind}.csv") for kind in ("fixed", "revolute"))
+    assert fixed.n == 3 and moving.n == 5
+    q = np.array([0.3, -0.4, 0.9])
+    held = Reference(moving.to_urdf()).pose([0.0, *q, 0.0])
+    np.testing.assert_allclose(Reference(fixed.to_urdf()).pose(q), held, atol=1e-12)
+    (tmp_path / "middle.csv").write_text(head + rows + "fixed,0,0,1,0\n" + rows)
+    with pytest.raises(UrdfError, match=r"row 4, column 'type': a fixed row between joints"):
+        DHTable.read(tmp_path / "middle.csv")

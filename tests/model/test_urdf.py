@@ -125,7 +125,7 @@ AWKWARD = """\ufeff<?xml version="1.0" encoding="latin-1"?>
   <joint name="push" type="prismatic">
     <parent link="/hand"/><child link="\u624b"/>
     <origin xyz="1 2 3" rpy="1.5708 0 3.14159"/>
-    <axis xyz="1e200 2e200 0"/><limit effort="1" velocity="1" lower="-2"/>
+    <axis xyz="1e100 2e100 0"/><limit effort="1" velocity="1" lower="-2"/>
   </joint>
 </robot>
 """.replace("\n", "\r\n")
@@ -164,7 +164,7 @@ def test_limits_have_the_defaults_of_the_standard() -> None:
         assert (reference.lowerPositionLimit[at], reference.upperPositionLimit[at]) == limits[name]
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e-3, 0.999, 7.0, 1e160])
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 0.999, 7.0, 1e140])
 @pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous"])
 def test_axes_of_any_length_are_directions(kind: str, scale: float) -> None:
     """The length an axis is written with changes nothing, for us and for Pinocchio."""

@@ -58,8 +58,8 @@ BROKEN = {
     "NaN limit": (12, '"-1"', '"nan"', 12, f"<limit> of {JOINT}", "'nan'", "finite"),
     "infinite limit": (12, '"2"', '"inf"', 12, f"<limit> of {JOINT}", "'inf'", "finite"),
     "empty limit": (12, '"2"', '""', 12, f"<limit> of {JOINT}", "0 values instead of 1", "a number"),
-    "no effort": (12, ' effort="3"', "", 12, f"<limit> of {JOINT}", "effort is missing", "effort="),
-    "no velocity": (12, ' velocity="4"', "", 12, f"<limit> of {JOINT}", "velocity is missing", "velocity="),
+    "no effort": (12, ' effort="3"', "", 12, f"<limit> of {JOINT}", "no effort", "effort="),
+    "no velocity": (12, ' velocity="4"', "", 12, f"<limit> of {JOINT}", "no velocity", "velocity="),
     "negative velocity": (12, '"4"', '"-4"', 12, f"<limit> of {JOINT}", "negative", "zero or more"),
     "no limit": (12, LIMIT, "", 7, JOINT, "revolute joint without <limit>", "continuous"),
     "mimic of nothing": (

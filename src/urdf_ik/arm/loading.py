@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,7 +15,8 @@ from urdf_ik.cell.cell import Cell
 from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
-from urdf_ik.model.srdf import chain_groups, disabled_pairs, groups_beside
+from urdf_ik.model.srdf import chain_groups, defects_of, disabled_pairs, groups_beside
+from urdf_ik.model.urdf.defects import together
 
 
 def load(
@@ -69,7 +71,12 @@ def load(
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
     model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
-    disabled = () if srdf is None else disabled_pairs(srdf, model.links, strict=strict)
+    disabled: tuple[tuple[str, str], ...] = ()
+    if srdf is not None:
+        if (defects := defects_of(srdf, model.links)) and strict:
+            raise together([each.error for each in defects])
+        model = replace(model, warnings=(*model.warnings, *defects))
+        disabled = disabled_pairs(srdf, model.links, strict=False)
     ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
     joints = from_urdf(model, *ends).lock({} if locked is None else locked)
     chosen = (redundancy,) if isinstance(redundancy, str) else redundancy
@@ -124,9 +131,11 @@ def choose_chain(
         if chain is not None:
             raise ArgumentError(f"chain={chain!r} and tip={tip!r} say the same; give one of them")
         return entry.base if entry is not None and base is None else base, tip
-    if groups := {} if srdf is None else dict(chain_groups(srdf, model.links)):
+    if groups := {} if srdf is None else dict(chain_groups(srdf, model.links, strict=False)):
         name = next(iter(groups)) if chain is None and len(groups) == 1 else chain
         if name not in groups:
+            if chain is not None and srdf is not None:
+                chain_groups(srdf, model.links)  # a group that names a link which is not there says so
             what = "several chains; name one" if name is None else f"no chain {name!r}"
             raise ChainError(f"{model.source}: the SRDF has {what}", groups)
         return groups[name][0] if base is None else base, groups[name][1]

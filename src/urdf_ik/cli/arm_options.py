@@ -178,7 +178,7 @@ class ArmOptions(Record):
         """Say on standard error which chain was chosen of several, or which tip of several links at its end."""
         if self.tip is not None or self.robot in catalogue.names():
             return
-        chains = arm.model.chains(self.base)
+        chains = arm.model.chains(self.base) or arm.model.chains()
         meant = [each for each in chains if each.tip == arm.tip]
         others = len(chains) - len(meant)
         if not meant or not (others or meant[0].frames):

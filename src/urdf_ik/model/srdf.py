@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.model.urdf.defects import Defects, UrdfWarning
 from urdf_ik.model.xml import child, children, open_source, parse, tag
 from urdf_ik.support.text import nearest
 
@@ -17,12 +18,19 @@ __all__ = ["chain_groups", "disabled_pairs", "group_states", "groups_beside", "s
 _FOLDERS = (".", "../srdf", "../config", "../moveit")
 """Folders that may hold a URDF's SRDF, relative to the URDF's folder."""
 _MOST = 20
+_ELEMENTS = (
+    "disable_collisions", "enable_collisions", "disable_default_collisions", "group", "group_state", "end_effector",
+    "virtual_joint", "passive_joint", "joint_property", "link_sphere_approximation", "rotor_params", "specificities",
+)  # fmt: skip
+"""Elements of an SRDF (MoveIt's srdfdom, and Pinocchio's rotor_params)."""
+_LINKS = ("link1", "link2", "base_link", "tip_link", "parent_link", "child_link", "link")
+"""Attributes that name links."""
 
 
 def disabled_pairs(
     source: str | os.PathLike[str] | bytes, links: Collection[str], *, strict: bool = True
 ) -> tuple[tuple[str, str], ...]:
-    """Read the ``<disable_collisions>`` elements of an SRDF and ignore the others.
+    """Read the ``<disable_collisions>`` elements of an SRDF and ignore the others; see :func:`defects_of`.
 
     Args:
         source: a path, or XML text.
@@ -43,14 +51,50 @@ def disabled_pairs(
     return tuple(_two_links(each, "link1", "link2", links, name) for each in found)
 
 
+def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[UrdfWarning, ...]:
+    """Elements of an SRDF that SRDF does not have, and its links that the URDF does not have, in one warning.
+
+    Raises:
+        UrdfError: the SRDF cannot be read.
+    """
+    root, name = _opened(source)
+    found, missing = Defects(), dict[str, Any]()
+    for element in root.iterchildren("{*}*"):
+        kind = tag(element)
+        if kind and kind not in _ELEMENTS:
+            close = nearest(kind, _ELEMENTS)
+            hint = f"one of {', '.join(_ELEMENTS)}"
+            problem = "SRDF has no such element" + (f"; did you mean {' or '.join(close)}?" if close else "")
+            place = {"source": name, "line": element.sourceline, "element": f"<{kind}>"}
+            found.add("srdf element", UrdfError(problem, hint=hint, **place))
+        for each in element.iter("{*}*"):
+            named = [each.get(key) for key in _LINKS] + ([each.get("name")] if tag(each) == "link" else [])
+            missing |= {link: each for link in named if link and link not in links and link not in missing}
+    if missing:
+        first = next(iter(missing))
+        shown = ", ".join(list(missing)[:_MOST]) + (f" ... ({len(missing)})" if len(missing) > _MOST else "")
+        close = nearest(first, links)
+        error = UrdfError(
+            f"the URDF has no link{'s' * (len(missing) > 1)} {shown}"
+            + (f"; for {first}, did you mean {' or '.join(close)}?" if close else ""),
+            source=name,
+            line=missing[first].sourceline,
+            element=f"<{tag(missing[first])}>",
+            hint=f"links: {', '.join(links)}",
+        )
+        found.add("srdf link", error)
+    return tuple(found.found)
+
+
 def chain_groups(
-    source: str | os.PathLike[str] | bytes, links: Collection[str]
+    source: str | os.PathLike[str] | bytes, links: Collection[str], *, strict: bool = True
 ) -> tuple[tuple[str, tuple[str, str]], ...]:
     """Read the ``<group>`` elements of an SRDF that hold one ``<chain>``.
 
     Args:
         source: a path, or XML text.
         links: names of the URDF's links.
+        strict: whether a link that the URDF does not have is an error; else its group is left out.
 
     Returns:
         Name, and base link and tip link, of each such group, in the file's order.
@@ -67,7 +111,8 @@ def chain_groups(
     groups = []
     for group in children(root, "group"):
         found = list(children(group, "chain"))
-        if len(found) == 1 and group.get("name"):
+        ends = [each.get(key) for each in found for key in ("base_link", "tip_link")]
+        if len(found) == 1 and group.get("name") and (strict or all(end in links for end in ends)):
             groups.append((group.get("name"), _two_links(found[0], "base_link", "tip_link", links, name)))
     return tuple(groups)
 

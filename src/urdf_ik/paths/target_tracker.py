@@ -24,7 +24,7 @@ from urdf_ik.ik.families.parts import written as task
 from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
-from urdf_ik.kinematics.chain import CoupledChain
+from urdf_ik.kinematics.chain import CoupledChain, velocity_limits
 from urdf_ik.model.poses import check_poses
 from urdf_ik.paths.path_settings import per_joint
 from urdf_ik.support import inputs
@@ -109,8 +109,8 @@ class Tracker:
             dt: s, length of a cycle.
             velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; default: the URDF's, and no
                 limit for a joint for which the URDF states no speed, or zero.
-            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; default: no
-                limit (a URDF states none).
+            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; default: the URDF's
+                (1.2), and no limit for a joint without one. The jerk is not limited.
             recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
                 0.2 of the arm's size) while the tip moves, as far as the target allows; default: ``RECENTRING``; 0: the
                 joints move as little as possible.
@@ -140,8 +140,10 @@ class Tracker:
         self.dt = inputs.number(dt, "dt", above=0.0, unit="s")
         speed = solver.velocity_limits if velocity is None else per_joint("velocity", velocity, solver.joint_names)
         self.velocity_limits = speed.copy()
-        most = np.inf if acceleration is None else acceleration
-        self.acceleration_limits = per_joint("acceleration", most, solver.joint_names)
+        if acceleration is None:
+            self.acceleration_limits = velocity_limits(solver.arm.model, chain, "acceleration").copy()
+        else:
+            self.acceleration_limits = per_joint("acceleration", acceleration, solver.joint_names)
         self.velocity_limits.setflags(write=False)
         self.acceleration_limits.setflags(write=False)
         self._targets = solver.targets

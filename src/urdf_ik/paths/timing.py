@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.kinematics.chain import velocity_limits
 from urdf_ik.paths.path_settings import per_joint, velocities
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import json_text
@@ -32,7 +33,7 @@ class Timed:
         q: (k, n) rad or m.
         qd: (k, n) rad/s or m/s.
         qdd: (k, n) rad/s^2 or m/s^2.
-        method: 'TOPP-RA', or 'scaled' where that package is not installed.
+        method: 'TOPP-RA', or 'scaled' where that package is not installed or the jerk is limited.
         joints: n names.
     """
 
@@ -96,15 +97,15 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
 
     With TOPP-RA installed (``pip install 'urdf-ik[timing]'``; Pham and Pham, "A new approach to time-optimal path
     parameterization based on reachability analysis", IEEE T-RO 34(3), 2018) the joints pass all joint vectors of
-    ``plan.motion`` on a cubic spline, as fast as the limits allow. Without it, they move linearly from one to the next,
-    and the whole motion is slowed down by one factor until its sampled velocities and accelerations keep within the
-    limits.
+    ``plan.motion`` on a cubic spline, as fast as the limits allow. Without it, and where the URDF (1.2) limits jerks,
+    the whole motion on that spline is slowed down by one factor until its sampled velocities, accelerations and jerks
+    keep within the limits.
 
     Args:
         plan: a ``Plan`` without changes of branch.
         velocity: rad/s or m/s, a number or one a joint; default: the URDF's limits.
-        acceleration: rad/s^2 or m/s^2, a number or one a joint; default: what reaches the velocity limit in half a
-            second, as a URDF states no accelerations.
+        acceleration: rad/s^2 or m/s^2, a number or one a joint; default: the URDF's (1.2), and where it has none, what
+            reaches the velocity limit in half a second.
         dt: s between samples.
 
     Raises:
@@ -116,7 +117,10 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
     solver = plan.solver
     names = solver.joint_names
     v = velocities(solver) if velocity is None else per_joint("velocity", velocity, names)
-    a = 2.0 * v if acceleration is None else per_joint("acceleration", acceleration, names)
+    model = plan.solver.arm.model
+    stated, jerk = (velocity_limits(model, solver.chain, rate) for rate in ("acceleration", "jerk"))
+    standard = np.where(np.isinf(stated), 2.0 * v, stated)
+    a = standard if acceleration is None else per_joint("acceleration", acceleration, names)
     q = plan.motion
     steps = (np.abs(np.diff(q, axis=0)) / v).max(axis=1, initial=0.0)
     # A step that moves nothing takes no time, and a spline needs places that ascend.
@@ -125,8 +129,11 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
         still = np.zeros_like(q[:1])
         return Timed(np.zeros(1), q[:1].copy(), still, still, "scaled", solver.joint_names)
     place = np.cumsum(np.concatenate([[0.0], steps[steps > 0.0]]))
-    way = _scaled if find_spec("toppra") is None else _toppra
-    return replace(way(q[moving], place, v, a, dt), joints=solver.joint_names)
+    if find_spec("toppra") is None or np.isfinite(jerk).any():
+        made = _scaled(q[moving], place, v, a, jerk, dt)
+    else:
+        made = _toppra(q[moving], place, v, a, dt)
+    return replace(made, joints=solver.joint_names)
 
 
 def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
@@ -149,20 +156,24 @@ def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
     return Timed(t, found(t), found(t, 1), found(t, 2), "TOPP-RA")
 
 
-def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
-    """One factor for the whole motion, of which the share s = 3 u^2 - 2 u^3 is done at the share u of the time."""
-    t = np.linspace(0.0, 1.0, max(8 * len(q), 200))
-    s = (3.0 - 2.0 * t) * t * t
-    samples = np.column_stack([np.interp(s * place[-1], place, column) for column in q.T])
-    speed = np.gradient(samples, t, axis=0)
-    change = np.gradient(speed, t, axis=0)
-    duration = max((np.abs(speed) / v).max(), np.sqrt((np.abs(change) / a).max()))
-    times = _times(float(duration), dt)
+def _scaled(q: Array, place: Array, v: Array, a: Array, jerk: Array, dt: float) -> Timed:
+    """A cubic spline, of which the share s = 10 u^3 - 15 u^4 + 6 u^5 is done at the share u of the duration."""
+    from scipy.interpolate import CubicSpline
 
-    def at(columns: Array) -> Array:
-        return np.column_stack([np.interp(times / duration, t, column) for column in columns.T])
+    spline = CubicSpline(place / place[-1], q)
 
-    return Timed(times, at(samples), at(speed / duration), at(change / duration**2), "scaled")
+    def rates(u: Array) -> tuple[Array, Array, Array, Array]:
+        """Values and their derivatives by u."""
+        u = u[:, None]
+        s1, s2, s3 = 30 * (u - 1) ** 2 * u**2, 60 * u * (1 - 3 * u + 2 * u**2), 60 * (1 - 6 * u + 6 * u**2)
+        q0, q1, q2, q3 = (spline((((6 * u - 15) * u + 10) * u**3)[:, 0], order) for order in range(4))
+        return q0, q1 * s1, q2 * s1**2 + q1 * s2, q3 * s1**3 + 3 * q2 * s1 * s2 + q1 * s3
+
+    _, speed, change, third = map(np.abs, rates(np.linspace(0.0, 1.0, max(16 * len(q), 200))))
+    duration = float(max((speed / v).max(), np.sqrt((change / a).max()), np.cbrt((third / jerk).max())))
+    times = _times(duration, dt)
+    positions, speed, change, _ = rates(times / duration)
+    return Timed(times, positions, speed / duration, change / duration**2, "scaled")
 
 
 def _times(duration: float, dt: float) -> Array:

@@ -107,8 +107,10 @@ def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
     return tuple(out)
 
 
-def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
+def velocity_limits(model: UrdfModel, chain: Chain, rate: str = "velocity") -> NDArray[np.float64]:
     """(n,) rad/s or m/s, greatest speed of each joint of a chain of the URDF; infinite where the URDF gives no speed.
+
+    ``rate``: 'velocity', 'acceleration' (per s^2) or 'jerk' (per s^3); the last two are of URDF 1.2.
 
     A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. So do
     one below 1e-15, which is zero by rounding, and one beyond 1e15, which programs write for none. A joint of the chain
@@ -118,7 +120,7 @@ def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
     followers = {follower.name for follower in chain.followers}
     for joint in model.joints:
         driver, multiplier, _ = model.driver(joint)
-        speed = joint.velocity if joint.name == driver.name or joint.name in followers else None
+        speed = getattr(joint, rate) if joint.name == driver.name or joint.name in followers else None
         if speed is None or not 1.0 / LARGEST <= speed <= LARGEST:
             continue
         if multiplier and joint.type in MOVABLE and driver.name in speeds:

@@ -10,6 +10,7 @@ import csv
 import io
 import json
 import os
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 
 from urdf_ik.errors import PoseError
 from urdf_ik.kinematics.dh.fields import COLUMNS, CONVENTIONS, TableFields, table_error
+from urdf_ik.kinematics.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.support import files
 from urdf_ik.support.tables import csv_rows
@@ -53,11 +55,23 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
     unit = whole.get("angles", "deg" if degrees else "rad")
     if unit not in _UNITS:
         raise table_error(f"angles in {unit!r}; there are rad and deg")
+    base, tool = (_frame(whole.get(key), key, _UNITS[unit]) for key in ("base", "tool"))
+    moving = [i for i, joint in enumerate(joints) if joint.get("type") != "fixed"] or [0]
+    for i, joint in enumerate(joints, start=1):
+        if joint.get("type") == "fixed" and moving[0] < i < moving[-1] + 1:
+            problem = "a fixed row between joints; first rows (the base) and last rows (the tool) may be fixed"
+            raise table_error(problem, row=i, column="type")
+    first, last = joints[: moving[0]], joints[moving[-1] + 1 :]
+    if first:
+        base = reduce(np.matmul, (_step(joint, i, chosen, _UNITS[unit]) for i, joint in enumerate(first, 1)), base)
+    if last:
+        steps = (_step(joint, i, chosen, _UNITS[unit]) for i, joint in enumerate(last, moving[-1] + 2))
+        tool = reduce(np.matmul, steps) @ tool
     return {
-        **_columns(joints),
+        **_columns(joints[moving[0] : moving[-1] + 1]),
         "convention": chosen,
-        "base": _frame(whole.get("base"), "base", _UNITS[unit]),
-        "tool": _frame(whole.get("tool"), "tool", _UNITS[unit]),
+        "base": base,
+        "tool": tool,
         "name": whole.get("name") or Path(path).stem,
         "degrees": _UNITS[unit],
     }
@@ -202,6 +216,15 @@ def _columns(joints: list[dict[str, Any]]) -> dict[str, Any]:
     return {"rows": rows, "joint_types": kinds, "joint_names": names, "limits": limits or np.empty((0, 2))}
 
 
+def _step(joint: dict[str, Any], row: int, convention: str, degrees: bool) -> Array:
+    """The transform (4, 4) of a fixed row."""
+    alpha, a, d, theta = (_number(joint, key, row) for key in COLUMNS)
+    if degrees:
+        alpha, theta = np.deg2rad([alpha, theta])
+    steps = [rotation_z(theta) @ slide_z(d), step_x(a, alpha)]
+    return steps[0] @ steps[1] if convention == "standard" else steps[1] @ steps[0]
+
+
 def _number(joint: dict[str, Any], key: str, row: int, default: float | None = None) -> float:
     value = joint.get(key, default)
     if value is None:
@@ -214,10 +237,10 @@ def _number(joint: dict[str, Any], key: str, row: int, default: float | None = N
         raise table_error(f"{value!r} is no number", row=row, column=key) from None
 
 
-def _frame(value: Any, name: str, degrees: bool) -> Array | None:
-    """A pose (4, 4) from x y z roll pitch yaw, or from a matrix."""
+def _frame(value: Any, name: str, degrees: bool) -> Array:
+    """A pose (4, 4) from x y z roll pitch yaw, or from a matrix; the identity for None."""
     if value is None:
-        return None
+        return np.eye(4)
     try:
         numbers = np.array(value.replace(",", " ").split() if isinstance(value, str) else value, dtype=np.float64)
     except (TypeError, ValueError):

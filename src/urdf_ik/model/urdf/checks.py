@@ -14,7 +14,7 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from urdf_ik.errors import UrdfError, listed
-from urdf_ik.model.poses import pose
+from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 from urdf_ik.support.read_only import Frozen, frozen
@@ -28,6 +28,7 @@ _LONGEST = 1000
 MOVABLE = ("revolute", "continuous", "prismatic")
 """Types of joints that move a chain."""
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
+_RATES = ("acceleration", "deceleration"), ("jerk",)
 
 # Decimal numbers only, as urdfdom takes them: float() would also take nan, inf, 1_000 and other scripts' digits.
 _DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
@@ -51,6 +52,8 @@ class Joint(Frozen):
         upper: upper bound [rad or m]; inf where the type has none.
         velocity: greatest speed [rad/s or m/s], or None where none is given.
         effort: greatest torque or force [N m or N], or None where none is given.
+        acceleration: greatest acceleration [rad/s^2 or m/s^2], or None where none is given (URDF 1.2).
+        jerk: greatest jerk [rad/s^3 or m/s^3], or None where none is given (URDF 1.2).
         mimic: (joint followed, multiplier, offset [rad or m]), or None.
         line: line of its tag in the source.
         rpy: (3,) rad, roll, pitch and yaw of the origin as written; zeros where none are.
@@ -71,6 +74,8 @@ class Joint(Frozen):
     line: int
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
     axis_length: float = 1.0
+    acceleration: float | None = None
+    jerk: float | None = None
 
 
 @dataclass(frozen=True)
@@ -122,11 +127,17 @@ class Place:
         origin = child(element, "origin")
         if origin is None:
             return {}
-        if origin.get("quat_xyzw") is not None:
-            # URDF 1.2 only: Pinocchio reads it there, yourdfpy never does.
-            problem = f"quat_xyzw={origin.get('quat_xyzw')!r} is read by some URDF readers only"
-            self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
         values = {name: self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")}
+        if (written := origin.get("quat_xyzw")) is not None:  # as urdfdom reads it
+            if origin.getroottree().getroot().get("version", "1.0") == "1.0":
+                problem = f"quat_xyzw={written!r} is ignored in URDF 1.0"
+                self.fail(problem, hint='write <robot version="1.1">, or the rotation as rpy [rad]', at=origin)
+            if origin.get("rpy") is not None:
+                self.fail("both rpy and quat_xyzw", hint="write one of them", at=origin)
+            x, y, z, w = map(float, self.numbers(origin, "quat_xyzw", 4))
+            if not 1e-150 < math.hypot(x, y, z, w) < 1e150:
+                self.fail(f"quat_xyzw={written!r} is no rotation", hint="write x y z w of length 1", at=origin)
+            values["rpy"] = [repr(float(each)) for each in to_rpy(pose(np.zeros(3), quat_xyzw=(x, y, z, w)))]
         return {name: " ".join(self.in_range(origin, name, each)) for name, each in values.items()}
 
     def in_range(self, element: Any, attribute: str, values: list[str]) -> list[str]:
@@ -151,6 +162,8 @@ class RawJoint:
     upper: float
     velocity: float | None
     effort: float | None
+    acceleration: float | None
+    jerk: float | None
     mimic: tuple[str, float, float] | None
     place: Place
 
@@ -178,6 +191,8 @@ class RawJoint:
             upper=self.upper,
             velocity=self.velocity,
             effort=self.effort,
+            acceleration=self.acceleration,
+            jerk=self.jerk,
             mimic=self.mimic,
             line=self.line,
             rpy=(roll, pitch, yaw),
@@ -198,6 +213,9 @@ class RawJoint:
             if self.type != "continuous":
                 limit.set("lower", repr(self.lower))
                 limit.set("upper", repr(self.upper))
+            for name in ("acceleration", "jerk"):
+                if (rate := getattr(self, name)) is not None:
+                    limit.set(name, repr(rate))
         if self.mimic is not None:
             driver, multiplier, offset = self.mimic
             etree.SubElement(joint, "mimic", joint=driver, multiplier=repr(multiplier), offset=repr(offset))
@@ -235,9 +253,18 @@ def check_joint(
     if limits is None or (axis is None and kind in MOVABLE):
         kind, axis, limits = "fixed", None, (-math.inf, math.inf)
     limit = child(element, "limit") if kind in MOVABLE else None
-    velocity = effort = None
+    velocity = effort = acceleration = jerk = None
     if limit is not None:
+        if missing := [each for each in ("velocity", "effort") if limit.get(each) is None]:
+            error = place.error(f"no {' and no '.join(missing)}", hint=f'write {missing[0]}="..."', at=limit)
+            defects.add("speeds", error)
         velocity, effort = (part(each, partial(_capacity, place, limit, each), 0.0) for each in ("velocity", "effort"))
+        acceleration, jerk = (_rate(place, limit, names, defects) for names in _RATES)
+        if kind == "revolute" and any(30.0 <= abs(bound) <= 720.0 for bound in limits):
+            (low, high), (least, most) = limits, map(math.radians, limits)
+            problem = f"bounds of {low:g} and {high:g} rad are {(high - low) / math.tau:.0f} turns"
+            hint = f"if these are degrees, write {least:.5g} and {most:.5g}"
+            defects.add("turns", place.error(f"{problem}; are they degrees?", hint=hint, at=limit))
     lower, upper = limits
     if lower > upper:
         ordered = partial(_refuse_bounds, place, lower, upper)
@@ -253,6 +280,8 @@ def check_joint(
         upper=upper,
         velocity=velocity,
         effort=effort,
+        acceleration=acceleration,
+        jerk=jerk,
         mimic=part("mimic", lambda: _mimic(place), None) if kind in MOVABLE else None,
         place=place,
     )
@@ -335,8 +364,8 @@ def _axis(place: Place) -> str:
     values = place.numbers(element, "xyz", 3)
     x, y, z = map(float, values)
     largest = max(abs(x), abs(y), abs(z))
-    if not largest:
-        problem = f"xyz={element.get('xyz')!r} is a zero axis"
+    if not 1e-150 < largest < 1e150:  # where the squares that others divide by vanish or overflow
+        problem = f"xyz={element.get('xyz')!r} is {f'an axis of length {largest:g}' if largest else 'a zero axis'}"
         place.fail(problem, hint='write a direction, such as "0 0 1"', at=element)
     if abs(math.hypot(x, y, z) - 1.0) < 1e-15:
         return " ".join(values)
@@ -362,15 +391,31 @@ def _bounds(place: Place, kind: str) -> tuple[float, float]:
 
 def _refuse_bounds(place: Place, lower: float, upper: float) -> NoReturn:
     limit = child(place.element, "limit")
-    place.fail(f"lower {lower:g} is greater than upper {upper:g}", hint="swap them, or correct a sign", at=limit)
+    hint = "swap them, or correct a sign; where no limit is meant, as PyBullet reads it, write type='continuous'"
+    place.fail(f"lower {lower:g} is greater than upper {upper:g}", hint=hint, at=limit)
 
 
 def _capacity(place: Place, limit: Any, name: str) -> float:
-    """The joint's greatest velocity or effort."""
-    value = float(place.numbers(limit, name, 1)[0])
+    """The joint's greatest velocity or effort; 0, which is no limit, where it is not given."""
+    value = float(place.numbers(limit, name, 1, "0")[0])
     if value < 0:
         place.fail(f"{name}={limit.get(name)!r} is negative", hint="write zero or more", at=limit)
     return value
+
+
+def _rate(place: Place, limit: Any, names: tuple[str, ...], defects: Defects) -> float | None:
+    """The least of the attributes ``names`` that are given, all of them positive."""
+    values = []
+    for name in names:
+        if limit.get(name) is not None:
+            try:
+                value = float(place.numbers(limit, name, 1)[0])
+                if not value > 0.0:
+                    place.fail(f"{name}={limit.get(name)!r} is not positive", hint="write more than zero", at=limit)
+                values.append(value)
+            except UrdfError as error:
+                defects.add("rates", error)
+    return min(values, default=None)
 
 
 def _mimic(place: Place) -> tuple[str, float, float] | None:

@@ -15,6 +15,8 @@ from urdf_ik.errors import UrdfError
 CHAIN = "chains through it"
 COLLISION = "collision checks"
 TAKEN_FOR_FIXED = "the joint is fixed"
+MOST_SHOWN = 20
+"""An error lists at most so many defects."""
 
 
 class Rule(NamedTuple):
@@ -43,12 +45,17 @@ RULES: dict[str, Rule] = {
     "axis": Rule("`<axis>`", "no direction", (CHAIN,), TAKEN_FOR_FIXED),
     "limit": Rule("`<limit>`", "missing, or no finite bounds", (CHAIN,), TAKEN_FOR_FIXED),
     "bounds": Rule("`<limit>`", "lower above upper", (CHAIN,), "the two are swapped"),
-    "velocity": Rule("`<limit>`", "velocity missing, negative or no number", (CHAIN,), "0, which is no limit"),
-    "effort": Rule("`<limit>`", "effort missing, negative or no number", (CHAIN,), "0, which is no limit"),
+    "turns": Rule("`<limit>`", "bounds of 30 to 720 rad, which may be degrees", (), "taken in rad"),
+    "speeds": Rule("`<limit>`", "no velocity or effort", (), "no limit; Pinocchio gets 0 for it"),
+    "velocity": Rule("`<limit>`", "velocity negative or no number", (CHAIN,), "0, which is no limit"),
+    "effort": Rule("`<limit>`", "effort negative or no number", (CHAIN,), "0, which is no limit"),
+    "rates": Rule("`<limit>`", "acceleration or jerk not positive, or no number", (), "no limit"),
     "mimic": Rule("`<mimic>`", "no joint to follow, a circle, or no finite numbers", (CHAIN,), "it moves by itself"),
     "collision": Rule("`<collision>`", "no shape, or one that no reader takes", (COLLISION,), "it is left out"),
     "visual": Rule("`<visual>`", "no shape, or one that no reader takes", (), "it is left out"),
     "inertial": Rule("`<inertial>`", "no mass, no inertia or no numbers", (), "it is left out"),
+    "srdf element": Rule("an SRDF's element", "a name that SRDF does not have", (), "it is ignored"),
+    "srdf link": Rule("an SRDF's element", "a link that the URDF does not have", (), "it allows nothing"),
 }
 """Every defect that does not refuse the whole file. The rows of docs/how-to/load.md are these."""
 
@@ -90,6 +97,21 @@ class UrdfWarning:
         """The same warning for a model whose joints and links have a prefix."""
         joints, links = (tuple(prefix + each for each in names) for names in (self.joints, self.links))
         return replace(self, joints=joints, links=links)
+
+
+def together(errors: Sequence[UrdfError]) -> UrdfError:
+    """One error for all defects of a file: the first, and after it the others with line, element and hint."""
+    first = errors[0]
+    if len(errors) == 1:
+        return first
+    others = [
+        UrdfError(each.problem, source=f"line {each.line}" if each.line else "", element=each.element, hint=each.hint)
+        for each in errors[1:MOST_SHOWN]
+    ]
+    unlisted = f"; and {len(errors) - MOST_SHOWN} more" if len(errors) > MOST_SHOWN else ""
+    error = UrdfError(first.problem, source=first.source, line=first.line, element=first.element, hint=first.hint)
+    error.args = (f"{first}; also {'; '.join(map(str, others))}{unlisted}",)
+    return error
 
 
 class Defects:

@@ -12,7 +12,7 @@ from lxml import etree
 
 from urdf_ik.model import formats
 from urdf_ik.model.urdf import links, tree
-from urdf_ik.model.urdf.defects import Defects
+from urdf_ik.model.urdf.defects import Defects, together
 from urdf_ik.model.urdf.urdf_model import UrdfModel
 from urdf_ik.model.xml import open_source, parse
 
@@ -63,7 +63,7 @@ def read(
     links.write_materials(clean, original, opened.name)
     links.write_links(clean, names, opened.name, defects)
     if strict and defects.found:
-        raise defects.found[0].error
+        raise together([each.error for each in defects.found])
     for joint in raw:
         joint.write(clean)
     xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)

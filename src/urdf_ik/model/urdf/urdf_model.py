@@ -15,7 +15,7 @@ from urdf_ik.errors import ChainError, printable
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
-from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
+from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning, together
 from urdf_ik.support import files
 from urdf_ik.support.text import nearest, quoted
 
@@ -191,11 +191,18 @@ class UrdfModel:
         candidates = self.chains(base)
         if not candidates:
             if base is None and (defects := [each for each in self.warnings if each.joints or each.links]):
-                raise defects[0].error  # without it there might be a chain
+                raise together([each.error for each in defects])  # without them there might be a chain
+            # A base on a side branch, such as the frame 'base' of a UR: the tip is that of the whole tree.
+            whole = () if base is None or base == self.root else self.chains()
+            tips = [each.tip for each in whole if (each.chosen if chain is None else each.name == chain)]
+            between = self.path_between(base, tips[0]) if base is not None and len(tips) == 1 else ()
+            if base is not None and any(joint.type in MOVABLE for joint in between):
+                return base, tips[0]
             start = self.root if base is None else base
+            joints = f"no {', '.join(MOVABLE)} joint"
             raise ChainError(
-                f"{self.source}: no {', '.join(MOVABLE)} joint below base {start!r}: there is no movable chain",
-                [] if start == self.root else [self.root],
+                f"{self.source}: {joints} below base {start!r}"
+                + ("; name the tip with tip=... (--tip)" if whole else ": there is no movable chain")
             )
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
         if len(meant) == 1:
@@ -217,9 +224,13 @@ class UrdfModel:
         path = self.path_between(base, tip)
         links = {base, tip}.union(*((joint.parent, joint.child) for joint in path))
         joints = {each.name for joint in path for each in self._row(joint)}
-        for warning in self.warnings:
-            if not (joints.isdisjoint(warning.joints) and links.isdisjoint(warning.links)):
-                raise warning.error
+        used = [
+            warning.error
+            for warning in self.warnings
+            if not (joints.isdisjoint(warning.joints) and links.isdisjoint(warning.links))
+        ]
+        if used:
+            raise together(used)
 
     def _row(self, joint: Joint) -> list[Joint]:
         """The joint, the joint that it mimics, and so on."""
