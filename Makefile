@@ -47,7 +47,6 @@ help:
 	@echo "make outside  compiled arms in C++ and C against Python, 1,000 poses each; ARGS=--timed measures batches"
 	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
 	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
-	@echo "make     30 minutes of threads, forks, kills, signals, worlds and viewers; ARGS='--minutes 5 --seed 1' changes that"
 	@echo "make nightly  make test, test-all, sweep, sanitize and million"
 	@echo "make bench    six joints beside other solvers: the first table of docs/speed.md; ARGS='--poses 20' is quick"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
@@ -123,7 +122,7 @@ signals: $(VENV)/.dev-installed
 nightly: test sweep signals sanitize million
 
 bench: $(VENV)/.bench-installed
-	@$(BIN)/python benchmarks/bench.py --md $(ARGS)
+	@$(BIN)/python benchmarks/bench.py $(ARGS)
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)

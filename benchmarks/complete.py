@@ -114,7 +114,7 @@ def tally(peers: list[Peer], reference: ReferenceModel, planted: np.ndarray, *, 
         target = reference.pose(q)
         valid: list[np.ndarray] = []
         for peer, row in zip(peers, tallies, strict=True):
-            found, approximate = peer.claims(peer.prepare(target))
+            found, approximate = peer.claims(target)
             none = np.isnan(found).any(axis=1)
             found, approximate = found[~none], approximate[~none]
             right = np.array([reference.error(x, target) <= RESIDUAL for x in found], dtype=bool)

@@ -18,22 +18,16 @@ from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 import time
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
-import adapters
 import numpy as np
+from peers import Unavailable, frankik, ssik_robot
 from seven_joints import IIWA, PANDA
 
 import urdf_ik
-
-try:
-    import frankik
-except ImportError:
-    frankik = None
 
 LIMITS = {
     # Published limits [rad]: Franka Emika's data sheet, KUKA's for the LBR iiwa.
@@ -63,9 +57,7 @@ def near_limits(arm: urdf_ik.Arm, rng: np.random.Generator, count: int) -> np.nd
     return q
 
 
-def ways(
-    robot: str, arm: urdf_ik.Arm, text: str, base: str | None, tip: str | None
-) -> dict[str, Callable[[np.ndarray], list[bool]]]:
+def ways(robot: str, arm: urdf_ik.Arm) -> dict[str, Callable[[np.ndarray], list[bool]]]:
     """Names of ways, and what says of poses (m, 4, 4) whether each has a solution inside the limits."""
 
     def grid(count: int) -> Callable[[np.ndarray], list[bool]]:
@@ -79,23 +71,16 @@ def ways(
         "urdf-ik, grid of 256": grid(256),
         "urdf-ik, grid of 4096": grid(4096),
     }
-    if robot == PANDA.name and frankik is not None:
-        sampled = adapters.frankik(arm)
-        found[f"frankik {frankik.__version__}, 60 values"] = lambda T: [len(sampled(pose)) > 0 for pose in T]
     try:
-        import ssik
-    except ImportError:
-        print("ssik is not installed", file=sys.stderr)
-        return found
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "arm.urdf")
-        path.write_text(text)
-        bot: Any = ssik.Manipulator.from_urdf(path, base=base, ee=tip)
-
-    def arcs(T: np.ndarray) -> list[bool]:
-        return [any(chart.in_limits() for chart in bot.self_motion(pose).charts) for pose in T]
-
-    found[f"ssik {ssik.__version__}, arcs"] = arcs
+        if robot == PANDA.name:
+            sampled = frankik(arm)
+            found[f"{sampled.name}, 60 values"] = lambda T: [len(sampled.solve(pose)) > 0 for pose in T]
+        bot = ssik_robot(arm)
+        found[f"ssik {version('ssik')}, arcs"] = lambda T: [
+            any(chart.in_limits() for chart in bot.self_motion(pose).charts) for pose in T
+        ]
+    except Unavailable as reason:
+        print(f"other solvers: {reason}", file=sys.stderr)
     return found
 
 
@@ -148,7 +133,7 @@ def main() -> None:
             solutions, missing, extra = scan(arm, T)
             print(f"| {name} | {poses} | {solutions:,} | {missing} | {extra} |", flush=True)
             continue
-        for way, find in ways(name, arm, text, base, tip).items():
+        for way, find in ways(name, arm).items():
             find(T[:2])
             start = time.perf_counter()
             found = find(T)

@@ -26,8 +26,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import bench
 import numpy as np
-import timing
 
 import urdf_ik
 from urdf_ik.paths.checked_settings import Obstacles
@@ -125,9 +125,9 @@ def free_paths(name: str, m: int, first: int, repeats: int, seed: int) -> list[R
     first = m if values is None else first
     best: dict[str, float] = {"follow": math.inf, "ladder": math.inf}
     for k in range(repeats):
-        best["follow"] = min(best["follow"], timing.seconds(lambda: arm.follow(T, collisions=False)))
+        best["follow"] = min(best["follow"], bench.seconds(lambda: arm.follow(T, collisions=False)))
         if values is None or k == 0:
-            best["ladder"] = min(best["ladder"], timing.seconds(lambda: ladder(arm, T[:first], values)))
+            best["ladder"] = min(best["ladder"], bench.seconds(lambda: ladder(arm, T[:first], values)))
     plan, short = arm.follow(T, collisions=False), arm.follow(T[:first], collisions=False)
     assert plan.found, plan.explain()
     way = "ladder, the same solutions" if values is None else "ladder, 1 degree"
@@ -200,7 +200,7 @@ def in_a_cell(name: str, m: int, count: int, repeats: int, seed: int) -> str:
             model.free(plan.q)  # noqa: B023 - called at once
             model.motions_free(plan.motion[:-1], plan.motion[1:])  # noqa: B023
 
-        needed = min(needed, timing.seconds(least))
+        needed = min(needed, bench.seconds(least))
     return (
         f"| {name} | {m} | {1e3 * best:.0f} | {m / best:.0f} | {1e3 * needed:.0f} | {best / needed:.2f} "
         f"| {1e3 * asked['seconds']:.0f} | {asked['joint vectors']:.0f} + {asked['motions']:.0f} |"

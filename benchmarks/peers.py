@@ -1,303 +1,207 @@
-"""The solvers that the benchmark compares, behind one small interface.
+"""Other solvers on an arm of this package, to be timed and judged; none of them is a dependency.
 
-Each takes a 4x4 pose and answers with a (k, 6) array of joint vectors [rad], as it stands after the shortest way that
-its own documentation gives. Whatever a peer wants prepared (a pose object, another frame) is prepared off the clock.
+Each is built from the arm's URDF or its screw axes, and called in the shortest way that its own documentation gives.
 """
 
 from __future__ import annotations
 
-import sys
-from abc import ABC, abstractmethod
+import importlib
+import tempfile
+import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
-import adapters
 import numpy as np
-from robots import Robot
 
 import urdf_ik
+from urdf_ik.kinematics.dh import DHTable
 
 
 class Unavailable(Exception):  # noqa: N818 - it is an answer, not a failure
     """The peer is not installed or does not take the arm; the message goes into the table."""
 
 
-class Peer(ABC):
-    """One solver on one arm.
+def _same(poses: np.ndarray) -> Any:
+    return poses
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A solver on one arm.
 
     Attributes:
-        name: what the table calls it.
-        single_call: the call that is timed for one pose.
-        batch_call: the call that is timed for many, or None where the solver has none.
+        kind: its key in ``PEERS``.
+        name: what a table calls it.
+        solve: all solutions (k, n) of one prepared pose; rows of NaN are no solutions. Timed.
+        prepare: a pose (4, 4), or many (m, 4, 4), in the form that the solver's calls take. Not timed.
+        batch: all solutions of many prepared poses with a number of threads; None where the solver has no such call.
+        flagged: all solutions (k, n) of one prepared pose, and which (k,) the solver itself calls approximate.
     """
 
+    kind: str
     name: str
-    single_call: str
-    batch_call: str | None = None
+    solve: Callable[[Any], Any]
+    prepare: Callable[[np.ndarray], Any] = _same
+    batch: Callable[[Any, int], Any] | None = None
+    flagged: Callable[[Any], tuple[np.ndarray, np.ndarray]] | None = None
 
-    @abstractmethod
-    def __init__(self, robot: Robot) -> None:
-        """Prepare the solver for the arm, or raise Unavailable."""
-
-    def prepare(self, target: np.ndarray) -> Any:
-        """The pose (4, 4) in the form that the solver's call takes; not timed."""
-        return target
-
-    def prepare_batch(self, targets: np.ndarray) -> Any:
-        """The poses (n, 4, 4) in the form that the solver's batch call takes; not timed."""
-        return targets
-
-    @abstractmethod
-    def solve(self, prepared: Any) -> np.ndarray:
-        """All solutions (k, 6) of one prepared pose; rows of NaN are no solutions. Timed."""
-
-    def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
-        """All solutions (k, 6), and which (k,) of them the solver says only come near. Not timed."""
-        found = self.solve(prepared).reshape(-1, 6)
+    def claims(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All solutions (k, n) of a pose, and which (k,) of them the solver says only come near."""
+        if self.flagged is not None:
+            return self.flagged(self.prepare(pose))
+        found = np.asarray(self.solve(self.prepare(pose)), dtype=float)
+        found = found.reshape(-1, found.shape[-1] if found.size else 6)
         return found, np.zeros(len(found), dtype=bool)
 
-    def solve_batch(self, prepared: Any, threads: int) -> Any:
-        """All solutions of the prepared poses with so many threads. Timed."""
-        raise NotImplementedError
 
-
-class UrdfIk(Peer):
+def this(arm: urdf_ik.Arm) -> Peer:
     """This package."""
-
-    name = "urdf-ik"
-    single_call = "arm.ik(T).q"
-    batch_call = "arm.ik(T, threads=...).q"
-
-    def __init__(self, robot: Robot) -> None:
-        """Load the arm from its URDF text."""
-        self.arm = urdf_ik.load(robot.urdf, base="base", tip="tool")
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        found: np.ndarray = self.arm.ik(prepared).q
-        return found
-
-    def solve_batch(self, prepared: Any, threads: int) -> Any:
-        """Many poses."""
-        return self.arm.ik(prepared, threads=threads).q
+    return Peer("urdf-ik", "urdf-ik", lambda T: arm.ik(T).q, batch=lambda T, threads: arm.ik(T, threads=threads).q)
 
 
-class Eaik(Peer):
-    """EAIK (Ostermeier, Kuelz, Althoff 2025), given the axes that Pinocchio reads from the same URDF."""
+def eaik(arm: urdf_ik.Arm) -> Peer:
+    """EAIK (Ostermeier, Kuelz and Althoff 2025), from the screw axes."""
+    binding, wrapper = _package("eaik.pybindings.EAIK"), _package("eaik.IK_Robot")
+    chain = _six(arm)
+    robot = wrapper.IKRobot()
+    robot._robot = binding.Robot(np.array(chain.H).T, np.array(chain.P).T, np.array(chain.R_tip), [], True)
+    if not robot.hasKnownDecomposition():  # asked first: without one, it raises or ends the process
+        raise Unavailable("no decomposition for this arm")
 
-    name = "EAIK"
-    single_call = "np.array(bot.IK(T).Q)"
-    batch_call = "bot.IK_batched(T, threads)"
-
-    def __init__(self, robot: Robot) -> None:
-        """Build it from H, P and the home rotation."""
-        try:
-            import eaik.pybindings.EAIK as binding
-            from eaik.IK_Robot import IKRobot
-        except ImportError as error:
-            raise Unavailable("not installed") from error
-        axes, offsets, home = robot.reference.screws()
-        self.name = f"EAIK {version('eaik')}"
-        self.bot = IKRobot()
-        self.bot._robot = binding.Robot(axes.T, offsets.T, home, [], True)
-        # Asked before the first call: on an arm that it does not know, IK raises and IK_batched aborts the process.
-        if not self.bot.hasKnownDecomposition():
-            raise Unavailable("no decomposition for this arm")
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        return np.array(self.bot.IK(prepared).Q)
-
-    def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
-        """With its own least-squares flags."""
-        answer = self.bot.IK(prepared)
+    def flagged(T: Any) -> tuple[np.ndarray, np.ndarray]:
+        answer = robot.IK(T)
         return np.array(answer.Q).reshape(-1, 6), np.array(answer.is_LS, dtype=bool)
 
-    def solve_batch(self, prepared: Any, threads: int) -> Any:
-        """Many poses."""
-        return self.bot.IK_batched(prepared, threads)
+    return Peer(
+        "EAIK", f"EAIK {version('eaik')}", lambda T: np.array(robot.IK(T).Q), batch=robot.IK_batched, flagged=flagged
+    )
 
 
-class IkGeo(Peer):
-    """ik-geo (Elias and Wen 2022, Ostermeier's Rust port)."""
+def ik_geo(arm: urdf_ik.Arm) -> Peer:
+    """ik-geo (Elias and Wen 2022, in Ostermeier's Rust port), from the screw axes."""
+    package, chain = _package("ik_geo"), _six(arm)
+    axes, points, home = np.array(chain.H), np.cumsum(chain.P, axis=0), np.array(chain.R_tip)
+    family, kind = arm.structure.family or "", "gen_six_dof"
+    # It wants the points of axes that meet where they meet.
+    if "spherical wrist" in family and "2||3" in family:
+        kind = "spherical_two_parallel"
+        points[3:6] = next(np.array(each.point) for each in arm.structure.triples if each.first == 4)
+    elif "2||3||4" in family and "5x6" in family:
+        kind = "three_parallel_two_intersecting"
+        along = np.linalg.lstsq(np.stack([axes[4], -axes[5]], axis=1), points[5] - points[4], rcond=None)[0]
+        points[4:6] = points[4] + along[0] * axes[4]
+    robot = getattr(package.Robot, kind)(axes, np.diff(np.vstack([np.zeros(3), points]), axis=0))
 
-    name = "ik-geo"
-    single_call = "np.array([q for q, _ in bot.get_ik(R, t)])"
+    def prepare(T: np.ndarray) -> Any:
+        # Version 1.0.3 reads a rotation that is an array by columns; its poses carry no home rotation.
+        return np.ascontiguousarray((T[:3, :3] @ home.T).T), np.ascontiguousarray(T[:3, 3])
 
-    def __init__(self, robot: Robot) -> None:
-        """Build it from H and P; its poses carry no home rotation."""
-        try:
-            import ik_geo
-        except ImportError as error:
-            raise Unavailable("not installed") from error
-        axes, offsets, self.home = robot.reference.screws()
-        if robot.structure == "wrist":  # it wants the points of axes 4, 5 and 6 in the wrist's centre, the origin of 5
-            offsets[3], offsets[4] = offsets[3] + offsets[4], 0.0
-            offsets[6], offsets[5] = offsets[6] + offsets[5], 0.0
-        self.name = f"ik-geo {version('ik-geo')}"
-        kinds = {
-            "wrist": "spherical_two_parallel",
-            "three parallel": "three_parallel_two_intersecting",
-            "general": "gen_six_dof",
-        }
-        maker: Any = ik_geo
-        self.bot = getattr(maker.Robot, kinds[robot.structure])(axes, offsets)
-
-    def prepare(self, target: np.ndarray) -> Any:
-        """Rotation and position; version 1.0.3 reads a rotation given as an array by columns."""
-        return np.ascontiguousarray((target[:3, :3] @ self.home.T).T), np.ascontiguousarray(target[:3, 3])
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        return np.array([q for q, _ in self.bot.get_ik(*prepared)])
-
-    def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
-        """With its own least-squares flags."""
-        answer = self.bot.get_ik(*prepared)
+    def flagged(prepared: Any) -> tuple[np.ndarray, np.ndarray]:
+        answer = robot.get_ik(*prepared)
         return np.array([q for q, _ in answer]).reshape(-1, 6), np.array([flag for _, flag in answer], dtype=bool)
 
+    def solve(prepared: Any) -> np.ndarray:
+        return np.array([q for q, _ in robot.get_ik(*prepared)])
 
-class Opw(Peer):
+    return Peer("ik-geo", f"ik-geo {version('ik-geo')}", solve, prepare, flagged=flagged)
+
+
+# Parameters a1, a2, b, c1, c2, c3, c4 [m] and offsets [rad] of ortho-parallel arms, by Brandstoetter et al. (2014).
+ORTHO_PARALLEL = {
+    "zyyzyz": ((0.0, 0.0, 0.0, 1.0, 1.0, 1.1, 0.2), (0.0,) * 6),
+    "irb2400": ((0.1, -0.135, 0.0, 0.615, 0.705, 0.755, 0.085), (0.0, 0.0, -np.pi / 2, 0.0, 0.0, 0.0)),
+}
+ORTHO_PARALLEL["zyyzyz_6r"] = ORTHO_PARALLEL["zyyzyz"]
+
+
+def opw(arm: urdf_ik.Arm) -> Peer:
     """py-opw-kinematics (Brandstoetter, Angerer and Hofbaur 2014), for ortho-parallel arms with a spherical wrist."""
+    if arm.name not in ORTHO_PARALLEL:
+        raise Unavailable("no ortho-parallel arm")
+    package, (lengths, offsets) = _package("py_opw_kinematics"), ORTHO_PARALLEL[arm.name]
+    robot = package.Robot(package.KinematicModel(*lengths, offsets=offsets), degrees=False)
+    return Peer(
+        "py-opw", f"py-opw {version('py-opw-kinematics')}", lambda T: np.array(robot.inverse(T)),
+        package.RigidTransform.from_matrix, lambda T, threads: robot.reach(T, threads=threads).joints,
+    )  # fmt: skip
 
-    name = "py-opw"
-    single_call = "np.array(bot.inverse(pose))"
-    batch_call = "bot.reach(poses, threads=...).joints"
 
-    def __init__(self, robot: Robot) -> None:
-        """Build it from the ortho-parallel parameters."""
-        if robot.ortho_parallel is None:
-            raise Unavailable("no ortho-parallel arm")
+def ssik(arm: urdf_ik.Arm) -> Peer:
+    """Ssik's general entry point, from the URDF, without its joint limits; what it derives is derived here."""
+    robot = ssik_robot(arm)
+
+    def solve(T: np.ndarray) -> np.ndarray:
+        return np.array([s.q for s in robot.solve(T, respect_limits=False)])
+
+    solve(arm.fk(np.full(arm.dof, 0.3)))
+    return Peer("ssik", f"ssik {version('ssik')}", solve)
+
+
+def ssik_robot(arm: urdf_ik.Arm) -> Any:
+    """Its model of an arm."""
+    package = _package("ssik")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "arm.urdf")
+        path.write_bytes(arm.model.xml)
         try:
-            import py_opw_kinematics as opw
-        except ImportError as error:
-            raise Unavailable("not installed") from error
-        self.opw = opw
-        self.name = f"py-opw {version('py-opw-kinematics')}"
-        p = robot.ortho_parallel
-        model = opw.KinematicModel(p.a1, p.a2, p.b, p.c1, p.c2, p.c3, p.c4, offsets=p.offsets)
-        self.bot = opw.Robot(model, degrees=False)
-
-    def prepare(self, target: np.ndarray) -> Any:
-        """A RigidTransform."""
-        return self.opw.RigidTransform.from_matrix(target)
-
-    def prepare_batch(self, targets: np.ndarray) -> Any:
-        """A RigidTransform of many."""
-        return self.prepare(targets)
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        return np.array(self.bot.inverse(prepared))
-
-    def solve_batch(self, prepared: Any, threads: int) -> Any:
-        """Many poses."""
-        return self.bot.reach(prepared, threads=threads).joints
+            return package.Manipulator.from_urdf(path, base=arm.base, ee=arm.tip)
+        except Exception as error:  # whatever it refuses an arm with
+            raise Unavailable(f"it refuses the arm: {error}") from None
 
 
-class Adapted(Peer):
-    """A solver that takes a pose as it is, by the adapter with which ``urdf-ik judge`` judges it."""
-
-    package: str
-    note = ""
-
-    def __init__(self, robot: Robot) -> None:
-        """Build it from the arm; some derive a module first, for minutes where the arm is general."""
-        if robot.structure == "general":
-            print(f"{self.name}: preparing {robot.name}, minutes ...", file=sys.stderr, flush=True)
-        try:
-            arm = urdf_ik.load(robot.urdf, base="base", tip="tool")
-            self.call = self.adapter(arm, robot)
-        except urdf_ik.MissingPackage as error:
-            raise Unavailable("not installed") from error
-        except urdf_ik.UrdfIkError as error:
-            raise Unavailable(str(error)) from error
-        self.name = f"{self.name} {version(self.package)}{self.note}"
-        self.solve(self.prepare(arm.fk(np.full(arm.dof, 0.3))))  # what is derived at the first call is not timed
-
-    @abstractmethod
-    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
-        """Its function for an arm."""
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        found: np.ndarray = self.call(prepared)
-        return found
+def frankik(arm: urdf_ik.Arm) -> Peer:
+    """Frankik (He and Liu 2021), for Franka's Panda, at 60 values of joint 7, inside the joint limits."""
+    package = _package("frankik")
+    forward = np.linalg.inv(arm.fk(np.zeros(7))) @ package.fk(np.zeros(7))
+    # Its inverse takes the flange: 45 degrees and 103.4 mm before the frame of its forward kinematics.
+    flange = forward @ urdf_ik.pose([0.0, 0.0, -0.1034], rpy=[0.0, 0.0, np.pi / 4])
+    return Peer(
+        "frankik", f"frankik {version('frankik')}",
+        lambda T: np.array(package.ik_sample_q7(T @ flange, None, False, 60, 332.0, True)),
+    )  # fmt: skip
 
 
-class Ssik(Adapted):
-    """ssik's general entry point, which needs no build."""
-
-    name = package = "ssik"
-    single_call = "np.array([s.q for s in bot.solve(T, respect_limits=False)])"
-
-    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
-        """From the URDF."""
-        return adapters.ssik(arm)
-
-
-class SsikBuilt(Adapted):
-    """The module that ``ssik build`` generates for the arm: a second's work, minutes for a general arm."""
-
-    name = package = "ssik"
-    single_call = "np.array([s.q for s in arm_ik.solve(T, respect_limits=False)])"
-    note = ", built"
-
-    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
-        """Built first."""
-        return adapters.ssik_built(arm)
-
-
-class SsikPrebuilt(Adapted):
-    """The module that ssik ships for an arm of a maker: no build, and the arm's own numbers in it."""
-
-    name = package = "ssik"
-    single_call = "np.array([s.q for s in arm_ik.solve(T, respect_limits=False, enumerate_windings=False)])"
-    note = ", prebuilt"
-
-    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
-        """Its tip is another frame of the same link, which is prepared off the clock."""
-        if robot.name not in PREBUILT:
-            raise Unavailable("ships no module for this arm")
-        which, name, tip = PREBUILT[robot.name]
-        its = urdf_ik.load(name, tip=tip)
-        q = np.random.default_rng(0).uniform(-1.0, 1.0, (9, 6))
-        between = np.linalg.inv(arm.fk(q)) @ its.fk(q)
-        if np.ptp(between, axis=0).max() > 1e-9:
-            raise Unavailable("ships a module with other lengths")
-        self.between = between[0]
-        return adapters.ssik_prebuilt(its, which)
-
-    def prepare(self, target: np.ndarray) -> Any:
-        """The pose of its tip."""
-        return target @ self.between
+def toolbox(arm: urdf_ik.Arm) -> Peer:
+    """The Robotics Toolbox's analytic solver in Python, from a table of standard Denavit-Hartenberg parameters."""
+    package, poses = _package("roboticstoolbox"), _package("spatialmath")
+    table = DHTable.from_chain(_six(arm), "standard", snap=1e-9)
+    # Closed forms need right angles to be right.
+    quarters = [np.round(angles / (np.pi / 2)) * (np.pi / 2) for angles in (table.alpha, table.theta)]
+    alpha, theta = (
+        np.where(np.abs(angles - near) < 1e-9, near, angles)
+        for angles, near in zip((table.alpha, table.theta), quarters, strict=True)
+    )
+    links = [package.RevoluteDH(d=table.d[k], a=table.a[k], alpha=alpha[k], offset=theta[k]) for k in range(6)]
+    base, tool = (poses.SE3(frame, check=False) for frame in (table.base, table.tool))
+    robot = package.DHRobot(links, name=arm.name, base=base, tool=tool)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that python-flint would be faster
+            solver = robot.analytic_ik()
+    except Exception as error:  # whatever it refuses an arm with
+        raise Unavailable(f"it derives no solver: {error}") from None
+    name = f"Robotics Toolbox {version('roboticstoolbox-python')}"
+    return Peer("toolbox", name, lambda T: solver.solve(T, joint_limits=False).q)
 
 
-class Toolbox(Adapted):
-    """The Robotics Toolbox's analytic solver, in Python."""
-
-    name, package = "Robotics Toolbox", "roboticstoolbox-python"
-    single_call = "ik.solve(T, joint_limits=False).q"
-    note = ", Python"
-
-    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
-        """Derived from a table of Denavit-Hartenberg parameters."""
-        return adapters.toolbox(arm)
+def _package(name: str) -> Any:
+    """A package that need not be installed."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise Unavailable("not installed") from None
 
 
-class ToolboxInC(Toolbox):
-    """The C that the Robotics Toolbox writes for the arm, called through ctypes."""
-
-    single_call = "ikine(T, tol, q, n) in C through ctypes, and a copy of q"
-    note = ", C"
-
-    def adapter(self, arm: urdf_ik.Arm, robot: Robot) -> Callable[[Any], Any]:
-        """Derived, written as C and compiled."""
-        return adapters.toolbox(arm, "c")
+def _six(arm: urdf_ik.Arm) -> Any:
+    """The chain of an arm with six turning joints."""
+    if arm.dof != 6 or not arm.structure.is_6r:
+        raise Unavailable("it takes six turning joints")
+    return arm.chain
 
 
-PREBUILT = {"UR5": ("universal_robots.ur5", "ur5", "ee_link")}
-"""Modules of ``ssik.prebuilt`` by the name of the benchmark's arm, and the catalogue's arm and tip that they are of."""
-
-PEERS: tuple[type[Peer], ...] = (UrdfIk, Eaik, IkGeo, Opw, SsikPrebuilt, SsikBuilt, Ssik, ToolboxInC, Toolbox)
+PEERS: dict[str, Callable[[urdf_ik.Arm], Peer]] = {
+    "urdf-ik": this, "EAIK": eaik, "ik-geo": ik_geo, "py-opw": opw, "ssik": ssik, "toolbox": toolbox,
+}  # fmt: skip

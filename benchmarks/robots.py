@@ -19,24 +19,6 @@ Z: Vector = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class OrthoParallel:
-    """The parameters by which an ortho-parallel arm with spherical wrist is described [m, rad].
-
-    They are those of Brandstoetter, Angerer and Hofbaur (2014): shoulder, elbow and lateral offset ``a1``, ``a2``,
-    ``b``; link lengths ``c1`` to ``c4``; the joint angles' offsets.
-    """
-
-    a1: float
-    a2: float
-    b: float
-    c1: float
-    c2: float
-    c3: float
-    c4: float
-    offsets: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True)
 class Robot:
     """A benchmarked arm.
 
@@ -44,13 +26,11 @@ class Robot:
         name: what the table calls it.
         urdf: the URDF text; base link ``base``, tip link ``tool``.
         structure: ``"wrist"`` (spherical wrist, 2 || 3), ``"three parallel"`` (2 || 3 || 4, 5 x 6) or ``"general"``.
-        ortho_parallel: its ortho-parallel parameters, where it has them.
     """
 
     name: str
     urdf: str
     structure: str
-    ortho_parallel: OrthoParallel | None = None
 
     @cached_property
     def reference(self) -> ReferenceModel:
@@ -118,21 +98,6 @@ class ReferenceModel:
         sine = 0.5 * math.hypot(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
         return max(math.dist(pose[:3, 3], target[:3, 3]), math.atan2(sine, 0.5 * (np.trace(turn) - 1.0)))
 
-    def screws(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Axes H (6, 3), offsets P (7, 3) from joint to joint and home rotation (3, 3), all in the base at q = 0."""
-        q = np.zeros(6)
-        pin.framesForwardKinematics(self.model, self.data, q)
-        pin.computeJointJacobians(self.model, self.data, q)
-        to_base = self.data.oMf[self.base].inverse()
-        axes, points = [], [np.zeros(3)]
-        for i in range(1, 7):
-            world = self.data.oMi[i]
-            column = pin.getJointJacobian(self.model, self.data, i, pin.LOCAL)[3:, i - 1]
-            axes.append(to_base.rotation @ world.rotation @ column)
-            points.append(to_base.act(world.translation))
-        tip = to_base * self.data.oMf[self.tip]
-        return np.array(axes), np.diff([*points, tip.translation], axis=0), tip.rotation
-
 
 def serial(name: str, origins: Sequence[tuple[Vector, Vector]], axes: Sequence[Vector]) -> str:
     """URDF text of revolute joints and a fixed tool; ``origins`` holds one (xyz [m], rpy [rad]) more than ``axes``."""
@@ -193,16 +158,6 @@ IRB2400 = Robot(
         [Z, Y, Y, X, Y, X],
     ),
     "wrist",
-    OrthoParallel(
-        a1=0.1,
-        a2=-0.135,
-        b=0.0,
-        c1=0.615,
-        c2=0.705,
-        c3=0.755,
-        c4=0.085,
-        offsets=(0.0, 0.0, -math.pi / 2, 0.0, 0.0, 0.0),
-    ),
 )
 
 # The article's arm: axes z y y z y z, link lengths 1, 1, 1, 0.1, 0.1, 0.1 m, all frames aligned with the base at
@@ -223,7 +178,6 @@ ZYYZYZ = Robot(
         [Z, Y, Y, Z, Y, Z],
     ),
     "wrist",
-    OrthoParallel(a1=0.0, a2=0.0, b=0.0, c1=1.0, c2=1.0, c3=1.1, c4=0.2),
 )
 
 # Universal Robots' UR10e: link lengths a, offsets d [m] and twists alpha [rad] of its published standard DH table.

@@ -19,9 +19,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import timing
-from peers import Peer, Ssik, SsikBuilt, Unavailable
+from bench import seconds
+from peers import Unavailable, ssik
 from robots import ZERO, Robot, Z, serial
+
+import urdf_ik
 
 VALUES = 16
 _RIGHT = math.pi / 2
@@ -93,54 +95,27 @@ class Row:
         return self.us / self.solutions
 
 
-class UrdfIkAtValues(Peer):
-    """This package at sixteen values spread over the parameter's range."""
-
-    name = "urdf-ik"
-    single_call = "arm.ik(T, redundancy=values).q"
-    batch_call = "arm.ik(T[:, None], redundancy=values, threads=threads).q"
-
-    def __init__(self, robot: Robot) -> None:
-        """Load the URDF text."""
-        import urdf_ik
-
-        self.arm = urdf_ik.load(robot.urdf, "base", "tool")
-        assert self.arm.redundancy is not None
-        self.values = np.linspace(*self.arm.redundancy.range, VALUES, endpoint=False)
-
-    def solve(self, prepared: Any) -> np.ndarray:
-        """One pose."""
-        found: np.ndarray = self.arm.ik(prepared, redundancy=self.values).q
-        return found
-
-    def solve_batch(self, prepared: Any, threads: int) -> np.ndarray:
-        """Many poses."""
-        found: np.ndarray = self.arm.ik(prepared[:, None], redundancy=self.values, threads=threads).q
-        return found
-
-
 def measure(robot: Robot, poses: int = 200, repeats: int = 7, seed: int = 0) -> list[Row]:
     """All rows of one arm; ssik's are missing where it is."""
     rng = np.random.default_rng(seed)
     targets = np.array([robot.reference.pose(q) for q in rng.uniform(-2.0, 2.0, (poses, 7))])
-    ours = UrdfIkAtValues(robot)
+    arm = urdf_ik.load(robot.urdf, "base", "tool")
+    assert arm.redundancy is not None
+    values = np.linspace(*arm.redundancy.range, VALUES, endpoint=False)
     ways: dict[str, Callable[[], Any]] = {
-        "urdf-ik, one pose a call": lambda: [ours.solve(target) for target in targets],
-        "urdf-ik, all poses in one call": lambda: ours.solve_batch(targets, 1),
+        "urdf-ik, one pose a call": lambda: [arm.ik(target, redundancy=values).q for target in targets],
+        "urdf-ik, all poses in one call": lambda: arm.ik(targets[:, None], redundancy=values, threads=1).q,
     }
-    for kind in (SsikBuilt, Ssik):
-        try:
-            peer = kind(robot)
-        except Unavailable as reason:
-            print(f"{kind.name}: {reason}", file=sys.stderr)
-            continue
-        few = targets if kind is SsikBuilt else targets[:20]
-        ways[peer.name] = lambda peer=peer, few=few: [peer.solve(target) for target in few]  # type: ignore[misc]
+    try:
+        peer = ssik(arm)
+        ways[peer.name] = lambda: [peer.solve(target) for target in targets[:20]]
+    except Unavailable as reason:
+        print(f"ssik: {reason}", file=sys.stderr)
     best = dict.fromkeys(ways, math.inf)
     answers = {name: work() for name, work in ways.items()}  # warms up, too
     for _ in range(repeats):
         for name, work in ways.items():
-            best[name] = min(best[name], timing.seconds(work) / len(answers[name]))
+            best[name] = min(best[name], seconds(work) / len(answers[name]))
     found = {name: [_rows(answer) for answer in answers[name]] for name in ways}
     counts = {name: float(np.mean([len(q) for q in found[name]])) for name in ways}
     return [

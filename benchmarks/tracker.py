@@ -18,8 +18,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import bench
 import numpy as np
-import timing
 from robots import UR5, UR5E, Robot
 from seven_joints import IIWA, PANDA
 
@@ -93,7 +93,7 @@ def measure(
     best = dict.fromkeys(ways, math.inf)
     for _ in range(repeats):
         for name, work in ways.items():
-            best[name] = min(best[name], timing.seconds(work) / cycles)
+            best[name] = min(best[name], bench.seconds(work) / cycles)
     rows = []
     for name in ways:
         ok = [(q, k) for k, (q, status) in enumerate(answers[name]) if status == "ok"]

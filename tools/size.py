@@ -35,7 +35,8 @@ def code_lines(text: str) -> int:
 def sizes() -> dict[str, int]:
     """Each figure by its name."""
     names = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True, check=True).stdout
-    texts = {name: (ROOT / name).read_text() for name in names.splitlines() if re.search(r"\.(py|md)$", name)}
+    named = [name for name in names.splitlines() if re.search(r"\.(py|md)$", name) and (ROOT / name).is_file()]
+    texts = {name: (ROOT / name).read_text() for name in named}
 
     def under(folders: str, suffix: str = ".py") -> list[str]:
         return [text for name, text in texts.items() if re.match(folders, name) and name.endswith(suffix)]
