@@ -26,7 +26,7 @@ import numpy as np
 
 import urdf_ik
 from urdf_ik.maps import cluster, workspaces
-from urdf_ik.maps.workspaces.orientations import Targets, samples
+from urdf_ik.maps.workspaces.orientations import samples, targets
 
 MB = 2**20 if sys.platform == "darwin" else 2**10
 
@@ -40,16 +40,16 @@ class Bare:
     """``arm.ik`` on stacks drawn from the whole map: processor time [s] a pose."""
 
     def __init__(self, arm: urdf_ik.Arm, options: argparse.Namespace, grid: workspaces.Grid) -> None:
-        self.arm, self.grid, self.chosen = arm, grid, samples(arm, options.orientations)
+        self.arm, self.chosen = arm, samples(arm, options.orientations)
+        self.centres = grid.centres_in(grid.whole)
         self.positions = max(1, min(options.block, 2**18) // options.orientations)
         self.rng, self.found = np.random.default_rng(0), list[float]()
 
     def measure(self, calls: int = 5) -> None:
         """Some more calls."""
         for _ in range(calls):
-            start = int(self.rng.integers(0, max(1, self.grid.count - self.positions)))
-            targets = Targets(self.arm.task, self.chosen, self.positions)
-            stack = targets.at(self.grid.centres(slice(start, min(start + self.positions, self.grid.count)))).copy()
+            start = int(self.rng.integers(0, max(1, len(self.centres) - self.positions)))
+            stack = targets(self.arm.task, self.chosen, self.centres[start : start + self.positions])
             begin = time.process_time()
             self.arm.ik(stack)
             self.found.append((time.process_time() - begin) / len(stack))

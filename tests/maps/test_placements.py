@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.maps import free_space, placements
+from urdf_ik.maps import placements, store
 
 Array = NDArray[np.float64]
 
@@ -183,10 +183,10 @@ def test_a_map_that_would_not_fit_is_refused_before_any_work(tmp_path: Path, mon
     """On the disk and in memory, with the numbers; what is there already needs no room."""
     arm = urdf_ik.load("zyyzyz_6r")
     asked: dict[str, Any] = {"bounds": [[-0.5, -0.5, 0.0], [0.5, 0.5, 0.0]], "step": 0.5, "turns": 2}
-    store = tmp_path / "bases.zarr"
-    urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), **asked, store=store)
-    monkeypatch.setattr(free_space, "free_disk", lambda folder: 100)
-    assert urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), **asked, store=store).reached.shape == (3, 3, 1, 2)
+    folder = tmp_path / "bases.zarr"
+    urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), **asked, store=folder)
+    monkeypatch.setattr(store, "free_disk", lambda folder: 100)
+    assert urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), **asked, store=folder).reached.shape == (3, 3, 1, 2)
     with pytest.raises(urdf_ik.JobError, match=r"9 base positions x 2 headings take up to .* on the disk.* free"):
         urdf_ik.maps.placement(arm, arm.fk([0.4] * 6), **asked, store=tmp_path / "others.zarr")
     assert not (tmp_path / "others.zarr").exists()

@@ -12,11 +12,10 @@ from command import call, succeed
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 import urdf_ik
-from urdf_ik.maps import free_space, workspaces
-from urdf_ik.maps.workspaces.orientations import MANY, cells, directions, rotations
+from urdf_ik.maps import store, workspaces
+from urdf_ik.maps.workspaces.orientations import directions, rotations
 
 Array = NDArray[np.float64]
 
@@ -281,10 +280,10 @@ def test_solutions_in_collision_are_left_out() -> None:
     arm = urdf_ik.load("zyyzyz_6r")
     bounds = [[0.2, -0.3, 0.2], [0.8, 0.3, 1.4]]
     found = workspaces.workspace(arm, 0.6, 10, bounds=bounds, collision_free=True)
-    assert found.about.counted == "free" and found.grid.shape == (1, 1, 2)
+    assert found.about["counted"] == "free" and found.grid.shape == (1, 1, 2)
     targets = np.zeros((2, 10, 4, 4))
     targets[..., :3, :3], targets[..., 3, 3] = found.samples, 1.0
-    targets[..., :3, 3] = found.grid.centres(slice(0, 2))[:, None]
+    targets[..., :3, 3] = found.grid.centres_in(found.grid.whole)[:, None]
     free = arm.ik(targets).within_limits().collision_free().count
     np.testing.assert_array_equal(found.free[0, 0], free)
     assert free.sum() < found.within.sum()
@@ -306,7 +305,7 @@ def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
     assert header["limits"] == arm.limits.tolist() and len(header["urdf_sha256"]) == 64
     assert header["grid"]["voxel"] == 0.8 and header["made_by"] == urdf_ik.__version__
     other = workspaces.workspace(urdf_ik.load("puma_560"), 1.0, 1)
-    assert other.about.urdf_sha256 != found.about.urdf_sha256
+    assert other.about["urdf_sha256"] != found.about["urdf_sha256"]
 
 
 def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
@@ -331,59 +330,25 @@ def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
 
 
 def test_questions_to_a_map() -> None:
-    """Slices are layers, a ray ends where the arm does, shares are counts, the volume is that of the voxels."""
+    """Slices are layers, shares are counts."""
     arm = urdf_ik.load("positioning_3r")
     found = workspaces.workspace(arm, 0.05)
     layer = found.slice("z", 0.41, "solutions")
     k = int((0.41 - found.grid.lower[2]) / 0.05)
     np.testing.assert_array_equal(np.nan_to_num(layer.values), found.counts[:, :, k, 0])
     assert layer.axes == ("x", "y") and abs(layer.at - 0.41) <= 0.025
-    stretches = found.reach([1.0, 0.0, 0.0], [0.0, 0.0, 0.4])
-    assert abs(stretches[-1, 1] - 0.8) <= 0.05 * 1.01
-    assert (stretches[:, 0] < stretches[:, 1]).all()
-    assert not len(found.reach([1.0, 0.0, 0.0], [5.0, 0.0, 0.0]))
     shares = found.branch_shares()
-    for b, name in enumerate(found.about.branches):
-        assert shares[name].voxels == pytest.approx(found.branch_poses[..., b].sum() / found.reached.sum())
-    assert found.volume == pytest.approx(found.reached.sum() * 0.05**3)
+    for b, name in enumerate(found.about["branches"]):
+        assert shares[name]["voxels"] == pytest.approx(found.branch_poses[..., b].sum() / found.reached.sum())
+    assert found.cell == pytest.approx(0.05**3)
     for question in (
         lambda: found.slice("w"),
         lambda: found.slice("z", 9.0),
         lambda: found.values("beauty"),
         lambda: found.values("margin"),
-        lambda: found.reach([0.0, 0.0, 0.0]),
     ):
         with pytest.raises(urdf_ik.ArgumentError):
             question()
-
-
-@pytest.mark.parametrize("count", [MANY // 2, MANY + 1])
-def test_the_nearest_orientation_is_the_least_turn_away(count: int) -> None:
-    """Few orientations are compared with each pose, many are found by a tree: by SciPy's angles it is the same one."""
-    arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(3)
-    T, samples = arm.fk(rng.uniform(-3.0, 3.0, (2000, 6))), Rotation.random(count, rng)
-    grid = workspaces.Grid(np.full(3, -9.0), 1.0, (18, 18, 18))
-    _, nearest, _ = cells(grid, samples.as_matrix(), "pose", T)
-    for k in range(0, 2000, 50):
-        turns = (samples.inv() * Rotation.from_matrix(T[k, :3, :3])).magnitude()
-        assert turns[nearest[k]] == pytest.approx(turns.min(), abs=1e-9)
-    T[7, 0, 0] += 0.1
-    with pytest.raises(urdf_ik.PoseError, match="no rotation") as error:
-        cells(grid, samples.as_matrix(), "pose", T)
-    assert error.value.index == (7,)
-
-
-@pytest.mark.parametrize("least", [0.0, 0.5])
-def test_the_boundary_is_closed_and_contains_what_is_reached(least: float) -> None:
-    """Every edge belongs to as many faces one way as the other; the volume inside is that of the voxels."""
-    whole = workspaces.workspace(urdf_ik.load("zyyzyz_6r"), 0.7, 11)
-    mesh = workspaces.boundary(whole, least)
-    edges = np.concatenate([mesh.faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
-    forward = {tuple(edge): count for edge, count in zip(*np.unique(edges, axis=0, return_counts=True), strict=True)}
-    assert all(forward.get(edge[::-1]) == count for edge, count in forward.items())
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
-    assert volume == pytest.approx((np.nan_to_num(whole.values()) > least).sum() * whole.grid.voxel**3, rel=1e-9)
 
 
 def test_a_map_of_a_planar_arm_agrees_with_the_exact_region() -> None:
@@ -391,7 +356,7 @@ def test_a_map_of_a_planar_arm_agrees_with_the_exact_region() -> None:
     arm = urdf_ik.load("planar_2r")
     found, region = workspaces.workspace(arm, 0.01), workspaces.planar(arm)
     x, y = np.meshgrid(found.grid.coordinates(0), found.grid.coordinates(1), indexing="ij")
-    for b, name in enumerate(found.about.branches):
+    for b, name in enumerate(found.about["branches"]):
         np.testing.assert_array_equal(found.branch_poses[:, :, 0, b], region.reaches(np.stack([x, y], -1), name))
 
 
@@ -419,7 +384,7 @@ def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.
     monkeypatch.setattr(urdf_ik.Arm, "ik", lambda *_, **__: pytest.fail("it was solved"))
     with pytest.raises(urdf_ik.ArgumentError, match=r"4600 x 4600 x 4600 voxels.*GiB of memory.*are free"):
         workspaces.workspace(arm, 0.001)
-    monkeypatch.setattr(free_space, "free_disk", lambda _: 2**20)
+    monkeypatch.setattr(store, "free_disk", lambda _: 2**20)
     with pytest.raises(urdf_ik.JobError, match=r"on the disk.*1 MiB free"):
         workspaces.workspace(arm, 0.1, output=tmp_path / "map.npz")
     for wrong in ({"voxel": 0.0}, {"orientations": 0}, {"chunk": 0}, {"bounds": [[0, 0, 0], [1, 1, 0]]}):
@@ -431,7 +396,7 @@ def test_arms_with_seven_joints_are_mapped_at_a_value_of_their_parameter() -> No
     """The header holds the value; counts are those of ``ik`` there."""
     arm = urdf_ik.load("srs_7r")
     found = workspaces.workspace(arm, 0.5, 5, redundancy=0.4, within_limits=False)
-    assert found.about.redundancy == 0.4 and found.about.counted == "solutions"
+    assert found.about["redundancy"] == 0.4 and found.about["counted"] == "solutions"
     i, j, k, s = np.argwhere(found.counts > 0)[0]
     centre = np.array([found.grid.coordinates(axis)[place] for axis, place in enumerate((i, j, k))])
     assert found.counts[i, j, k, s] == len(arm.ik(target_of(arm, centre, found.samples[s]), redundancy=0.4))

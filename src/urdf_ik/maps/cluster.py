@@ -153,5 +153,5 @@ def _solved(question: Any, block: int, ours: dict[str, str]) -> dict[str, NDArra
             f"this process {ours['urdf-ik']} with {ours['instructions']}: the last digits would differ; install the "
             "same version there, or set URDF_IK_ISA to the lesser one on both"
         )
-    arrays: dict[str, NDArray[Any]] = question.arrays(block)
+    arrays: dict[str, NDArray[Any]] = question.solved(question.blocks.part(block))
     return arrays

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
@@ -57,11 +57,6 @@ class Grid:
         """Centres (shape[axis],) m along an axis, 0 to 2."""
         return np.asarray(self.lower[axis] + self.voxel * (np.arange(self.shape[axis]) + 0.5))
 
-    def centres(self, part: slice) -> Array:
-        """(k, 3) m, centres of the voxels with these flat indices, the last axis first."""
-        places = np.unravel_index(np.arange(part.start, part.stop), self.shape)
-        return np.asarray(self.lower + self.voxel * (np.stack(places, axis=-1) + 0.5))
-
     def centres_in(self, part: Part) -> Array:
         """(k, 3) m, centres of the voxels of a box, the last axis first."""
         places = np.meshgrid(*(np.arange(side.start, side.stop) for side in part), indexing="ij")
@@ -102,13 +97,6 @@ class Grid:
         start = np.array([side.start for side in part])
         x, y, z = (side.stop - side.start for side in part)
         return Grid(np.asarray(self.lower + self.voxel * start), self.voxel, (x, y, z))
-
-    def places(self, points: Array) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-        """The voxel (m, 3) of each of the points (m, 3) m, zeros outside, and whether a point is inside (m,)."""
-        with np.errstate(invalid="ignore"):
-            places = np.floor((points - self.lower) / self.voxel)
-            inside = np.asarray(((places >= 0) & (places < self.shape)).all(axis=-1))
-        return np.where(inside[..., None], places, 0).astype(np.intp), inside
 
     def described(self) -> dict[str, Any]:
         """The grid in JSON."""
@@ -181,13 +169,15 @@ class Blocks:
         return [int(k) for k in np.ravel_multi_index(tuple(places), self.along).ravel()]
 
 
-def checked_bounds(bounds: ArrayLike) -> tuple[Array, Array]:
-    """Lower and upper corner (3,) m.
+def checked_bounds(bounds: ArrayLike, *, flat: bool = False) -> tuple[Array, Array]:
+    """Lower and upper corner (3,) m; ``flat``: they may be equal along an axis.
 
     Raises:
         ArgumentError: not two finite corners, the lower one first.
     """
     box = np.array(bounds, dtype=np.float64)
-    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] >= box[1]).any():
-        raise ArgumentError(f"bounds={box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
-    return box[0], box[1]
+    if box.shape == (2, 3) and np.isfinite(box).all():
+        lower, upper = box
+        if (lower < upper).all() or (flat and (lower <= upper).all()):
+            return lower, upper
+    raise ArgumentError(f"bounds={box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")

@@ -9,6 +9,7 @@ checksum that every Zarr reader checks.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -16,8 +17,8 @@ import os
 import shutil
 import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -26,20 +27,19 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.errors import JobError
-from urdf_ik.maps import cluster, free_space
+from urdf_ik.errors import ArgumentError, JobError
+from urdf_ik.maps import cluster
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
 
 VERSION = 2
 _LEVEL = 1  # of Zstandard: a higher one takes longer than solving and saves little
 _CHECKED_LENGTH = 72  # characters of a value in a message
 
+STORE_KEYS = ("format", "version", "block", "complete")
+"""What a store's attributes hold besides the question."""
+
 Progress = Callable[[int, int], object]
 Pairs = tuple[tuple[str, str], ...]
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during long work; the message says what is kept."""
 
 
 class Variable(NamedTuple):
@@ -83,6 +83,8 @@ class Question:
         names: names of the requested arrays, some of ``VARIABLES``.
         most: greatest number of voxels of a block.
         threads: number of threads that solve.
+        pairs: pairs of links that are checked for collision; None without a collision check.
+        lengths: lengths of the dimensions after x, y and z, by name.
     """
 
     FORMAT: ClassVar[str]
@@ -94,21 +96,13 @@ class Question:
     names: tuple[str, ...]
     most: int
     threads: int
+    pairs: Pairs | None
+    lengths: Mapping[str, int]
 
     @property
     def blocks(self) -> Blocks:
         """The division of the grid."""
         return Blocks.cut(self.grid.shape, self.most)
-
-    @property
-    def pairs(self) -> Pairs | None:
-        """Pairs of links that are checked for collision; None without a collision check."""
-        raise NotImplementedError
-
-    @property
-    def lengths(self) -> dict[str, int]:
-        """Lengths of the last dimensions, by name."""
-        raise NotImplementedError
 
     @property
     def coordinates(self) -> dict[str, Coordinate]:
@@ -119,10 +113,6 @@ class Question:
     def solved(self, part: Part) -> dict[str, NDArray[Any]]:
         """The arrays of a box of voxels."""
         raise NotImplementedError
-
-    def arrays(self, block: int) -> dict[str, NDArray[Any]]:
-        """The arrays of a block."""
-        return self.solved(self.blocks.part(block))
 
     def shape(self, name: str, positions: tuple[int, ...]) -> tuple[int, ...]:
         """Shape of an array at positions of some shape."""
@@ -151,16 +141,26 @@ class Question:
             "holds": list(self.names),
         }
 
-    def __getstate__(self) -> dict[str, Any]:
-        # A pickled arm has no collision model; the copy builds a new one, which needs the pairs that are checked.
-        return {field.name: getattr(self, field.name) for field in fields(self)} | {"pairs": self.pairs}
+    def computed(self, progress: Progress | None, units: int) -> dict[str, NDArray[Any]]:
+        """All arrays in memory, block by block, read-only; ``progress``: finished units, and their number."""
+        arrays: dict[str, NDArray[Any]] = {
+            name: np.empty(self.shape(name, self.grid.shape), self.VARIABLES[name].kind) for name in self.names
+        }
+        for done, part in enumerate(self.blocks.parts(), 1):
+            for name, values in self.solved(part).items():
+                arrays[name][part] = values
+            if progress is not None:
+                progress(done * units // self.blocks.count, units)
+        for array in arrays.values():
+            array.setflags(write=False)
+        return arrays
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        pairs = state.pop("pairs")
+        # A pickled arm has no collision model; the copy builds a new one, which needs the pairs that are checked.
         self.__dict__.update(state)
-        if pairs is not None:
+        if self.pairs is not None:
             cell = self.arm.cell
-            self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(pairs)))
+            self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(self.pairs)))
 
 
 def urdf_digest(arm: Arm) -> str:
@@ -209,6 +209,11 @@ class BlockStore:
             self.blocks = Blocks(self.grid.shape, (x, y, z))
         except (OSError, KeyError, TypeError, ValueError) as error:
             raise JobError(f"{path} is no store of this package: {error}") from None
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """The question without what only stores have."""
+        return {name: value for name, value in self.question.items() if name not in STORE_KEYS}
 
     def is_done(self, block: int) -> bool:
         """Whether a block's chunk of the last array exists."""
@@ -262,7 +267,7 @@ def fill(
     Raises:
         JobError: the folder is no store, or one of another question; the blocks do not fit on the disk; or the
             scheduler or the workers cannot go on. Finished blocks are kept.
-        Interrupted: Ctrl-C. Finished blocks are kept.
+        KeyboardInterrupt: Ctrl-C. Finished blocks are kept.
     """
     folder = _checked(path)
     blocks = question.blocks
@@ -272,7 +277,7 @@ def fill(
         _require_same(store, asked)
     pending = list(range(blocks.count)) if store is None else store.pending()
     size = min(question.size(question.grid.count), question.size(math.prod(blocks.shape)) * len(pending))
-    free_space.require_disk(folder, size, what, "take a coarser grid, or narrower bounds")
+    require_disk(folder, size, what, "take a coarser grid, or narrower bounds")
     if store is None:
         _create(folder, question, asked)
         store = BlockStore(folder, question.FORMAT)
@@ -283,7 +288,8 @@ def fill(
             progress(done * units // blocks.count, units)
 
     tick()
-    results = _in_process(question, pending) if client is None else cluster.results(question, pending, client)
+    here = ((block, question.solved(blocks.part(block))) for block in pending)
+    results = here if client is None else cluster.results(question, pending, client)
     try:
         for block, arrays in results if pending else ():
             try:
@@ -296,16 +302,12 @@ def fill(
             done += 1
             tick()
     except KeyboardInterrupt:
-        raise Interrupted(
+        raise KeyboardInterrupt(
             f"interrupted; {done} of {blocks.count} blocks are kept in {folder}, and the same run continues from there"
         ) from None
     if not store.question["complete"]:
         store.group.attrs["complete"] = True
     return store
-
-
-def _in_process(question: Question, pending: list[int]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
-    return ((block, question.arrays(block)) for block in pending)
 
 
 def _checked(path: str | os.PathLike[str]) -> Path:
@@ -332,7 +334,7 @@ def _create(folder: Path, question: Question, asked: dict[str, Any]) -> None:
     new = folder.absolute().parent / f".{folder.name}.{uuid.uuid4().hex}"
     blocks, grid = question.blocks, question.grid
     try:
-        group = zarr.create_group(str(new), zarr_format=3, attributes={**_plain(asked), "complete": False})
+        group = zarr.create_group(str(new), zarr_format=3, attributes={**asked, "complete": False})
         for name, (dimensions, values, attributes) in question.coordinates.items():
             group.create_array(
                 name, data=values, dimension_names=dimensions, compressors=packing, attributes=attributes
@@ -359,15 +361,10 @@ def _create(folder: Path, question: Question, asked: dict[str, Any]) -> None:
             raise JobError(f"cannot write {folder}: {error.strerror}") from None
 
 
-def _plain(value: dict[str, Any]) -> dict[str, Any]:
-    plain: dict[str, Any] = json.loads(json.dumps(value))
-    return plain
-
-
 def _require_same(store: BlockStore, asked: dict[str, Any]) -> None:
     """Refuse a store of another question, with the differences."""
     stored = {name: value for name, value in store.question.items() if name != "complete"}
-    one, other = _flat(stored), _flat(_plain(asked))
+    one, other = _flat(stored), _flat(asked)
     differing = [
         f"{name} is {_short(one.get(name, 'not set'))} in the store and {_short(other.get(name, 'not set'))} now"
         for name in {**other, **one}
@@ -393,3 +390,55 @@ def _flat(value: Any, name: str = "") -> dict[str, str]:
         for inner, item in value.items()
         for key, text in _flat(item, f"{name}.{inner}" if name else inner).items()
     }
+
+
+def available_memory() -> int:
+    """Bytes of memory that are free without swapping."""
+    import psutil  # only long work needs it
+
+    free = [int(psutil.virtual_memory().available)]
+    group = Path("/sys/fs/cgroup")
+    with contextlib.suppress(OSError, ValueError):  # a container's own limit, where there is one
+        free.append(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
+    return max(0, min(free))
+
+
+def free_disk(folder: Path) -> int:
+    """Bytes that the disk of a folder has free."""
+    return shutil.disk_usage(folder).free
+
+
+def require_memory(needed: int, what: str, hint: str) -> None:
+    """Refuse a result that does not fit in memory, before any work.
+
+    Args:
+        needed: size of the result [bytes].
+        what: the results and their number, in the plural.
+        hint: a change that makes it fit.
+
+    Raises:
+        ArgumentError: it does not fit; with the numbers.
+    """
+    free = available_memory()
+    if needed > free:
+        raise ArgumentError(f"{what} take {size_text(needed)} of memory, and {size_text(free)} are free; {hint}")
+
+
+def require_disk(place: Path, needed: int, what: str, hint: str) -> None:
+    """Refuse a result that does not fit on the disk of the file or folder ``place``, before any work.
+
+    Raises:
+        JobError: it does not fit, with the numbers; or there is no such folder.
+    """
+    folder = Path(os.path.realpath(place)).parent
+    if not folder.is_dir():
+        raise JobError(f"{place}: there is no folder {folder}")
+    free = free_disk(folder)
+    if needed > free:
+        there = f"{folder} has {size_text(free)} free"
+        raise JobError(f"{what} take up to {size_text(needed)} on the disk, and {there}; {hint}")
+
+
+def size_text(count: int) -> str:
+    """A number of bytes in GiB or MiB."""
+    return f"{count / 2**30:.3g} GiB" if count >= 2**29 else f"{count / 2**20:.3g} MiB"

@@ -198,13 +198,13 @@ def _region_data(region: workspaces.PlanarWorkspace) -> dict[str, Any]:
 
 
 def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
-    about, unit = found.about, "m2" if found.about.task.startswith("planar") else "m3"
-    totals, cell = found.totals(), found.about.cell(found.grid.voxel)
+    about, unit = found.about, "m2" if found.about["task"].startswith("planar") else "m3"
+    totals, cell = found.totals(), found.cell
     volume, dexterous = totals.reached_voxels * cell, totals.dexterous_voxels * cell
     shape = " x ".join(map(str, found.grid.shape))
     lines = [
-        f"{about.robot}: {about.base} to {about.tip}, {about.task}",
-        f"{shape} voxels of {found.grid.voxel:g} m, {len(found.samples)} at each: {about.sampled}",
+        f"{about['robot']}: {about['base']} to {about['tip']}, {about['task']}",
+        f"{shape} voxels of {found.grid.voxel:g} m, {len(found.samples)} at each: {about['sampled']}",
         f"reached: {totals.reached_poses} of {totals.poses} poses, {totals.reached_voxels} of {totals.voxels} voxels",
         f"volume: {volume:.4f} {unit}, in every orientation {dexterous:.4f} {unit}",
     ]
@@ -213,7 +213,7 @@ def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
     if place is not None:
         lines.append(f"map written to {place}")
     rows = [
-        [name, f"{100.0 * share.voxels:.1f}", f"{100.0 * share.poses:.1f}"]
+        [name, f"{100.0 * share['voxels']:.1f}", f"{100.0 * share['poses']:.1f}"]
         for name, share in totals.branch_shares.items()
     ]
     table = tables.grid(["branch", "voxels [%]", "poses [%]"], rows, left=["branch"])
@@ -221,18 +221,15 @@ def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
 
 
 def _map_data(found: workspaces.WorkspaceMap) -> dict[str, Any]:
-    about, totals, cell = found.about, found.totals(), found.about.cell(found.grid.voxel)
+    totals, cell = found.totals(), found.cell
     return {
-        "robot": about.robot,
-        "urdf_sha256": about.urdf_sha256,
-        "task": about.task,
-        "counted": about.counted,
+        **{name: found.about[name] for name in ("robot", "urdf_sha256", "task", "counted")},
         "grid": found.grid.described(),
         "poses": {"all": totals.poses, "reached": totals.reached_poses},
         "voxels": {"all": totals.voxels, "reached": totals.reached_voxels},
         "volume": totals.reached_voxels * cell,
         "dexterous_volume": totals.dexterous_voxels * cell,
-        "branches": {name: share._asdict() for name, share in totals.branch_shares.items()},
+        "branches": totals.branch_shares,
     }
 
 

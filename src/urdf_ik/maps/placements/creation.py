@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, JobError, UnsupportedArm
-from urdf_ik.maps import free_space
-from urdf_ik.maps.grid import Grid, Part
+from urdf_ik.maps.grid import Grid, Part, checked_bounds
 from urdf_ik.maps.placements.placement_map import FORMAT, SCORES, PlacementMap, base_pose, opened
-from urdf_ik.maps.store import Coordinate, Pairs, Progress, Question, Variable, digest, fill
+from urdf_ik.maps.store import Coordinate, Progress, Question, Variable, digest, fill, require_memory
 from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
@@ -108,13 +107,15 @@ def placement(
     collisions = world is not None if collisions is None else collisions
     turns = inputs.whole(turns, "turns", low=1, high=MOST_TURNS)
     without = (set() if collisions else {"clearance"}) | (set() if path else {"followed", "cost"})
-    question = PlacementQuestion(
+    question = _Question(
         arm=arm,
         world=world,
         grid=_positions(bounds, step),
         names=tuple(name for name in SCORES if name not in without),
         most=max(1, (BASES_OF_A_PATH if path else BASES) // turns),
         threads=inputs.threads(threads),
+        pairs=arm.cell.collisions.checked_pairs if collisions else None,
+        lengths={"heading": turns},
         targets=targets,
         headings=TURN * np.arange(turns) / turns,
         mount=_mount(mount),
@@ -125,26 +126,18 @@ def placement(
     count = question.grid.count
     what = f"{count:.4g} base positions x {turns} headings"
     hint = "take a larger step, fewer turns or narrower bounds"
-    free_space.require_memory(question.size(count), what, hint)  # the map of a store is read when it is complete
+    require_memory(question.size(count), what, hint)  # the map of a store is read when it is complete
     if store is not None:
         fill(inputs.path(store, "store", JobError), question, client, progress, count, what)
         return opened(store)
-    blocks = question.blocks
-    arrays: dict[str, Any] = {
-        name: np.empty(question.shape(name, question.grid.shape), SCORES[name].kind) for name in question.names
-    }
-    for block, part in enumerate(blocks.parts()):
-        for name, values in question.arrays(block).items():
-            arrays[name][part] = values
-        if progress is not None:
-            progress((block + 1) * count // blocks.count, count)
+    arrays = question.computed(progress, count)
     return PlacementMap(
-        question.described(), question.grid, question.headings, question.mount, question.targets, **arrays
+        question.described(), question.grid, question.headings, question.mount, question.targets, arrays
     )
 
 
 @dataclass(frozen=True, eq=False)
-class PlacementQuestion(Question):
+class _Question(Question):
     """All that the scores of base positions depend on.
 
     Attributes:
@@ -165,16 +158,6 @@ class PlacementQuestion(Question):
     is_path: bool
     margin: float
     collisions: bool
-
-    @property
-    def lengths(self) -> dict[str, int]:
-        """Length of the last dimension."""
-        return {"heading": len(self.headings)}
-
-    @property
-    def pairs(self) -> Pairs | None:
-        """Pairs of links that are checked for collision; None where no collision is looked for."""
-        return self.arm.cell.collisions.checked_pairs if self.collisions else None
 
     @property
     def coordinates(self) -> dict[str, Coordinate]:
@@ -268,18 +251,16 @@ class PlacementQuestion(Question):
 
 def _positions(bounds: ArrayLike, step: float) -> Grid:
     """Positions from the lower corner to the upper one, as voxels around them."""
-    box = np.array(bounds, dtype=np.float64)
-    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] > box[1]).any():
-        raise ArgumentError(f"bounds={box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
+    lower, upper = checked_bounds(bounds, flat=True)
     step = inputs.number(step, "step", low=1.0 / LARGEST, unit="m")
-    counts = np.floor((box[1] - box[0]) / step + _ROUNDING) + 1.0
+    counts = np.floor((upper - lower) / step + _ROUNDING) + 1.0
     if not counts.prod() <= MOST_POSITIONS:
         raise ArgumentError(
-            f"bounds {box.tolist()} with a step of {step:g} m are {counts.prod():.3g} positions, and at most "
-            f"{MOST_POSITIONS:,} are looked at; take a larger step"
+            f"bounds {[lower.tolist(), upper.tolist()]} with a step of {step:g} m are {counts.prod():.3g} positions, "
+            f"and at most {MOST_POSITIONS:,} are looked at; take a larger step"
         )
     x, y, z = (int(count) for count in counts)
-    return Grid(np.asarray(box[0] - 0.5 * step), float(step), (x, y, z))
+    return Grid(np.asarray(lower - 0.5 * step), float(step), (x, y, z))
 
 
 def _mount(mount: ArrayLike | None) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -27,6 +28,8 @@ SCORES = {
     "cost": Variable(np.float32, "heading", "least cost of following the path"),
 }
 """The scores of a base position; a score of all targets is 0, or NaN, where one of them is not reached."""
+_RANKING = (("reached", 1), ("followed", 1), ("margin", 1), ("cost", -1), ("branches", 1), ("clearance", 1))
+"""Scores in the order in which they decide which place is better, with the sign that makes more better."""
 SHOWN = {name: score.words for name, score in SCORES.items()}
 """Names of the scores, with their descriptions."""
 
@@ -40,8 +43,8 @@ class Place(NamedTuple):
         solutions: least number of solutions of any target.
         branches: number of branches that reach every target.
         margin: least limit margin of any target; NaN where one is not reached.
-        clearance: m, the least of any target; NaN where one is not reached, or where nobody asked.
-        followed: whether the path is followed; None where there is none.
+        clearance: m, the least of any target; NaN where one is not reached or it was not computed.
+        followed: whether the path is followed; None where the targets are no path.
         cost: of following it; NaN where it is not followed.
     """
 
@@ -50,9 +53,9 @@ class Place(NamedTuple):
     solutions: int
     branches: int
     margin: float
-    clearance: float
-    followed: bool | None
-    cost: float
+    clearance: float = float("nan")
+    followed: bool | None = None
+    cost: float = float("nan")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +68,16 @@ class PlacementMap:
         headings: (H,) rad, turns of the base link about the cell's z axis.
         mount: (3, 3) the base link's rotation at heading zero.
         targets: (m, 4, 4) m, in the cell.
-        reached: (X, Y, Z, H) number of targets that are reached.
-        solutions: (X, Y, Z, H) least number of solutions of any target; 0 where one is not reached.
-        branches: (X, Y, Z, H) number of branches that reach every target.
-        margin: (X, Y, Z, H) of each target the greatest limit margin of its solutions, of these the least: 0 at a limit
-            and 1 in the middle of all; NaN where a target is not reached.
-        clearance: (X, Y, Z, H) m, the same of the clearance; None where collisions were not looked for.
-        followed: (X, Y, Z, H) 1 where the path is followed without a jump; None where the targets are no path.
-        cost: (X, Y, Z, H) the cost of that, NaN where it is not followed; None where the targets are no path.
+        arrays: the scores by name.
+        reached: (X, Y, Z, H) number of targets that are reached; like each name of ``SCORES``, None where it was not
+            computed.
+        solutions: least number of solutions of any target; 0 where one is not reached.
+        branches: number of branches that reach every target.
+        margin: of each target the greatest limit margin of its solutions, of these the least: 0 at a limit and 1 in
+            the middle of all; NaN where a target is not reached.
+        clearance: m, the same of the clearance.
+        followed: 1 where the path is followed without a jump.
+        cost: the cost of that, NaN where it is not followed.
     """
 
     about: dict[str, Any]
@@ -80,13 +85,12 @@ class PlacementMap:
     headings: Array
     mount: Array = field(repr=False)
     targets: Array = field(repr=False)
-    reached: NDArray[np.uint32] = field(repr=False)
-    solutions: NDArray[np.uint16] = field(repr=False)
-    branches: NDArray[np.uint16] = field(repr=False)
-    margin: NDArray[np.float32] = field(repr=False)
-    clearance: NDArray[np.float32] | None = field(repr=False, default=None)
-    followed: NDArray[np.uint8] | None = field(repr=False, default=None)
-    cost: NDArray[np.float32] | None = field(repr=False, default=None)
+    arrays: Mapping[str, NDArray[Any]] = field(repr=False)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in SCORES:
+            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+        return self.arrays.get(name)
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.grid.shape))
@@ -99,10 +103,9 @@ class PlacementMap:
         Raises:
             ArgumentError: there is no such score, or nobody asked for it.
         """
-        scores = getattr(self, what) if what in SCORES else None
-        if scores is None:
-            names = ", ".join(name for name in SCORES if getattr(self, name) is not None)
-            raise ArgumentError(f"the map contains no {what!r}; it contains {names}")
+        if what not in self.arrays:
+            raise ArgumentError(f"the map contains no {what!r}; it contains {', '.join(self.arrays)}")
+        scores = self.arrays[what]
         if what == "reached":
             return np.asarray(scores, dtype=np.float64)
         return np.where(self.reached == len(self.targets), scores, np.nan).astype(np.float64)
@@ -121,36 +124,25 @@ class PlacementMap:
             ArgumentError: fewer than one is asked for.
         """
         count = inputs.whole(count, "count", low=1)
-        zeros = np.zeros(self.reached.shape)
-        keys: list[Any] = [
-            self.reached,
-            zeros if self.followed is None else self.followed,
-            np.where(np.isnan(self.margin), -np.inf, self.margin),
-            zeros if self.cost is None else -np.where(np.isnan(self.cost), np.inf, self.cost),
-            self.branches,
-            zeros if self.clearance is None else np.where(np.isnan(self.clearance), -np.inf, self.clearance),
+        keys = [
+            np.nan_to_num(np.asarray(sign * self.arrays[name], np.float64), nan=-np.inf).ravel()
+            for name, sign in _RANKING
+            if name in self.arrays
         ]
-        order = np.lexsort([np.asarray(key, np.float64).ravel() for key in reversed(keys)])[::-1][:count]
+        order = np.lexsort(keys[::-1])[::-1][:count]
         return tuple(self._place(index) for index in np.array(np.unravel_index(order, self.reached.shape)).T.tolist())
 
-    def base(self, index: tuple[int, int, int, int]) -> Array:
-        """(4, 4) m, pose of the base link in the cell at a position and heading of the map."""
+    def base(self, index: Sequence[int]) -> Array:
+        """(4, 4) m, pose of the base link in the cell at a position and heading (4,) of the map."""
         *place, heading = index
         position = [self.grid.coordinates(axis)[at] for axis, at in enumerate(place)]
         return base_pose(position, float(self.headings[heading]), self.mount)
 
-    def _place(self, index: list[int]) -> Place:
-        at = (index[0], index[1], index[2], index[3])
-        return Place(
-            self.base(at),
-            int(self.reached[at]),
-            int(self.solutions[at]),
-            int(self.branches[at]),
-            float(self.margin[at]),
-            float("nan") if self.clearance is None else float(self.clearance[at]),
-            None if self.followed is None else bool(self.followed[at]),
-            float("nan") if self.cost is None else float(self.cost[at]),
-        )
+    def _place(self, index: Sequence[int]) -> Place:
+        scores = {name: array[tuple(index)].item() for name, array in self.arrays.items()}
+        if "followed" in scores:
+            scores["followed"] = bool(scores["followed"])
+        return Place(self.base(index), **scores)
 
 
 def opened(path: str | os.PathLike[str]) -> PlacementMap:
@@ -160,18 +152,10 @@ def opened(path: str | os.PathLike[str]) -> PlacementMap:
         JobError: the folder is no such store, or is not complete.
     """
     store = BlockStore(path, FORMAT)
-    about = {name: value for name, value in store.question.items() if name not in _STORE_KEYS}
-    return PlacementMap(
-        about,
-        store.grid,
-        np.array(about["headings"], dtype=np.float64),
-        np.array(about["mount"], dtype=np.float64),
-        np.asarray(store.group["targets"][...]),
-        **{name: store.array(name, store.grid.whole) for name in store.names},
-    )
-
-
-_STORE_KEYS = ("format", "version", "block", "complete")
+    headings, mount = (np.array(store.about[name], dtype=np.float64) for name in ("headings", "mount"))
+    targets = np.asarray(store.group["targets"][...])
+    arrays = {name: store.array(name, store.grid.whole) for name in store.names}
+    return PlacementMap(store.about, store.grid, headings, mount, targets, arrays)
 
 
 def base_pose(position: ArrayLike, heading: float, mount: Array) -> Array:

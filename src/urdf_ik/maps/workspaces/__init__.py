@@ -16,40 +16,31 @@ A map contains the answers of ``arm.ik`` for every voxel's centre in every sampl
 from __future__ import annotations
 
 from urdf_ik.maps.grid import Grid
-from urdf_ik.maps.workspaces.creation import CHUNK, MAX_SAMPLES, grid_of, stored_workspace, workspace
+from urdf_ik.maps.workspaces.creation import CHUNK, grid_of, stored_workspace, workspace
 from urdf_ik.maps.workspaces.planar_regions import ELBOWS, Arc, PlanarWorkspace, Region, planar
 from urdf_ik.maps.workspaces.workspace_map import (
     VALUES,
     VARIABLES,
-    About,
-    BranchShare,
     MapSlice,
-    Surface,
     Totals,
     WorkspaceMap,
-    boundary,
     opened,
     read,
     require_map_of,
 )
 
 __all__ = [
-    "About",
     "Arc",
-    "BranchShare",
     "CHUNK",
     "ELBOWS",
     "Grid",
-    "MAX_SAMPLES",
     "MapSlice",
     "PlanarWorkspace",
     "Region",
-    "Surface",
     "Totals",
     "VALUES",
     "VARIABLES",
     "WorkspaceMap",
-    "boundary",
     "grid_of",
     "opened",
     "planar",

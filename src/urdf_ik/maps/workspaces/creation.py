@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any, ClassVar, TypedDict, Unpack
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,17 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps import free_space
-from urdf_ik.maps.cluster import versions
+from urdf_ik.maps import store
 from urdf_ik.maps.grid import Grid, Part, checked_bounds
-from urdf_ik.maps.store import Coordinate, Pairs, Progress, Question, Variable, digest, fill, urdf_digest
-from urdf_ik.maps.workspaces.orientations import NOTHING, Targets, sampled, samples
+from urdf_ik.maps.store import Coordinate, Progress, Question, Variable, digest, fill
+from urdf_ik.maps.workspaces.orientations import NOTHING, sampled, samples, targets
 from urdf_ik.maps.workspaces.solution_counts import Counting, sum_over_samples
 from urdf_ik.maps.workspaces.workspace_map import (
     HINT,
     STORE_FORMAT,
     VARIABLES,
-    About,
     WorkspaceMap,
     opened,
     require_memory,
@@ -48,21 +46,6 @@ _MOST_VOXELS = 2**53  # beyond it not even their number can be written
 _ROUNDING = 1e-9  # share of a voxel by which bounds may exceed a whole number of voxels
 
 
-class Options(TypedDict, total=False):
-    """The options that :func:`workspace` and :func:`stored_workspace` share; see there."""
-
-    bounds: ArrayLike | None
-    within_limits: bool
-    collision_free: bool
-    world: World | None
-    manipulability: bool
-    margin: bool
-    clearance: bool
-    redundancy: float | None
-    threads: inputs.Threads
-    chunk: int
-
-
 def workspace(
     arm: Arm,
     voxel: float = 0.1,
@@ -70,7 +53,7 @@ def workspace(
     *,
     output: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
-    **options: Unpack[Options],
+    **options: Any,
 ) -> WorkspaceMap:
     """Solve every voxel's centre in well-spread orientations, and count.
 
@@ -113,21 +96,10 @@ def workspace(
     size = question.size(grid.count)
     require_memory(grid, count, size + question.scratch())
     if output is not None:
-        free_space.require_disk(inputs.path(output, "output"), size, size_words(grid, count), HINT)
-    arrays: dict[str, NDArray[Any]] = {
-        name: np.empty(question.shape(name, (grid.count,)), VARIABLES[name].kind) for name in question.names
-    }
-    targets = question.targets()
-    for start in range(0, grid.count, question.at_once):
-        part = slice(start, min(start + question.at_once, grid.count))
-        for name, values in question.answers(grid.centres(part), targets).items():
-            arrays[name][part] = values
-        if progress is not None:
-            progress(part.stop * count, grid.count * count)
-    arrays = {name: array.reshape(*grid.shape, -1) for name, array in arrays.items()}
-    for array in (*arrays.values(), question.samples):
-        array.setflags(write=False)
-    result = WorkspaceMap(question.about(), grid, question.samples, arrays)
+        store.require_disk(inputs.path(output, "output"), size, size_words(grid, count), HINT)
+    arrays = question.computed(progress, grid.count * count)
+    question.samples.setflags(write=False)
+    result = WorkspaceMap(question.described(), grid, question.samples, arrays)
     if output is not None:
         result.save(output)
     return result
@@ -142,7 +114,7 @@ def stored_workspace(
     client: Any = None,
     block: int | None = None,
     progress: Progress | None = None,
-    **options: Unpack[Options],
+    **options: Any,
 ) -> WorkspaceMap:
     """The map of :func:`workspace` in a Zarr group, computed block by block; memory contains a few blocks.
 
@@ -196,7 +168,7 @@ def _question(
     redundancy: float | None = None,
     threads: inputs.Threads = 1,
     chunk: int = CHUNK,
-) -> WorkspaceQuestion:
+) -> _Question:
     inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
@@ -217,13 +189,15 @@ def _question(
     if collision_free or clearance:
         usual = BLOCK_WITH_COLLISIONS
     most = usual if block is None else inputs.whole(block, "block", low=1)
-    return WorkspaceQuestion(
+    return _Question(
         arm=arm,
         world=world,
         grid=grid_of(arm, voxel, bounds),
         names=tuple(name for name, on in wanted.items() if on),
         most=max(1, most // count),
         threads=inputs.threads(threads),
+        pairs=arm.cell.collisions.checked_pairs if collision_free or clearance else None,
+        lengths={"orientation": count, "branch": len(arm.for_task(arm.task).structure.branches)},
         samples=samples(arm, count),
         redundancy=redundancy,
         at_once=max(1, inputs.whole(chunk, "chunk", low=1) // count),
@@ -231,7 +205,7 @@ def _question(
 
 
 @dataclass(frozen=True, eq=False)
-class WorkspaceQuestion(Question):
+class _Question(Question):
     """All that a workspace map depends on.
 
     Attributes:
@@ -248,87 +222,59 @@ class WorkspaceQuestion(Question):
     at_once: int
 
     @property
-    def lengths(self) -> dict[str, int]:
-        """Lengths of the last dimensions."""
-        return {"orientation": len(self.samples), "branch": len(self.arm.for_task(self.arm.task).structure.branches)}
-
-    @property
-    def pairs(self) -> Pairs | None:
-        """Pairs of links that are checked for collision; None if no requested array needs collision."""
-        if "free" not in self.names and "clearance" not in self.names:
-            return None
-        return self.arm.cell.collisions.checked_pairs
-
-    @property
     def coordinates(self) -> dict[str, Coordinate]:
         """The voxels' centres and the samples."""
-        return {**super().coordinates, **sample_coordinates(self.about(), self.samples)}
+        return {**super().coordinates, **sample_coordinates(self.described(), self.samples)}
 
     def scratch(self) -> int:
         """Memory that solving takes in addition to the arrays [bytes]."""
         return self.at_once * len(self.samples) * (128 + 20 * self.lengths["branch"] * (self.arm.dof + 1) * 8)
 
-    def about(self) -> About:
-        """The description of the map."""
-        arm, free = self.arm, self.arm.redundancy
-        return About(
-            robot=arm.name,
-            urdf_sha256=urdf_digest(arm),
-            base=arm.base,
-            tip=arm.tip,
-            joints=arm.joint_names,
-            limits=tuple(
-                (None if np.isinf(lower) else lower, None if np.isinf(upper) else upper)
-                for lower, upper in arm.limits.tolist()
-            ),
-            locked=dict(arm.chain.locked),
-            task=arm.task,
-            sampled=sampled(arm),
-            branches=arm.for_task(arm.task).structure.branches,
-            # The last filter: its solutions count for branches, manipulability, margin and clearance.
-            counted=next(name for name in ("free", "within", "solutions") if name in self.names),
-            redundancy=None if free is None else float(free.default if self.redundancy is None else self.redundancy),
-            world=None if self.world is None else self.world.digest(),
-            made_by=versions()["urdf-ik"],
-        )
-
     def described(self) -> dict[str, Any]:
         """The question in JSON."""
-        drawn = {"count": len(self.samples), "sha256": digest(self.samples.tobytes())}
-        return {**super().described(), **asdict(self.about()), "drawn": drawn}
-
-    def targets(self) -> Targets:
-        """Memory for the targets of ``at_once`` positions; one thread at a time may use it."""
-        return Targets(self.arm.task, self.samples, self.at_once)
+        arm, free = self.arm, self.arm.redundancy
+        return {
+            **super().described(),
+            "joints": list(arm.joint_names),
+            "limits": [[value if np.isfinite(value) else None for value in pair] for pair in arm.limits.tolist()],
+            "task": arm.task,
+            "sampled": sampled(arm),
+            "branches": list(arm.for_task(arm.task).structure.branches),
+            # The last filter: its solutions count for branches, manipulability, margin and clearance.
+            "counted": next(name for name in ("free", "within", "solutions") if name in self.names),
+            "redundancy": None if free is None else float(free.default if self.redundancy is None else self.redundancy),
+            "drawn": {"count": len(self.samples), "sha256": digest(self.samples.tobytes())},
+        }
 
     def solved(self, part: Part) -> dict[str, NDArray[Any]]:
         """The arrays of a box of voxels."""
-        positions, targets = self.grid.centres_in(part), self.targets()
+        positions = self.grid.centres_in(part)
         chunks = [
-            self.answers(positions[start : start + self.at_once], targets)
-            for start in range(0, len(positions), self.at_once)
+            self._answers(positions[start : start + self.at_once]) for start in range(0, len(positions), self.at_once)
         ]
         shape = tuple(side.stop - side.start for side in part)
         return {name: np.concatenate([chunk[name] for chunk in chunks]).reshape(*shape, -1) for name in self.names}
 
-    def answers(self, positions: Array, targets: Targets) -> dict[str, NDArray[Any]]:
+    def _answers(self, positions: Array) -> dict[str, NDArray[Any]]:
         """Every array at positions (k, 3) m: (k, S), or (k, B) for counts by branch."""
-        arm, count, columns = self.arm, len(self.samples), {}
-        solved = arm.ik(targets.at(positions), task=arm.task, threads=self.threads, redundancy=self.redundancy)
+        arm, count = self.arm, len(self.samples)
+        solved = arm.ik(
+            targets(arm.task, self.samples, positions), task=arm.task, threads=self.threads, redundancy=self.redundancy
+        )
         counting = Counting(arm, solved.q, solved.valid)
-        columns["solutions"] = counting.counts()
+        columns: dict[str, NDArray[Any]] = {"solutions": counting.counts()}
         if "within" in self.names:
             counting.keep_within_limits()
             columns["within"] = counting.counts()
         if "free" in self.names:
             counting.keep_free(self.world)
             columns["free"] = counting.counts()
-        if "manipulability" in self.names:
-            columns["manipulability"] = counting.greatest(counting.manipulability())
-        if "margin" in self.names:
-            columns["margin"] = counting.greatest(counting.margin())
-        if "clearance" in self.names:
-            columns["clearance"] = counting.greatest(counting.clearance(self.world))
+        measures: dict[str, Callable[[], Array]] = {
+            "manipulability": counting.manipulability,
+            "margin": counting.margin,
+            "clearance": lambda: counting.clearance(self.world),
+        }
+        columns |= {name: counting.greatest(measure()) for name, measure in measures.items() if name in self.names}
         arrays = {name: values.reshape(-1, count).astype(VARIABLES[name].kind) for name, values in columns.items()}
         return {**arrays, "branch_poses": sum_over_samples(counting.kept, count)}
 

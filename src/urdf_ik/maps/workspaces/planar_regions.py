@@ -6,7 +6,7 @@ Regions of the plane are bounded by arcs of circles.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -227,9 +227,9 @@ class PlanarWorkspace:
     angles: Array
     signs: Array
     limits: Array
-    regions: dict[str, Region]
-    boundary: Region
-    overlap: Region
+    regions: dict[str, Region] = field(default_factory=dict)
+    boundary: Region = Region(())
+    overlap: Region = Region(())
 
     def __repr__(self) -> str:
         links = " and ".join(f"{length:g} m" for length in self.lengths)
@@ -237,14 +237,27 @@ class PlanarWorkspace:
 
     def joints(self, points: ArrayLike, elbow: str) -> Array:
         """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached."""
-        return _joints(
-            self.centre, self.lengths, self.angles, self.signs, self.limits, _pairs(points, "points [m]"), elbow
-        )
+        return self._joints(_pairs(points, "points [m]"), elbow, DEFAULT.contract)
 
     def reaches(self, points: ArrayLike, elbow: str | None = None) -> Mask:
         """Whether points (..., 2) m are reached within the limits, with that elbow or with either."""
         names = ELBOWS if elbow is None else (elbow,)
         return np.asarray(np.any([~np.isnan(self.joints(points, name)[..., 0]) for name in names], axis=0))
+
+    def _joints(self, points: Array, elbow: str, tolerance: float) -> Array:
+        """:meth:`joints`, by the law of cosines; ``tolerance`` of the limits [rad], and of the bend's cosine."""
+        inputs.choice(elbow, "elbow", ELBOWS)
+        first, second = self.lengths
+        offset = points - self.centre
+        cosine = ((offset**2).sum(axis=-1) - first**2 - second**2) / (2.0 * first * second)
+        reached = np.abs(cosine) <= 1.0 + tolerance
+        # A forearm that turns clockwise from the upper arm's direction leaves the elbow on the left.
+        bend = (-1.0 if elbow == ELBOWS[0] else 1.0) * np.arccos(np.clip(cosine, -1.0, 1.0))
+        heading = np.arctan2(offset[..., 1], offset[..., 0])
+        heading = heading - np.arctan2(second * np.sin(bend), first + second * np.cos(bend))
+        q = self.signs * (np.stack([heading, bend], axis=-1) - self.angles)
+        q = np.where(reached[..., None], q, np.nan)
+        return limits.nearest_image(q, self.limits, np.ones(2, dtype=np.bool_), tolerance)[0]
 
     def elbow(self, q: ArrayLike) -> Array:
         """Position (..., 2) m of the second axis at joint vectors (..., 2) rad."""
@@ -288,32 +301,24 @@ def planar(arm: Arm) -> PlanarWorkspace:
     headings = np.arctan2(links[:, 1], links[:, 0])
     angles = np.array([headings[0], headings[1] - headings[0]])
     signs = np.sign(chain.H @ plane.normal)
-    centre, bounds = points[0], chain.limits
+    links_only = PlanarWorkspace(arm.name, plane, points[0], lengths, angles, signs, chain.limits)
+    circles, size = _circles(arm.joint_names, links_only), float(lengths.sum())
 
     def reaches(where: Array, name: str) -> Mask:
-        return ~np.isnan(_joints(centre, lengths, angles, signs, bounds, where, name, SHARP)[..., 0])
+        return ~np.isnan(links_only._joints(where, name, SHARP)[..., 0])
 
-    circles = list(_circles(arm.joint_names, centre, lengths, angles, signs, bounds))
-    size = float(lengths.sum())
-    return PlanarWorkspace(
-        name=arm.name,
-        plane=plane,
-        centre=centre,
-        lengths=lengths,
-        angles=angles,
-        signs=signs,
-        limits=bounds,
+    return replace(
+        links_only,
         regions={name: _region(partial(reaches, name=name), circles, size) for name in ELBOWS},
         boundary=_region(lambda at: reaches(at, ELBOWS[0]) | reaches(at, ELBOWS[1]), circles, size),
         overlap=_region(lambda at: reaches(at, ELBOWS[0]) & reaches(at, ELBOWS[1]), circles, size),
     )
 
 
-def _circles(
-    names: tuple[str, ...], centre: Array, lengths: Array, angles: Array, signs: Array, bounds: Array
-) -> list[_Circle]:
+def _circles(names: tuple[str, ...], arms: PlanarWorkspace) -> list[_Circle]:
     """All circles that may bound the workspace, each with the angles at which the joints' limits end it."""
-    turned = [sorted(angles[i] + signs[i] * bounds[i]) for i in range(2)]
+    centre, lengths, signs = arms.centre, arms.lengths, arms.signs
+    turned = [sorted(arms.angles[i] + signs[i] * arms.limits[i]) for i in range(2)]
     whole = [bool(hi - lo >= TURN - limits.LIMIT_TOLERANCE) for lo, hi in turned]
     starts = [] if whole[0] else [(turned[0][k], _limit(names[0], signs[0], k)) for k in range(2)]
     bends = [] if whole[1] else [(turned[1][k], _limit(names[1], signs[1], k)) for k in range(2)]
@@ -330,31 +335,6 @@ def _circles(
 
 def _limit(name: str, sign: float, k: int) -> str:
     return f"{name} at its {'lower' if (k == 0) == (sign > 0) else 'upper'} limit"
-
-
-def _joints(
-    centre: Array,
-    lengths: Array,
-    angles: Array,
-    signs: Array,
-    bounds: Array,
-    points: Array,
-    elbow: str,
-    tolerance: float = DEFAULT.contract,
-) -> Array:
-    """Joint vectors (..., 2) within the limits by the law of cosines, NaN where a point is not reached."""
-    inputs.choice(elbow, "elbow", ELBOWS)
-    first, second = lengths
-    offset = points - centre
-    cosine = ((offset**2).sum(axis=-1) - first**2 - second**2) / (2.0 * first * second)
-    reached = np.abs(cosine) <= 1.0 + tolerance
-    # A forearm that turns clockwise from the upper arm's direction leaves the elbow on the left.
-    bend = (-1.0 if elbow == ELBOWS[0] else 1.0) * np.arccos(np.clip(cosine, -1.0, 1.0))
-    heading = np.arctan2(offset[..., 1], offset[..., 0])
-    heading = heading - np.arctan2(second * np.sin(bend), first + second * np.cos(bend))
-    q = signs * (np.stack([heading, bend], axis=-1) - angles)
-    q = np.where(reached[..., None], q, np.nan)
-    return limits.nearest_image(q, bounds, np.ones(2, dtype=np.bool_), tolerance)[0]
 
 
 def _pairs(values: ArrayLike, words: str) -> Array:

@@ -1,11 +1,11 @@
-"""WorkspaceMap: the solution counts of the poses of a grid, in memory or in a store, with slices, sums and look-ups."""
+"""WorkspaceMap: the solution counts of the poses of a grid, in memory or in a store, with slices and sums."""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, JobError
-from urdf_ik.maps import cluster, free_space
+from urdf_ik.errors import ArgumentError
+from urdf_ik.maps import cluster, store
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
-from urdf_ik.maps.store import BlockStore, Coordinate, Variable, urdf_digest
-from urdf_ik.maps.workspaces.orientations import cells
-from urdf_ik.support import files, inputs
+from urdf_ik.maps.store import STORE_KEYS, BlockStore, Coordinate, Variable, urdf_digest
+from urdf_ik.support import files
 from urdf_ik.typing import Array
 
 VARIABLES = {
@@ -46,66 +45,6 @@ STORE_FORMAT = "urdf-ik workspace map in Zarr"
 HINT = "take larger voxels, fewer orientations or narrower bounds"
 
 
-@dataclass(frozen=True)
-class About:
-    """The arm, task and settings of a map.
-
-    Attributes:
-        robot: the URDF's name.
-        urdf_sha256: of the URDF's links and joints, as they were read.
-        base: link in which positions are given.
-        tip: link whose positions they are.
-        joints: names, base to tip.
-        limits: (lower, upper) of each joint [rad or m], None where there is no limit.
-        locked: joints that do not move, with their values [rad or m].
-        task: what the arm controls, see ``arm.task``.
-        sampled: the kind of samples at each position, in words.
-        branches: names of the family's branches.
-        counted: 'solutions', 'within' or 'free': which solutions count for reach, branches, manipulability and margin.
-        redundancy: value of the redundancy parameter [rad or m], None for an arm without one.
-        world: digest of the obstacles that counted, see ``World.digest``; None for a map without.
-        made_by: version of this package.
-    """
-
-    robot: str
-    urdf_sha256: str
-    base: str
-    tip: str
-    joints: tuple[str, ...]
-    limits: tuple[tuple[float | None, float | None], ...]
-    locked: dict[str, float]
-    task: str
-    sampled: str
-    branches: tuple[str, ...]
-    counted: str
-    redundancy: float | None
-    world: str | None
-    made_by: str
-
-    def cell(self, voxel: float) -> float:
-        """Volume [m^3] of a voxel; area [m^2] for a planar arm."""
-        return float(voxel ** (2 if self.task.startswith("planar") else 3))
-
-    @classmethod
-    def from_json(cls, header: Mapping[str, Any]) -> About:
-        """The inverse of ``dataclasses.asdict``; further keys are ignored."""
-        named = {each.name: header[each.name] for each in fields(cls)}
-        named |= {name: tuple(named[name]) for name in ("joints", "branches")}
-        return cls(**{**named, "limits": tuple(tuple(pair) for pair in named["limits"])})
-
-
-class BranchShare(NamedTuple):
-    """How much of the workspace one branch covers.
-
-    Attributes:
-        voxels: share of the voxels that are reached.
-        poses: share of the poses that are reached.
-    """
-
-    voxels: float
-    poses: float
-
-
 class Totals(NamedTuple):
     """Sums over a whole map.
 
@@ -130,11 +69,11 @@ class Totals(NamedTuple):
     branch_poses: dict[str, int]
 
     @property
-    def branch_shares(self) -> dict[str, BranchShare]:
-        """How much of the reached region each branch covers, by name; zeros where nothing is reached."""
+    def branch_shares(self) -> dict[str, dict[str, float]]:
+        """Shares of the reached 'voxels' and 'poses' that each branch covers; zeros where nothing is reached."""
         voxels, poses = max(1, self.reached_voxels), max(1, self.reached_poses)
         return {
-            name: BranchShare(self.branch_voxels[name] / voxels, self.branch_poses[name] / poses)
+            name: {"voxels": self.branch_voxels[name] / voxels, "poses": self.branch_poses[name] / poses}
             for name in self.branch_poses
         }
 
@@ -167,22 +106,30 @@ class WorkspaceMap:
     such as ``xarray.open_zarr(path)``.
 
     Attributes:
-        about: the arm and the question.
+        about: the arm and the question as in JSON, such as 'robot', 'base', 'tip', 'task', 'branches' and 'counted':
+            which of 'solutions', 'within' and 'free' count for reach, branches, manipulability and margin.
         grid: the voxels (X, Y, Z).
         samples: (S, ...) orientations at each position: rotation matrices, directions or angles.
-        arrays: the arrays by name, see ``VARIABLES``; None for a map in a store.
+        arrays: the arrays by name; None for a map in a store.
         store: the store; None for a map in memory.
+        solutions: (X, Y, Z, S) number of solutions; like each name of ``VARIABLES``, None where it was not computed.
+        within: of these, within the limits.
+        free: of these, free of collision.
+        manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached.
+        margin: the same of the limit margin: the least distance of any joint to a limit as a share of half its range.
+        clearance: the same of the clearance [m].
+        branch_poses: (X, Y, Z, B) number of orientations in which a branch has a solution that counts.
 
     Example:
         >>> import urdf_ik
         >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
         >>> found
         <WorkspaceMap of planar_2r: 8 x 8 x 1 voxels of 0.05 m x 1, 24 poses reached>
-        >>> found.about.robot, found.solutions.shape
+        >>> found.about["robot"], found.solutions.shape
         ('planar_2r', (8, 8, 1, 1))
     """
 
-    about: About
+    about: dict[str, Any]
     grid: Grid
     samples: Array = field(repr=False)
     arrays: Mapping[str, NDArray[Any]] | None = field(repr=False, default=None)
@@ -194,7 +141,7 @@ class WorkspaceMap:
         if self.store is None:
             state = f"{int((self.counts > 0).sum())} poses reached"
         voxels = f"{shape} voxels of {self.grid.voxel:g} m x {len(self.samples)}"
-        return f"<WorkspaceMap of {self.about.robot}: {voxels}, {state}>"
+        return f"<WorkspaceMap of {self.about['robot']}: {voxels}, {state}>"
 
     @property
     def path(self) -> Path | None:
@@ -233,52 +180,15 @@ class WorkspaceMap:
         require_memory(self.grid, len(self.samples), count * np.dtype(VARIABLES[name].kind).itemsize)
         return self.store.array(name, part)
 
-    def _perhaps(self, name: str) -> NDArray[Any] | None:
+    def __getattr__(self, name: str) -> Any:
+        if name not in VARIABLES:
+            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
         return self.array(name) if name in self.names else None
 
     @property
-    def solutions(self) -> NDArray[np.uint8]:
-        """(X, Y, Z, S) number of solutions."""
-        return self.array("solutions")
-
-    @property
-    def branch_poses(self) -> NDArray[np.uint16]:
-        """(X, Y, Z, B) number of orientations in which a branch has a solution that counts."""
-        return self.array("branch_poses")
-
-    @property
-    def within(self) -> NDArray[np.uint8] | None:
-        """(X, Y, Z, S) number of solutions within the limits, or None."""
-        return self._perhaps("within")
-
-    @property
-    def free(self) -> NDArray[np.uint8] | None:
-        """(X, Y, Z, S) number of solutions within the limits that are free of collision, or None."""
-        return self._perhaps("free")
-
-    @property
-    def manipulability(self) -> NDArray[np.float32] | None:
-        """(X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached; or None."""
-        return self._perhaps("manipulability")
-
-    @property
-    def margin(self) -> NDArray[np.float32] | None:
-        """(X, Y, Z, S) greatest limit margin of the solutions that count, NaN where nothing is reached; or None.
-
-        The margin is the least distance of any joint to a limit as a share of half its range: 0 at a limit, 1 in the
-        middle of all.
-        """
-        return self._perhaps("margin")
-
-    @property
-    def clearance(self) -> NDArray[np.float32] | None:
-        """(X, Y, Z, S) m, greatest one of the solutions that count, NaN where nothing is reached; or None."""
-        return self._perhaps("clearance")
-
-    @property
     def counts(self) -> NDArray[np.uint8]:
-        """(X, Y, Z, S) number of the solutions that count, see ``about.counted``."""
-        return self.array(self.about.counted)
+        """(X, Y, Z, S) number of the solutions that count, see ``about['counted']``."""
+        return self.array(self.about["counted"])
 
     @property
     def reached(self) -> NDArray[np.bool_]:
@@ -286,14 +196,9 @@ class WorkspaceMap:
         return ~np.isnan(self.values())
 
     @property
-    def volume(self) -> float:
-        """Volume [m^3] of the voxels that are reached; area [m^2] for a planar arm."""
-        return self.totals().reached_voxels * self.about.cell(self.grid.voxel)
-
-    @property
-    def dexterous_volume(self) -> float:
-        """The same of the voxels that are reached in every sampled orientation."""
-        return self.totals().dexterous_voxels * self.about.cell(self.grid.voxel)
+    def cell(self) -> float:
+        """Volume [m^3] of a voxel; area [m^2] for a planar arm."""
+        return float(self.grid.voxel ** (2 if self.about["task"].startswith("planar") else 3))
 
     def read(self, bounds: ArrayLike | None = None) -> WorkspaceMap:
         """The map in memory, or its voxels whose centres are inside bounds (2, 3) m.
@@ -330,7 +235,7 @@ class WorkspaceMap:
     def _values(self, what: str, part: Part) -> Array:
         if what not in VALUES:
             raise ArgumentError(f"no value is called {what!r}; there are {', '.join(VALUES)}")
-        counts = self.array(self.about.counted, part)
+        counts = self.array(self.about["counted"], part)
         if what == "reach":
             values = (counts > 0).mean(axis=-1, dtype=np.float64)
         elif what == "solutions":
@@ -361,99 +266,26 @@ class WorkspaceMap:
             what,
         )
 
-    def reach(self, direction: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
-        """Where a ray runs through voxels that are reached.
-
-        Args:
-            direction: (3,), of any length.
-            origin: (3,) m.
-
-        Returns:
-            (k, 2) m from the origin, each stretch's beginning and end; the last number is how far the arm reaches.
-
-        Raises:
-            ArgumentError: the direction is zero, or not three numbers.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> found.reach([1, 0, 0]).round(3).tolist()
-            [[0.1, 0.2]]
-        """
-        ray, start = np.asarray(direction, dtype=np.float64), np.asarray(origin, dtype=np.float64)
-        if ray.shape != (3,) or not ray.any() or not np.isfinite([*ray, *start]).all():
-            raise ArgumentError(f"direction={direction!r} given; three numbers, not all zero, are needed")
-        ray = ray / np.linalg.norm(ray)
-        edges = [self.grid.lower[i] + self.grid.voxel * np.arange(self.grid.shape[i] + 1) for i in range(3)]
-        crossings = [(edges[i] - start[i]) / ray[i] for i in range(3) if ray[i] != 0.0]
-        cuts = np.unique(np.concatenate([[0.0], *crossings]))
-        cuts = cuts[cuts >= 0.0]
-        middles = start + 0.5 * (cuts[:-1] + cuts[1:])[:, None] * ray
-        places, inside = self.grid.places(middles)
-        hit = np.zeros(len(places) + 2, dtype=np.int8)
-        hit[1:-1][inside] = self.reached[tuple(places[inside].T)]
-        change = np.diff(hit)
-        return np.stack([cuts[change[: len(cuts)] > 0], cuts[change[: len(cuts)] < 0]], axis=-1)
-
-    def look_up(self, targets: Any, what: str | None = None) -> NDArray[Any]:
-        """Values of an array in the cells of targets: nearest voxel and nearest orientation. Each block is read once.
-
-        Args:
-            targets: (m, ...) of the map's task, ``about.task``, as ``arm.ik`` takes them.
-            what: name of the array; default: the number of solutions that count.
-
-        Returns:
-            (m,); zero, or NaN for measured values, outside the grid.
-
-        Raises:
-            ArgumentError: the targets are of another shape, or the map does not contain this.
-
-        Example:
-            >>> import urdf_ik
-            >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-            >>> found.look_up([[0.15, 0.05], [9.0, 9.0]]).tolist()
-            [1, 0]
-        """
-        name = self.about.counted if what is None else what
-        if name not in self.names or VARIABLES[name].last != "orientation":
-            raise ArgumentError(f"the map contains no {name!r} for each pose")
-        voxels, samples, inside = cells(self.grid, self.samples, self.about.task, targets)
-        found = np.full(len(voxels), VARIABLES[name].fill, VARIABLES[name].kind)
-        blocks = np.ravel_multi_index(tuple((voxels // self.blocks.shape).T), self.blocks.along)
-        for block in np.unique(blocks[inside]):
-            part, mine = self.blocks.part(int(block)), inside & (blocks == block)
-            places = voxels[mine] - [side.start for side in part]
-            found[mine] = self.array(name, part)[(*places.T, samples[mine])]
-        return found
-
-    def branch_shares(self) -> dict[str, BranchShare]:
-        """How much of the reached region each branch covers, by name; zeros where nothing is reached."""
+    def branch_shares(self) -> dict[str, dict[str, float]]:
+        """Shares of the reached 'voxels' and 'poses' that each branch covers; zeros where nothing is reached."""
         return self.totals().branch_shares
 
     def totals(self) -> Totals:
         """Sums over the whole map."""
         counted: dict[str, int] = {name: 0 for name in ("solutions", "within", "free") if name in self.names}
-        branches = np.zeros((2, len(self.about.branches)), dtype=np.int64)
+        branches = np.zeros((2, len(self.about["branches"])), dtype=np.int64)
         reached = np.zeros(3, dtype=np.int64)
         for part in self.blocks.parts():
-            hit = self.array(self.about.counted, part) > 0
+            hit = self.array(self.about["counted"], part) > 0
             reached += [hit.sum(), hit.any(axis=-1).sum(), hit.all(axis=-1).sum()]
             for name in counted:
                 counted[name] += int(self.array(name, part).sum(dtype=np.int64))
             poses = self.array("branch_poses", part).reshape(-1, branches.shape[1])
             branches += [(poses > 0).sum(axis=0), poses.sum(axis=0, dtype=np.int64)]
-        in_voxels, in_poses = (dict(zip(self.about.branches, row, strict=True)) for row in branches.tolist())
+        in_voxels, in_poses = (dict(zip(self.about["branches"], row, strict=True)) for row in branches.tolist())
+        poses_hit, voxels_hit, dexterous = (int(count) for count in reached)
         count = self.grid.count
-        return Totals(
-            count * len(self.samples),
-            int(reached[0]),
-            count,
-            int(reached[1]),
-            int(reached[2]),
-            counted,
-            in_voxels,
-            in_poses,
-        )
+        return Totals(count * len(self.samples), poses_hit, count, voxels_hit, dexterous, counted, in_voxels, in_poses)
 
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` with the dimensions x, y, z, orientation and branch; that of a store is lazy.
@@ -468,18 +300,18 @@ class WorkspaceMap:
             name: ((*AXES, VARIABLES[name].last), self.array(name), VARIABLES[name].attributes) for name in self.names
         }
         arrays |= {name: (name, self.grid.coordinates(k), {"units": "m"}) for k, name in enumerate(AXES)}
-        return xarray.Dataset({**arrays, **sample_coordinates(self.about, self.samples)}, attrs=asdict(self.about))
+        return xarray.Dataset({**arrays, **sample_coordinates(self.about, self.samples)}, attrs=self.about)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a compressed ``.npz`` file, which :func:`read` reads.
 
-        Its array ``header`` is JSON: format, version, the fields of ``about`` and the grid. The other arrays have the
+        Its array ``header`` is JSON: format, version, and ``about`` with the grid. The other arrays have the
         names of ``VARIABLES``.
 
         Raises:
             ArgumentError: the file cannot be written.
         """
-        about = {"format": FORMAT, "version": VERSION, **asdict(self.about), "grid": self.grid.described()}
+        about = {"format": FORMAT, "version": VERSION, **self.about, "grid": self.grid.described()}
         arrays: dict[str, Any] = {name: self.array(name) for name in self.names}
         arrays |= {"header": np.array(json.dumps(about)), "samples": self.samples}
         files.write(path, lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
@@ -503,9 +335,10 @@ def read(path: str | os.PathLike[str]) -> WorkspaceMap:
         header = json.loads(str(arrays.pop("header")))
         if (header["format"], header["version"]) != (FORMAT, VERSION):
             raise ValueError(f"it is {header['format']!r}, version {header['version']}; {VERSION} is read")
-        about, grid, samples = About.from_json(header), Grid.from_described(header["grid"]), arrays.pop("samples")
-        last = {"orientation": len(samples), "branch": len(about.branches)}
-        for name in {"solutions", "branch_poses", about.counted, *arrays}:
+        about = {name: value for name, value in header.items() if name not in STORE_KEYS}
+        grid, samples = Grid.from_described(about["grid"]), arrays.pop("samples")
+        last = {"orientation": len(samples), "branch": len(about["branches"])}
+        for name in {"solutions", "branch_poses", about["counted"], *arrays}:
             shape, kind = (*grid.shape, last[VARIABLES[name].last]), np.dtype(VARIABLES[name].kind)
             if (arrays[name].shape, arrays[name].dtype) != (shape, kind):
                 raise ValueError(f"{name} is of shape {arrays[name].shape} and type {arrays[name].dtype}")
@@ -533,17 +366,12 @@ def opened(path: str | os.PathLike[str]) -> WorkspaceMap:
     if not os.path.isdir(path):
         return read(path)
     store = BlockStore(path, STORE_FORMAT)
-    try:
-        return WorkspaceMap(
-            About.from_json(store.question), store.grid, np.asarray(store.group["samples"][...]), store=store
-        )
-    except (KeyError, TypeError, ValueError) as error:
-        raise JobError(f"{path} is a damaged store: {error}") from None
+    return WorkspaceMap(store.about, store.grid, np.asarray(store.group["samples"][...]), store=store)
 
 
-def sample_coordinates(about: About, samples: Array) -> dict[str, Coordinate]:
+def sample_coordinates(about: Mapping[str, Any], samples: Array) -> dict[str, Coordinate]:
     """The coordinates of the dimension 'orientation'."""
-    words = {"long_name": about.sampled, "units": "rad" if samples.shape[1:] == (1,) else "1"}
+    words = {"long_name": about["sampled"], "units": "rad" if samples.shape[1:] == (1,) else "1"}
     return {
         "orientation": (("orientation",), np.arange(len(samples)), {}),
         "samples": (("orientation", *("row", "column")[: samples.ndim - 1]), samples, words),
@@ -552,7 +380,7 @@ def sample_coordinates(about: About, samples: Array) -> dict[str, Coordinate]:
 
 def require_memory(grid: Grid, samples: int, needed: int) -> None:
     """Refuse a map of ``needed`` bytes that does not fit in memory, by an ArgumentError, before any work."""
-    free_space.require_memory(needed, size_words(grid, samples), HINT)
+    store.require_memory(needed, size_words(grid, samples), HINT)
 
 
 def size_words(grid: Grid, samples: int) -> str:
@@ -561,66 +389,19 @@ def size_words(grid: Grid, samples: int) -> str:
     return f"{voxels} x {samples} orientations = {grid.count * samples:.4g} poses"
 
 
-def require_map_of(about: About, arm: Arm) -> None:
+def require_map_of(about: Mapping[str, Any], arm: Arm) -> None:
     """Refuse the map of another arm.
 
     Raises:
         ArgumentError: it was computed for another URDF, other frames, or other values of the locked joints.
     """
-    if (about.base, about.tip) != (arm.base, arm.tip):
+    if (about["base"], about["tip"]) != (arm.base, arm.tip):
         raise ArgumentError(
-            f"the map is one of {about.robot!r} from {about.base} to {about.tip}, and the arm is one from "
+            f"the map is one of {about['robot']!r} from {about['base']} to {about['tip']}, and the arm is one from "
             f"{arm.base} to {arm.tip}; give the same base and tip"
         )
-    if about.urdf_sha256 != urdf_digest(arm) or about.locked != dict(arm.chain.locked):
+    if about["urdf_sha256"] != urdf_digest(arm) or about["locked"] != dict(arm.chain.locked):
         raise ArgumentError(
-            f"the map is one of another URDF of {about.robot!r}, or with other locked joints, than the arm "
+            f"the map is one of another URDF of {about['robot']!r}, or with other locked joints, than the arm "
             f"{arm.name!r}; compute it anew: urdf-ik workspace"
         )
-
-
-class Surface(NamedTuple):
-    """A closed mesh of triangles.
-
-    Attributes:
-        vertices: (v, 3) m.
-        faces: (f, 3) numbers of vertices, counter-clockwise as seen from outside.
-    """
-
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.intp]
-
-
-# Corners of the face of a unit cube at the far end of each axis, counter-clockwise as seen from outside.
-_FACES = (
-    ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)),
-    ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)),
-    ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
-)
-
-
-def boundary(found: WorkspaceMap, least: float = 0.0) -> Surface:
-    """The boundary of the voxels that are reached in more than a share ``least`` of the orientations.
-
-    Example:
-        >>> import urdf_ik
-        >>> found = urdf_ik.maps.workspace(urdf_ik.load("zyyzyz_6r"), voxel=0.5, orientations=4)
-        >>> bool(np.ptp(boundary(found).vertices[:, 0]) > 1.0)
-        True
-    """
-    inside = np.nan_to_num(found.values("reach")) > inputs.number(least, "least")
-    padded = np.pad(inside, 1)
-    quads = []
-    for axis, face in enumerate(_FACES):
-        corners = np.array(face)
-        low = corners.copy()
-        low[:, axis] = 0
-        beyond = np.roll(padded, -1, axis)[1:-1, 1:-1, 1:-1]
-        before = np.roll(padded, 1, axis)[1:-1, 1:-1, 1:-1]
-        quads.append(np.argwhere(inside & ~beyond)[:, None] + corners)
-        quads.append(np.argwhere(inside & ~before)[:, None] + low[::-1])
-    points = np.concatenate(quads)
-    places, which = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
-    corner = which.reshape(-1, 4)
-    faces = np.concatenate([corner[:, [0, 1, 2]], corner[:, [0, 2, 3]]]).astype(np.intp)
-    return Surface(np.asarray(found.grid.lower + found.grid.voxel * places), faces)

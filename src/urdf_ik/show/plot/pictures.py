@@ -191,7 +191,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     axes.set_xlabel(f"{layer.axes[0]} [m]")
     axes.set_ylabel(f"{layer.axes[1]} [m]")
     axes.locator_params(nbins=6)
-    axes.set_title(f"{draw.words(found.about.robot)}: {axis} = {layer.at:.3g} m")
+    axes.set_title(f"{draw.words(found.about['robot'])}: {axis} = {layer.at:.3g} m")
     return figure
 
 
