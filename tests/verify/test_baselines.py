@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import subprocess
@@ -207,6 +208,41 @@ def test_meshes_that_are_missing_are_said() -> None:
         urdf_ik.freeze(arm, collisions="require")
 
 
+def test_a_robot_whose_repository_moved_is_said_with_both_commits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The lock keeps repository, commit, file and hash of a downloaded robot; verify says the old ones and the new."""
+    address, commits = "https://example.org/arms.git", []
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path))
+    pytest.importorskip("robot_descriptions")
+    file = tmp_path / "arms" / "urdf" / "ur5.urdf"
+    file.parent.mkdir(parents=True)
+
+    def git(*words: str) -> str:
+        command = ["git", "-c", "user.name=A", "-c", "user.email=a@b.c", *words]
+        return subprocess.check_output(command, cwd=tmp_path / "arms", text=True).strip()
+
+    git("init", "-q")
+    git("remote", "add", "origin", address)
+    text = catalogue.resolve(ARM).path.read_text()
+    locks = []
+    for content in (text, text.replace('xyz="0 0 1"', 'xyz="0 0 1.25"', 1)):
+        file.write_text(content)
+        git("add", ".")
+        git("commit", "-q", "-m", "an arm")
+        commits.append(git("rev-parse", "HEAD"))
+        locks.append(urdf_ik.freeze(urdf_ik.load(file)))
+        assert locks[-1].origin is not None
+        assert (locks[-1].origin.repository, locks[-1].origin.commit) == (address, commits[-1])
+        assert locks[-1].origin.sha256 == hashlib.sha256(content.encode()).hexdigest()
+    lock = Baseline.from_text(locks[0].to_text())
+    assert lock == locks[0]
+    found = lock.verify(urdf_ik.load(file))
+    (note,) = (note for note in found.notes if "the file was" in note)
+    assert all(f"urdf/ur5.urdf of {address} at commit {commit[:12]}" in note for commit in commits), note
+    assert not any("the file was" in note for note in locks[1].verify(urdf_ik.load(file)).notes)
+
+
 @pytest.mark.parametrize(
     ("text", "match"),
     [
@@ -237,6 +273,7 @@ def test_a_damaged_lock_file_is_refused() -> None:
         for key in list(place):
             kept = place.pop(key)
             if key not in (
+                "origin",
                 "held",
                 "backwards",
                 "file",

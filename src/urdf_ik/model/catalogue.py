@@ -10,6 +10,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.model import downloads
 from urdf_ik.support import extras
 from urdf_ik.support.text import nearest
+from urdf_ik.version import __version__
 
 BUNDLED: Mapping[str, str] = {
     "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
@@ -89,6 +90,62 @@ class Entry:
     package_dirs: tuple[Path, ...] = ()
     description: str = ""
     xacro_args: Mapping[str, str] | None = None
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The source of a robot that has a name.
+
+    Attributes:
+        package: the Python package that resolves the name.
+        version: its version.
+        file: path of the URDF, xacro or MJCF in the package's data or in the repository.
+        sha256: of the URDF's text; of a xacro or MJCF, of the URDF made from it.
+        repository: address of the repository that robot_descriptions downloaded, else ''.
+        commit: its commit.
+    """
+
+    package: str
+    version: str
+    file: str
+    sha256: str
+    repository: str = ""
+    commit: str = ""
+
+    def __str__(self) -> str:
+        at = f" at commit {self.commit[:12]}" if self.commit else ""
+        source = f"{self.repository}{at}, by " if self.repository else ""
+        return f"{self.file} of {source}{self.package} {self.version} (SHA-256 {self.sha256[:12]})"
+
+
+def origin_of(path: Path | None, sha256: str) -> Origin | None:
+    """The origin of a file that a name means; None for other files."""
+    from importlib import metadata
+
+    if path is None:
+        return None
+    if path.is_relative_to(_bundled_folder()):
+        return Origin("urdf-ik", __version__, path.name, sha256)
+    share = _example_robot_data_share()
+    if share is not None and path.is_relative_to(share):
+        return Origin(_DISTRIBUTION, metadata.version(_DISTRIBUTION), path.relative_to(share).as_posix(), sha256)
+    if not path.is_relative_to(downloads.cache_folder()):
+        return None
+    folder = next((each for each in path.parents if (each / ".git").exists()), downloads.cache_folder())
+    version = metadata.version("robot_descriptions")
+    asked = (("remote", "get-url", "origin"), ("rev-parse", "HEAD"))
+    return Origin("robot_descriptions", version, path.relative_to(folder).as_posix(), sha256,
+                  *(_git(folder, *each) for each in asked))  # fmt: skip
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    """What git prints; '' where it fails."""
+    import subprocess
+
+    try:
+        return subprocess.check_output(["git", "-C", folder, *arguments], text=True, stderr=subprocess.DEVNULL).strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""
 
 
 def names() -> tuple[str, ...]:

@@ -66,9 +66,13 @@ def is_here(name: str) -> bool:
     repository = REPOSITORIES.get(_descriptions()[model].repository)
     if repository is None:
         return False
-    cache_folder = os.environ.get("ROBOT_DESCRIPTIONS_CACHE", "~/.cache/robot_descriptions")
-    folder = Path(cache_folder).expanduser() / repository.cache_path
+    folder = cache_folder() / repository.cache_path
     return folder.is_dir() and any(each.name != ".git" for each in folder.iterdir())
+
+
+def cache_folder() -> Path:
+    """The folder of the downloaded repositories."""
+    return Path(os.environ.get("ROBOT_DESCRIPTIONS_CACHE", "~/.cache/robot_descriptions")).expanduser().resolve()
 
 
 def repository_of(name: str) -> str | None:

@@ -22,6 +22,7 @@ from scipy.optimize import linear_sum_assignment
 from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.model.catalogue import Origin, origin_of
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import files, inputs
 from urdf_ik.support.angles import shortest
@@ -129,7 +130,8 @@ def freeze(
     import pinocchio as pin  # arms are loaded and described without it
 
     made_by = (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
-    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by)
+    origin = origin_of(arm.model.path, arm.model.sha256)
+    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by, origin=origin)
     asked: list[tuple[str, Array, Array | None]] = [("own", own, None)]
     asked += [(kind, arm.cell.reference.pose(q), sampling.redundancy_at(arm, q)) for kind, q in vectors.items()]
     total = sum(len(T) for _, T, _ in asked)
@@ -168,6 +170,7 @@ class Baseline:
         contacts: '' where contacts were checked, else why not.
         made_by: versions of the packages that computed it.
         unlooked: what a time limit left out when it was made; '' where nothing was.
+        origin: package, repository, commit and file of a robot that has a name; None for a file.
 
     Example:
         >>> import urdf_ik
@@ -185,6 +188,7 @@ class Baseline:
     contacts: str = ""
     made_by: tuple[tuple[str, str], ...] = ()
     unlooked: str = ""
+    origin: Origin | None = None
 
     def __repr__(self) -> str:
         count = sum(len(pose.answers) for pose in self.poses)
@@ -230,7 +234,7 @@ class Baseline:
         tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
         then, now = self.arm, described(arm)
         differing = list(differences(then, now, tolerance))
-        notes = _notes(then, now) + [f"making the lock was {self.unlooked}"] * bool(self.unlooked)
+        notes = _notes(then, now) + self._moved(arm) + [f"making the lock was {self.unlooked}"] * bool(self.unlooked)
         today: dict[int, Pose] = {}
         if then.dof != now.dof or then.sliding != now.sliding:
             notes.append("forward kinematics and solutions were not compared: the joints are others")
@@ -268,8 +272,9 @@ class Baseline:
             pose["solutions"] = pose.pop("answers")
         content |= {"contacts": self.contacts or "checked", "made_by": dict(self.made_by)}
         content |= {"format": FORMAT, "version": VERSION}
-        if not self.unlooked:
-            del content["unlooked"]
+        for name in ("unlooked", "origin"):
+            if not content[name]:
+                del content[name]
         return _lines(content) + "\n"
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -318,12 +323,19 @@ class Baseline:
                 str(contacts),
                 tuple(made_by),
                 str(data.get("unlooked", "")),
+                from_plain(Origin | None, data.get("origin"), "origin"),
             )
             baseline._require_complete()
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"{type(error).__name__} {error}"
             raise ArgumentError(f"{name} is a damaged lock file: {reason}{hint} anew") from None
         return baseline
+
+    def _moved(self, arm: Arm) -> list[str]:
+        """Where the file came from, and where it comes from, if its content is another one."""
+        if self.origin is None or self.origin.sha256 == arm.model.sha256:
+            return []
+        return [f"the file was {self.origin}, and is {origin_of(arm.model.path, arm.model.sha256) or arm.model.source}"]
 
     def _require_complete(self) -> None:
         """Raise ValueError unless every row has its numbers and every pose its kind."""

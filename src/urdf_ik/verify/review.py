@@ -125,6 +125,8 @@ def markdown(files: Sequence[VerifiedFile]) -> str:
         if found:
             rows = (f"| {_cell(each.file)}:{each.line} | {each.kind} | {_cell(each.words)} |" for each in found)
             parts.append("\n".join(["| line | kind | difference |", "|---|---|---|", *rows]))
+        if isinstance(file.result, Verification) and file.result.notes:
+            parts.append("\n".join(f"- {_cell(note)}" for note in file.result.notes))
         if isinstance(file.result, Verification) and any(each.kind == "kinematics" for each in found):
             parts.append(f"```text\n{picture(file.result.frozen, file.result.arm)}\n```")
     return "\n\n".join(parts) + "\n"
