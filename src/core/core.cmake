@@ -88,9 +88,6 @@ endforeach()
 # A rounded sum decides whether an image is inside the limits. It is computed again later, so it must not be fused here.
 set_source_files_properties("${URDF_IK_CORE}/library/arm.cpp" PROPERTIES COMPILE_OPTIONS -ffp-contract=off)
 
-# What few poses reach is compiled small.
-set_source_files_properties("${URDF_IK_CORE}/answers/referee.cpp" PROPERTIES COMPILE_OPTIONS -Os)
-
 # Set a target's flags for one instruction set, those in URDF_IK_FLAGS among them.
 function(urdf_ik_compile_for level target)
   target_compile_definitions(${target} PRIVATE URDF_IK_LEVEL=${level})
