@@ -1,9 +1,9 @@
-"""Solutions with their checks, and their form as JSON, CSV and npz."""
+"""Solutions with their checks, and their form as JSON, CSV, npz and text."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,45 +11,17 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World, missing_pinocchio
-from urdf_ik.cli import console
+from urdf_ik.cli import tables
 from urdf_ik.cli.console import Angles
 from urdf_ik.ik.solutions import IKSolutions, Singular
 from urdf_ik.ik.solutions.distances import measure
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.typing import Array
 
+SUMMARY_ABOVE = 20
+"""A table shows the solutions of at most this many poses."""
 _BATCH = 512
 """Solutions that Pinocchio measures between two reports of progress."""
-
-
-@dataclass(frozen=True)
-class Distances:
-    """How far solutions are from a joint vector, in the units that are shown.
-
-    Attributes:
-        metric: the distance's name.
-        each: (N, B) the distance, NaN where there is no solution.
-        joints: (N, B, n) the difference of each joint.
-        unit: of the distance; 'rad and m' where joints of both kinds count in it.
-    """
-
-    metric: str
-    each: Array
-    joints: Array
-    unit: str
-
-
-def distances_from(solutions: IKSolutions, q_ref: Array, metric: str, angles: Angles) -> Distances:
-    """The distances of solutions from a joint vector."""
-    apart = solutions.difference(q_ref)
-    each = np.where(solutions.valid, measure(solutions.solver, metric, None, None).distance(apart), np.nan)
-    if metric == "time":
-        unit = "s"
-    elif angles.turning.all():
-        each, unit = angles.angle(each), angles.unit
-    else:
-        unit = "rad and m" if angles.turning.any() else "m"
-    return Distances(metric, each, angles.shown(apart), unit)
 
 
 @dataclass(frozen=True)
@@ -60,6 +32,7 @@ class CheckedSolutions:
         arm: the arm that was solved.
         poses: (N, 4, 4) targets.
         solutions: a batch of N.
+        angles: how angles are shown.
         within: (N, B) bool, inside the joint limits as it stands.
         turned: (N, B) bool, inside them after whole turns of some joints.
         free: (N, B) bool, free of self-collision.
@@ -67,50 +40,137 @@ class CheckedSolutions:
         unchecked: reason why self-collision could not be checked, '' where it was or need not be.
         errors: (N, B) m and (N, B) rad, as Pinocchio measures them, NaN where there is no solution.
         unmeasured: reason why the errors could not be measured, '' where they were or need not be.
-        distances: from the joint vector that the solutions were chosen by; None where there was none.
+        metric: name and unit of the distance from the joint vector that the solutions were chosen by; '' without one.
+        distance: (N, B) that distance, as shown.
+        difference: (N, B, n) of each joint from it, as shown.
     """
 
     arm: Arm
     poses: Array
     solutions: IKSolutions
+    angles: Angles
     within: NDArray[np.bool_]
     turned: NDArray[np.bool_]
     free: NDArray[np.bool_] | None
     hits: Mapping[tuple[int, int], Sequence[tuple[str, str]]]
     unchecked: str
     errors: tuple[Array, Array] | None
-    unmeasured: str = ""
-    distances: Distances | None = None
+    unmeasured: str
+    metric: tuple[str, str] = ("", "")
+    distance: Array | None = None
+    difference: Array | None = None
 
     @property
     def counts(self) -> NDArray[np.intp]:
         """(N,) number of solutions of each pose."""
         return np.asarray(self.solutions.count)
 
-    def places(self, pose: int) -> NDArray[np.intp]:
-        """Columns that hold a solution of one pose."""
-        return np.flatnonzero(self.solutions.valid[pose])
+    @property
+    def redundancy(self) -> Array | None:
+        """(N,) or (N, k), the redundancy parameters of each pose, as shown."""
+        values = self.solutions.redundancy
+        if values is None:
+            return None
+        turns = np.array([parameter.unit == "rad" for parameter in self.arm.solver.parameters])
+        shown: Array = np.where(turns if len(turns) > 1 else turns[0], self.angles.angle(values), values)
+        return shown
 
-    def flags(self, pose: int, column: int) -> list[str]:
-        """Names of a solution's singularities: 'shoulder', 'elbow', 'wrist', 'other'."""
-        return flags(self.solutions.singular[pose, column])
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """(N, B) each check that was made, by name."""
+        out: dict[str, NDArray[Any]] = {"within_limits": self.within}
+        out |= {} if self.free is None else {"collision_free": self.free}
+        if self.errors is not None:
+            out |= {"position_error": self.errors[0], "rotation_error": self.angles.angle(self.errors[1])}
+        return out if self.distance is None else out | {"distance": self.distance}
 
     def explanation(self, pose: int) -> str:
         """Why a pose has no solution."""
         one: IKSolutions = self.solutions[pose]
         return one.explain()
 
-    @property
-    def counted(self) -> str:
-        """How many solutions of how many poses."""
-        total, poses = int(self.counts.sum()), len(self.counts)
-        return f"{total} solution{'s' * (total != 1)} of {poses} pose{'s' * (poses != 1)}"
+    def from_reference(self, q_ref: Array, metric: str) -> CheckedSolutions:
+        """These with their distances from a joint vector."""
+        apart, turning, angles = self.solutions.difference(q_ref), self.angles.turning, self.angles
+        far = measure(self.solutions.solver, metric, None, None).distance(apart)
+        far = np.where(self.solutions.valid, far, np.nan)
+        unit = "s" if metric == "time" else angles.unit if turning.all() else "rad and m" if turning.any() else "m"
+        far = angles.angle(far) if unit == angles.unit else far
+        return replace(self, metric=(metric, unit), distance=far, difference=angles.shown(apart))
+
+    def to_dict(self) -> dict[str, Any]:
+        """One object a pose, in order, each with its solutions."""
+        values = self.redundancy
+        return {
+            "robot": self.arm.name,
+            "base": self.arm.base,
+            "tip": self.arm.tip,
+            "joints": self.arm.joint_names,
+            "units": {"angle": self.angles.unit, "length": "m"},
+            "family": self.arm.structure.family,
+            "poses": [
+                {
+                    "pose": pose,
+                    **({} if values is None else {"redundancy": values[i]}),
+                    "count": self.counts[i],
+                    "solutions": [self._solution(i, b) for b in np.flatnonzero(self.solutions.valid[i]).tolist()],
+                    **({} if self.counts[i] else {"explanation": self.explanation(i)}),
+                }
+                for i, pose in enumerate(self.poses)
+            ],
+        }
+
+    def _solution(self, i: int, b: int) -> dict[str, Any]:
+        checks = {name: values[i, b] for name, values in self.columns.items()}
+        out: dict[str, Any] = {
+            "branch": self.solutions.names[i, b],
+            "q": self.angles.shown(self.solutions.q[i, b]),
+            "singular": flags(self.solutions.singular[i, b]),
+            "within_limits": checks["within_limits"],
+        }
+        if self.free is not None:
+            out |= {"collision_free": checks["collision_free"], "collisions": self.hits.get((i, int(b)), ())}
+        if self.errors is not None:
+            out["error"] = {"position": checks["position_error"], "rotation": checks["rotation_error"]}
+        if self.difference is not None:
+            out |= {"distance": checks["distance"], "difference": self.difference[i, b]}
+        return out
+
+    def rows(self) -> Iterator[list[Any]]:
+        """The header and a row a solution; numbers first, so that the text of the last columns can be left out."""
+        count = len(self.arm.solver.parameters)
+        within, *checks = self.columns
+        parameters = ["redundancy"] * count if count < 2 else [f"redundancy_{k}" for k in range(1, count + 1)]
+        yield ["pose", *self.arm.joint_names, within, *parameters, *checks, "singular", "branch"]
+        q, values = self.angles.shown(self.solutions.q), self.redundancy
+        for i, b in np.argwhere(self.solutions.valid).tolist():
+            found = [column[i, b].item() for column in self.columns.values()]
+            own = [] if values is None else np.atleast_1d(values[i]).tolist()
+            row = [int(value) if isinstance(value, bool) else value for value in (found[0], *own, *found[1:])]
+            words = " ".join(flags(self.solutions.singular[i, b]))
+            yield [i, *q[i, b].tolist(), *row, words, self.solutions.names[i, b]]
+
+    def arrays(self) -> dict[str, Any]:
+        """The arrays as the package lays them out: NaN rows of ``q`` where a branch has no solution."""
+        out = {
+            "poses": self.poses,
+            "q": self.angles.shown(self.solutions.q),
+            "valid": self.solutions.valid,
+            "singular": self.solutions.singular,
+            "branches": np.array(self.solutions.names, dtype=np.str_),
+            "joint_names": np.array(self.arm.joint_names, dtype=np.str_),
+            "angle_unit": np.array(self.angles.unit),
+            "redundancy": self.redundancy,
+            "difference": self.difference,
+        }
+        return {name: values for name, values in out.items() if values is not None} | self.columns
 
 
 def solve(
     arm: Arm,
     poses: Array,
     pick: Callable[[IKSolutions], IKSolutions],
+    angles: Angles,
     *,
     redundancy: Array | None = None,
     task: str = "pose",
@@ -157,108 +217,114 @@ def solve(
                 if not free[i, b]:
                     hits[int(i), int(b)] = body.colliding_pairs(q[i, b])
                 tick(done + 1, len(todo))
-    return CheckedSolutions(arm, poses, solutions, within, turned, free, hits, unchecked, measured, unmeasured)
+    return CheckedSolutions(arm, poses, solutions, angles, within, turned, free, hits, unchecked, measured, unmeasured)
 
 
 def flags(singular: int) -> list[str]:
-    """Names of the singularities in a solution's flags."""
+    """Names of the singularities in a solution's flags: 'shoulder', 'elbow', 'wrist', 'other'."""
     return [str(flag.name).lower() for flag in Singular if flag & int(singular)] if singular else []
 
 
-def redundancy_shown(arm: Arm, value: Any, angles: Angles) -> Any:
-    """Values of the redundancy parameters, (...) of one and (..., k) of k, in the units that the user reads."""
-    turns = np.array([parameter.unit == "rad" for parameter in arm.solver.parameters])
-    return np.where(turns if len(turns) > 1 else turns[0], angles.angle(value), value)
+def as_text(answer: CheckedSolutions, note: str) -> str:
+    """The solutions of a few poses, or a summary of many."""
+    arm, angles = answer.arm, answer.angles
+    head = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}"]
+    for words, text in (
+        ("", note),
+        ("redundancy: ", arm.redundancy),
+        ("self-collision was not checked: ", answer.unchecked),
+        ("errors were not measured: ", answer.unmeasured),
+    ):
+        head += tables.folded(f"{words}{text}") if text else []
+    if len(answer.poses) > SUMMARY_ABOVE:
+        return tables.render(*head, "", *_summary(answer))
+    named = zip(arm.joint_names, angles.units, strict=True)
+    legend = "joints: " + ", ".join(f"q{i} {name} [{unit}]" for i, (name, unit) in enumerate(named, 1))
+    lines = [*head, *tables.folded(legend, further=" " * 8)]
+    for i, pose in enumerate(answer.poses):
+        count, values = int(answer.counts[i]), answer.redundancy
+        heading = f"{count} solution{'s' * (count != 1)}" if count else "no solution"
+        if values is not None:
+            each = zip(arm.solver.parameters, np.atleast_1d(values[i]) + 0.0, strict=True)
+            parts = [f"{p.label} {x:.4f} {angles.unit if p.unit == 'rad' else 'm'}" for p, x in each]
+            heading += f" at {', '.join(parts)}"
+        where = "" if len(answer.poses) == 1 else f"pose {i}: "
+        first, second = tables.pose_lines(pose)
+        lines += ["", where + first, second, f"{heading}:", "", *_solutions(answer, i)]
+    return tables.render(*lines)
 
 
-def as_json(answer: CheckedSolutions, angles: Angles) -> str:
-    """One object a pose, in order, each with its solutions."""
-    return console.json_text(
-        {
-            "robot": answer.arm.name,
-            "base": answer.arm.base,
-            "tip": answer.arm.tip,
-            "joints": answer.arm.joint_names,
-            "units": {"angle": angles.unit, "length": "m"},
-            "family": answer.arm.structure.family,
-            "poses": [
-                {
-                    "pose": pose,
-                    **_parameter(answer, angles, i),
-                    "count": answer.counts[i],
-                    "solutions": [_solution(answer, angles, i, b) for b in answer.places(i)],
-                    **({} if answer.counts[i] else {"explanation": answer.explanation(i)}),
-                }
-                for i, pose in enumerate(answer.poses)
-            ],
-        }
-    )
+def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
+    """Every solution of one pose: branch, joint values, checks; in two tables where one would be too wide."""
+    angles, names = answer.angles, answer.solutions.names[pose]
+    places = np.flatnonzero(answer.solutions.valid[pose]).tolist()
+    if not places:
+        return [answer.explanation(pose)]
+    heads, cells = _branch_columns([names[b] for b in places])
+    q = angles.shown(answer.solutions.q[pose])
+    values = [[str(k + 1), *cells[k], *tables.numbers(q[b], 2 if angles.degrees else 4)] for k, b in enumerate(places)]
+    header = ["#", *heads, *(f"q{i + 1}" for i in range(q.shape[-1]))]
+    checks = [_checks(answer, pose, b) for b in places]
+    notes = [""] * bool(answer.hits)
+    for k, b in enumerate(places, 1):
+        if pairs := answer.hits.get((pose, b)):
+            notes.append(f"{k} hits: {', '.join(f'{first} - {second}' for first, second in pairs)}")
+    if answer.distance is not None and answer.difference is not None:
+        notes.append("")
+        for b in places:
+            apart, (metric, unit) = np.abs(answer.difference[pose, b]), answer.metric
+            k = int(np.argmax(apart))
+            far = f"from --nearest: {answer.distance[pose, b]:.4g} {unit} ({metric})"
+            notes.append(f"{far}; farthest joint: q{k + 1}, {apart[k]:.4g} {angles.units[k]}")
+    rows = [row + list(check.values()) for row, check in zip(values, checks, strict=True)]
+    whole = tables.grid([*header, *checks[0]], rows, left=heads)
+    if not tables.fits(whole):
+        numbered = [[k, *check.values()] for k, check in enumerate(checks, 1)]
+        whole = [*tables.grid(header, values, left=heads), "", *tables.grid(["#", *checks[0]], numbered)]
+    return [*whole, *notes]
 
 
-def as_csv(answer: CheckedSolutions, angles: Angles) -> str:
-    """One line a solution; numbers first, so that the text of the last two columns can be left out."""
-    count = len(answer.arm.solver.parameters)
-    header = ["pose", *answer.arm.joint_names, "within_limits"]
-    header += ["redundancy"] * count if count < 2 else [f"redundancy_{k}" for k in range(1, count + 1)]
-    header += [] if answer.free is None else ["collision_free"]
-    header += [] if answer.errors is None else ["position_error", "rotation_error"]
-    header += [] if answer.distances is None else ["distance"]
-    rows = []
-    for i in range(len(answer.poses)):
-        parameters = [float(x) for value in _parameter(answer, angles, i).values() for x in np.atleast_1d(value)]
-        for one in (_solution(answer, angles, i, b) for b in answer.places(i)):
-            row = [i, *one["q"].tolist(), int(one["within_limits"]), *parameters]
-            row += [int(one["collision_free"])] if "collision_free" in one else []
-            row += [float(error) for error in one.get("error", {}).values()]
-            row += [float(one["distance"])] if "distance" in one else []
-            rows.append([*row, " ".join(one["singular"]), one["branch"]])
-    return console.csv_text([*header, "singular", "branch"], rows)
-
-
-def as_npz(answer: CheckedSolutions, angles: Angles) -> bytes:
-    """The arrays as the package lays them out: NaN rows of ``q`` where a branch has no solution."""
-    solutions = answer.solutions
-    arrays: dict[str, Any] = {
-        "poses": answer.poses,
-        "q": angles.shown(solutions.q),
-        "valid": solutions.valid,
-        "singular": solutions.singular,
-        "branches": np.array(solutions.names, dtype=np.str_),
-        "joint_names": np.array(answer.arm.joint_names, dtype=np.str_),
-        "angle_unit": np.array(angles.unit),
-        "within_limits": answer.within,
-    }
-    if solutions.redundancy is not None:
-        arrays["redundancy"] = redundancy_shown(answer.arm, solutions.redundancy, angles)
+def _checks(answer: CheckedSolutions, pose: int, b: int) -> dict[str, str]:
+    """The checks of a solution by the heads of their columns."""
+    row = {"in limits": "yes" if answer.within[pose, b] else "by turns" if answer.turned[pose, b] else "no"}
     if answer.free is not None:
-        arrays["collision_free"] = answer.free
+        row["collision"] = "free" if answer.free[pose, b] else "hits"
+    row["singular"] = ", ".join(flags(answer.solutions.singular[pose, b])) or "-"
     if answer.errors is not None:
-        arrays["position_error"], arrays["rotation_error"] = answer.errors[0], angles.angle(answer.errors[1])
-    if answer.distances is not None:
-        arrays["distance"], arrays["difference"] = answer.distances.each, answer.distances.joints
-    return console.npz_bytes(arrays)
+        position, rotation = answer.columns["position_error"], answer.columns["rotation_error"]
+        row |= {"error [m]": f"{position[pose, b]:.1e}", f"error [{answer.angles.unit}]": f"{rotation[pose, b]:.1e}"}
+    return row
 
 
-DATA: Mapping[str, Callable[[CheckedSolutions, Angles], str | bytes]] = {"json": as_json, "csv": as_csv, "npz": as_npz}
-
-
-def _parameter(answer: CheckedSolutions, angles: Angles, i: int) -> dict[str, Any]:
-    values = answer.solutions.redundancy
-    return {} if values is None else {"redundancy": redundancy_shown(answer.arm, values[i], angles)}
-
-
-def _solution(answer: CheckedSolutions, angles: Angles, i: int, b: int) -> dict[str, Any]:
-    out: dict[str, Any] = {
-        "branch": answer.solutions.names[i, b],
-        "q": angles.shown(answer.solutions.q[i, b]),
-        "singular": answer.flags(i, b),
-        "within_limits": answer.within[i, b],
-    }
+def _summary(answer: CheckedSolutions) -> list[str]:
+    """Many poses in a few lines: how many were solved, how many solutions they have, the worst error."""
+    counts, columns = answer.counts, answer.columns
+    solved, total = int((counts > 0).sum()), int(counts.sum())
+    lines = [f"{len(counts)} poses, {solved} solved, {len(counts) - solved} without a solution, {total} solutions"]
+    within, turned = int(answer.within.sum()), int(answer.turned.sum())
+    lines.append(f"within limits: {within} of {total} solutions, {turned} more by whole turns")
     if answer.free is not None:
-        out["collision_free"] = answer.free[i, b]
-        out["collisions"] = answer.hits.get((i, int(b)), ())
-    if answer.errors is not None:
-        out["error"] = {"position": answer.errors[0][i, b], "rotation": angles.angle(answer.errors[1][i, b])}
-    if answer.distances is not None:
-        out["distance"], out["difference"] = answer.distances.each[i, b], answer.distances.joints[i, b]
-    return out
+        lines.append(f"free of self-collision: {int(answer.free.sum())} of {total} solutions")
+    singular = int(((answer.solutions.singular != 0) & answer.solutions.valid).sum())
+    lines.append(f"singular: {singular} of {total} solutions")
+    if answer.errors is not None and total:
+        position, rotation = (np.nanmax(columns[name]) for name in ("position_error", "rotation_error"))
+        lines.append(f"worst error as Pinocchio measures it: {position:.1e} m, {rotation:.1e} {answer.angles.unit}")
+    if (far := answer.distance) is not None and total:
+        where, (metric, unit) = np.unravel_index(int(np.nanargmax(far)), far.shape)[0], answer.metric
+        lines.append(f"farthest from --nearest ({metric}): {np.nanmax(far):.4g} {unit}, pose {where}")
+    if solved < len(counts):
+        first = int(np.flatnonzero(counts == 0)[0])
+        lines.append(f"first pose without a solution: {first}: {answer.explanation(first)}")
+    numbers, poses = np.unique(counts, return_counts=True)
+    rows = [[c, p, "#" * max(1, round(40 * p / poses.max()))] for c, p in zip(numbers, poses, strict=True)]
+    return [*lines, "", *tables.grid(["solutions", "poses", "share"], rows, left=["share"])]
+
+
+def _branch_columns(branches: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+    """Names like 'shoulder front, elbow up' as columns 'shoulder' and 'elbow'; other names as one column."""
+    parts = [[part.partition(" ")[::2] for part in name.split(", ")] for name in branches]
+    heads = [tuple(head for head, _ in each) for each in parts]
+    if len(set(heads)) == 1 and all(value for each in parts for _, value in each):
+        return list(heads[0]), [[value for _, value in each] for each in parts]
+    return ["branch"], [[name] for name in branches]

@@ -10,18 +10,15 @@ import sys
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, Self, get_args, get_origin
+from typing import Any, Self, get_args, get_origin, get_type_hints
 
 import numpy as np
-import typer
-from typer import Argument, Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.cli import console
+from urdf_ik.cli import console, options
 from urdf_ik.cli.console import Angles, usage
-from urdf_ik.cli.options import PoseOptions, Record, is_argument, parameter
-from urdf_ik.errors import escaped
+from urdf_ik.cli.options import PoseOptions, Record
 from urdf_ik.model import catalogue
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.typing import Array
@@ -34,54 +31,44 @@ _FOR_ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class ArmOptions(Record):
-    """Every option of loading an arm, as typed; the keyword arguments of ``urdf_ik.load`` and a tool."""
+    """Every option of loading an arm, as typed; the keyword arguments of ``urdf_ik.load`` and a tool.
+
+    Positional:
+        robot (ROBOT): URDF, xacro or MJCF file, a name of `urdf-ik robots`, or - for stdin.
+
+    Options:
+        base (LINK): Base link: poses are in its frame.
+        tip (LINK): Tip link: poses are of its frame.
+        chain (NAME): A chain of `info --chains`, or a group of an SRDF.
+        srdf (FILE): SRDF: its groups are chains, its disabled pairs may touch.
+        allow (LINK,LINK): Two links that may touch (`info --pairs`); repeatable.
+        lock (NAME=VALUE): Hold a joint: rad, m, or 30deg; repeatable.
+        mesh_root (DIR): Folder of meshes or ROS packages; repeatable.
+        xacro_arg (NAME:=VALUE): Argument of a xacro; repeatable.
+        strict: Refuse defects anywhere in the URDF.
+        tool_xyz (X,Y,Z): Put a tool there: its point in the tip link [m].
+        tool_rpy (R,P,Y): The tool's orientation in the tip link [rad].
+        redundancy_joint (NAME): Joint whose value is a redundancy parameter; repeatable.
+        free_axis (x|y|z|X,Y,Z): Axis about which the tool may turn freely, in the tip.
+        free_at (X,Y,Z): A point of that axis, in the tip link [m].
+    """
 
     GROUP = "The arm"
-    robot: Annotated[
-        str,
-        Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, a name of `urdf-ik robots`, or - for stdin."),
-    ]
-    base: Annotated[str | None, Option(metavar="LINK", help="Base link: poses are in its frame.")] = None
-    tip: Annotated[str | None, Option(metavar="LINK", help="Tip link: poses are of its frame.")] = None
-    chain: Annotated[str | None, Option(metavar="NAME", help="A chain of `info --chains`, or a group of an SRDF.")] = (
-        None
-    )
-    srdf: Annotated[
-        Path | None,
-        Option(
-            metavar="FILE",
-            exists=True,
-            dir_okay=False,
-            help="SRDF: its groups are chains, its disabled pairs may touch.",
-        ),
-    ] = None
-    allow: Annotated[
-        list[str] | None, Option(metavar="LINK,LINK", help="Two links that may touch (`info --pairs`); repeatable.")
-    ] = None
-    lock: Annotated[
-        list[str] | None, Option(metavar="NAME=VALUE", help="Hold a joint: rad, m, or 30deg; repeatable.")
-    ] = None
-    mesh_root: Annotated[
-        list[Path] | None,
-        Option(metavar="DIR", exists=True, file_okay=False, help="Folder of meshes or ROS packages; repeatable."),
-    ] = None
-    xacro_arg: Annotated[list[str] | None, Option(metavar="NAME:=VALUE", help="Argument of a xacro; repeatable.")] = (
-        None
-    )
-    strict: Annotated[bool, Option("--strict", help="Refuse defects anywhere in the URDF.")] = False
-    tool_xyz: Annotated[
-        str | None, Option(metavar="X,Y,Z", help="Put a tool there: its point in the tip link [m].")
-    ] = None
-    tool_rpy: Annotated[str | None, Option(metavar="R,P,Y", help="The tool's orientation in the tip link [rad].")] = (
-        None
-    )
-    redundancy_joint: Annotated[
-        list[str] | None, Option(metavar="NAME", help="Joint whose value is a redundancy parameter; repeatable.")
-    ] = None
-    free_axis: Annotated[
-        str | None, Option(metavar="x|y|z|X,Y,Z", help="Axis about which the tool may turn freely, in the tip.")
-    ] = None
-    free_at: Annotated[str | None, Option(metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")] = None
+    robot: str
+    base: str | None = None
+    tip: str | None = None
+    chain: str | None = None
+    srdf: Path | None = None
+    allow: list[str] | None = None
+    lock: list[str] | None = None
+    mesh_root: list[Path] | None = None
+    xacro_arg: list[str] | None = None
+    strict: bool = False
+    tool_xyz: str | None = None
+    tool_rpy: str | None = None
+    redundancy_joint: list[str] | None = None
+    free_axis: str | None = None
+    free_at: str | None = None
 
     def load(self, degrees: bool = False) -> Arm:
         """The arm; ``degrees``: whether the tool's orientation is in degrees.
@@ -186,7 +173,7 @@ class ArmOptions(Record):
         frames = meant[0].frames[:4]
         also = f"; {', '.join(frames)} {'is' if len(frames) == 1 else 'are'} fixed to it, too" if frames else ""
         rest = f"; `urdf-ik info --chains` lists {others} more" if others else ""
-        typer.echo(escaped(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}"), err=True)
+        console.say(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}")
 
     def _tool(self, degrees: bool) -> Array | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
@@ -218,24 +205,28 @@ class ArmOptions(Record):
 
 @dataclass(frozen=True)
 class SeveralArms(Record):
-    """The arms A, B, ... and their options as typed: ``--tip tool0`` for all, ``--tip B=flange`` for the second."""
+    """The arms A, B, ... and their options as typed: ``--tip tool0`` for all, ``--tip B=flange`` for the second.
+
+    Positional:
+        robots (A B): Files, names that `urdf-ik robots` lists, or - for stdin. The first is the reference.
+    """
 
     GROUP = ArmOptions.GROUP
     robots: list[str]
     options: dict[str, Any]
 
     @classmethod
-    def parameters(cls) -> list[inspect.Parameter]:
+    def parameters(cls, command: Any) -> list[inspect.Parameter]:
         """The arms, and each option of an arm as one that is repeatable; a flag holds for all of them."""
-        text = "Files, names that `urdf-ik robots` lists, or - for stdin. The first is the reference."
-        robots = Annotated[list[str], Argument(metavar="A B", help=text)]
-        out = [parameter("robots", robots, inspect.Parameter.empty)]
-        for one in ArmOptions.parameters():
-            kind, option = get_args(one.annotation)
-            if not is_argument(one) and kind is not bool:
-                text = f"{option.help.removesuffix('.').removesuffix('; repeatable')}; for one arm: A=..., B=..."
-                one = parameter(one.name, Annotated[list[str] | None, Option(metavar=option.metavar, help=text)])
-            out += [] if is_argument(one) else [one]
+        text = options.texts(cls)["robots"]
+        out = [options.parameter("robots", list[str], inspect.Parameter.empty, text, cls.GROUP)]
+        for one in ArmOptions.parameters(command)[1:]:
+            if get_args(one.annotation)[0] is not bool:
+                text = options.texts(ArmOptions)[one.name]
+                words = text.help.removesuffix(".").removesuffix("; repeatable")
+                text = text._replace(help=f"{words}; for one arm: A=..., B=...")
+                one = options.parameter(one.name, list[str] | None, None, text, cls.GROUP)
+            out.append(one)
         return out
 
     @classmethod
@@ -254,32 +245,28 @@ class SeveralArms(Record):
             raise usage(f"{count} arm{'s' * (count != 1)} given; two to {len(_LETTERS)} can be compared", "A B")
         if self.robots.count("-") > 1:
             raise usage("only one arm can be read from standard input", "A B")
-        typed = {one.name: self._of_each(one) for one in ArmOptions.parameters() if not is_argument(one)}
+        letters = _LETTERS[:count]
         return [
-            ArmOptions(robot, **{name: values[k] for name, values in typed.items()})
-            for k, robot in enumerate(self.robots)
+            ArmOptions(robot, **{name: self._value(name, letter, letters) for name in self.options})
+            for robot, letter in zip(self.robots, letters, strict=True)
         ]
 
-    def _of_each(self, one: inspect.Parameter) -> list[Any]:
-        """The value of an option for each arm."""
-        values, option = self.options[one.name], f"--{one.name.replace('_', '-')}"
-        letters = _LETTERS[: len(self.robots)]
-        if values is None or isinstance(values, bool):
-            return [values] * len(letters)
+    def _value(self, name: str, letter: str, letters: str) -> Any:
+        """The value of an option for one arm: what stands for it alone, else for all; of a list both."""
+        values, option = self.options[name], f"--{name.replace('_', '-')}"
+        if not isinstance(values, list):
+            return values
         split = [(match[1], match[2]) if (match := _FOR_ONE.fullmatch(value)) else ("", value) for value in values]
-        for letter, value in split:
-            if letter not in letters:
-                raise usage(f"'{letter}={value}': there is no arm {letter}, the last one is {letters[-1]}", option)
-        repeated = any(get_origin(kind) is list for kind in get_args(get_args(one.annotation)[0]))
-        out: list[Any] = []
-        for letter in letters:
-            shared = [value for name, value in split if not name]
-            mine = [value for name, value in split if name == letter]
-            mine = [*shared, *mine] if repeated else mine or shared
-            if len(mine) > 1 and not repeated:
-                raise usage(f"given {len(mine)} times for arm {letter}; once is enough", option)
-            out.append((mine if repeated else mine[0]) if mine else None)
-        return out
+        for other, value in split:
+            if other not in letters:
+                raise usage(f"'{other}={value}': there is no arm {other}, the last one is {letters[-1]}", option)
+        shared, mine = ([value for place, value in split if place == which] for which in ("", letter))
+        if get_origin(get_args(get_type_hints(ArmOptions)[name])[0]) is list:
+            return [*shared, *mine] or None
+        chosen = mine or shared
+        if len(chosen) > 1:
+            raise usage(f"given {len(chosen)} times for arm {letter}; once is enough", option)
+        return chosen[0] if chosen else None
 
 
 def read_world(file: Path | None, arm: ArmOptions) -> World | None:
@@ -299,6 +286,6 @@ def angles_of(arm: Arm, degrees: bool) -> Angles:
 def _say_warnings(model: UrdfModel) -> None:
     """Say on standard error which parts of the URDF were not read as they are written."""
     for warning in model.warnings[:_WARNINGS_SHOWN]:
-        typer.echo(escaped(f"warning: {warning}"), err=True)
+        console.say(f"warning: {warning}")
     if len(model.warnings) > _WARNINGS_SHOWN:
-        typer.echo(f"warning: {len(model.warnings) - _WARNINGS_SHOWN} more; `urdf-ik info` lists them", err=True)
+        console.say(f"warning: {len(model.warnings) - _WARNINGS_SHOWN} more; `urdf-ik info` lists them")

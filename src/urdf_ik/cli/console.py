@@ -7,7 +7,7 @@ import io
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -17,14 +17,17 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from urdf_ik.cli import options
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.support import files
-from urdf_ik.support import text as texts
 from urdf_ik.support.tables import Table, read_table
+from urdf_ik.support.text import json_text
 from urdf_ik.typing import Array
 
 STDIN = "-"
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
+_GOOD = ("yes", "free", "passed")
+_VERDICTS = re.compile(r"(?<=  )(yes|free|passed|no|hits|FAIL(?:ED)?)(?=  |$)", re.MULTILINE)
 _NUMBER_FILES = (".csv", ".json", ".npy", ".npz", ".txt")
 
 
@@ -140,10 +143,6 @@ def _read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) ->
     return content.reshape(-1, n)
 
 
-class Coloured(str):
-    """Text with control sequences of this package only; names from files are escaped in it already."""
-
-
 def opened(source: str, option: str) -> str | IO[bytes]:
     """A file's name as it is; standard input for ``-``.
 
@@ -162,22 +161,59 @@ def box(text: str, option: str) -> Array:
     return numbers(text, option, ("x0", "y0", "z0", "x1", "y1", "z1")).reshape(2, 3)
 
 
-def emit(data: Any, text: Callable[[], str], printed_as: str) -> None:
-    """Print an answer: its data as JSON (JSON text as it is), or its text for people."""
+def emit(
+    printed_as: str,
+    data: Any,
+    text: Callable[[], str],
+    output: Path | None = None,
+    *,
+    rows: Callable[[], Iterable[Sequence[Any]]] | None = None,
+    arrays: Callable[[], Mapping[str, Any]] | None = None,
+    about: str = "",
+) -> None:
+    """Print an answer, or write it to a file.
+
+    Args:
+        printed_as: 'json', 'csv', 'npz', or text for people.
+        data: what becomes JSON, or JSON text; or the function that returns it.
+        text: its text for people.
+        output: the file; None: standard output.
+        rows: the header and the rows of a CSV.
+        arrays: those of an npz file.
+        about: content and units of the data, which standard error gets where they go to a file.
+
+    Raises:
+        ArgumentError: the file cannot be written.
+    """
     if printed_as == "json":
-        write(data if isinstance(data, str) else json_text(data), None)
+        value = data() if callable(data) else data
+        write(value if isinstance(value, str) else json_text(value, nulls=True), output)
+    elif printed_as == "csv" and rows is not None:
+        lines = io.StringIO()
+        csv.writer(lines, lineterminator="\n").writerows(rows())
+        write(lines.getvalue(), output)
+    elif printed_as == "npz" and arrays is not None:
+        packed = io.BytesIO()
+        np.savez_compressed(packed, allow_pickle=False, **arrays())
+        write(packed.getvalue(), output)
     else:
-        write(text(), None)
+        write(text(), output)
+        return
+    if output is not None and about:
+        say(f"{output}: {about}")
 
 
-def write(text: str | bytes, output: Path | None) -> None:
-    """Write to ``output``, or to standard output.
+def write(text: str | bytes, output: Path | None = None) -> None:
+    """Write to ``output``, or to standard output; a terminal that takes colour gets some.
 
     Raises:
         ArgumentError: the file cannot be written.
     """
     # A name in a file of unknown origin must not control the terminal.
-    shown = escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
+    shown = escaped(text) if isinstance(text, str) else text
+    plain = "NO_COLOR" in os.environ or os.environ.get("TERM") == "dumb"
+    if output is None and isinstance(shown, str) and options.is_terminal(sys.stdout) and not plain:
+        shown = _VERDICTS.sub(lambda word: f"\x1b[{32 if word[0] in _GOOD else 31}m{word[0]}\x1b[0m", shown)
     encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
     data = shown.encode(encoding, "backslashreplace") if isinstance(shown, str) else shown
     if output is not None:
@@ -190,27 +226,17 @@ def write(text: str | bytes, output: Path | None) -> None:
         sys.stdout.buffer.flush()
 
 
-def say_written(file: Path, content: str, angle: str) -> None:
-    """Say on standard error what a file holds, and in which units."""
-    typer.echo(escaped(f"{file}: {content}; {angle}, m"), err=True)
+def conclude(report: Any, printed_as: str, output: Path | None = None) -> None:
+    """Print the report of a check, and end with status 1 where it has not passed.
+
+    Raises:
+        typer.Exit: it has not.
+    """
+    emit(printed_as, report.to_json, lambda: f"{report}\n", output)
+    if not report.passed:
+        raise typer.Exit(Status.FAILED)
 
 
-def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """RFC 4180 text with one header line; floats keep every digit."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return out.getvalue()
-
-
-def json_text(value: Any) -> str:
-    """JSON text of an answer; numbers that it does not have (infinities, NaN) become null."""
-    return texts.json_text(value, nulls=True)
-
-
-def npz_bytes(arrays: dict[str, Any]) -> bytes:
-    """The bytes of a compressed ``.npz`` file."""
-    out = io.BytesIO()
-    np.savez_compressed(out, allow_pickle=False, **arrays)
-    return out.getvalue()
+def say(text: object) -> None:
+    """A line on standard error."""
+    typer.echo(escaped(str(text)), err=True)

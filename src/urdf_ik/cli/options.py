@@ -1,155 +1,74 @@
-"""Options that several commands share, and records of options: each is declared once."""
+"""Options of the commands: a name, a type and a default in code, and the rest in a docstring's section ``Options``.
+
+An entry of such a section reads ``name (-x METAVAR): Help.``: in the parentheses stand a short name, another long name,
+and what the help calls the value. ``Options (Poses):`` is a group of the help; ``Positional:`` is for arguments.
+"""
 
 from __future__ import annotations
 
-import copy
 import functools
 import inspect
+import re
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import IO, Annotated, Any, ClassVar, Self, get_args, get_type_hints
+from typing import IO, Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 import typer
-from typer import Option
+from typer import Argument, Option
 from typer.models import ArgumentInfo
 
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
 
-
-class Format(StrEnum):
-    """Format of solutions and poses."""
-
-    TABLE = "table"
-    JSON = "json"
-    CSV = "csv"
-    NPZ = "npz"
-
-
-class ReportFormat(StrEnum):
-    """Format of reports."""
-
-    TABLE = "table"
-    JSON = "json"
-
-
-class ReviewFormat(StrEnum):
-    """Format of verifications."""
-
-    TABLE = "table"
-    JSON = "json"
-    GITHUB = "github"
-    SARIF = "sarif"
-    MARKDOWN = "markdown"
-
-
+Format = StrEnum("Format", ["TABLE", "JSON", "CSV", "NPZ"])
+ReportFormat = StrEnum("ReportFormat", ["TABLE", "JSON"])
+ReviewFormat = StrEnum("ReviewFormat", ["TABLE", "JSON", "GITHUB", "SARIF", "MARKDOWN"])
 PartOfPose = StrEnum("PartOfPose", ["pose", "position", "position-and-axis", "planar-position", "planar-pose"])
 """What a target fixes of the tip's pose, for arms with few joints; see :mod:`urdf_ik.ik.tasks`."""
+MOST = {"n": MOST_POSES, "random": MOST_POSES, "threads": MOST_THREADS}
+"""Greatest values of options that are numbers."""
 
 
-# The groups of options in a command's help.
-POSES, OBSTACLES, OUTPUT = "Poses", "Obstacles", "Output"
+class Shared:
+    """The options that several commands have.
 
-Degrees = Annotated[
-    bool,
-    Option(
-        "--degrees",
-        help="All angles in degrees, typed and shown, those of --rpy and --rotvec too.",
-        rich_help_panel=OUTPUT,
-    ),
-]
-_BY_NAME = "Default: by the name of --output, else table."
-DataFormat = Annotated[
-    Format | None, Option("--format", "-f", help=_BY_NAME, show_default=False, rich_help_panel=OUTPUT)
-]
-TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.", rich_help_panel=OUTPUT)]
-Json = Annotated[bool, Option("--json", help="The same as --format json.", rich_help_panel=OUTPUT)]
-Seed = Annotated[
-    int, Option("--seed", metavar="N", min=0, help="Seed of everything that is drawn.", rich_help_panel=POSES)
-]
-TimeLimit = Annotated[
-    float | None,
-    Option("--time-limit", metavar="S", min=0.0, help="Longest work; then what it has so far.", rich_help_panel=OUTPUT),
-]
-Random = Annotated[
-    int,
-    Option("--random", "-n", metavar="N", min=1, max=MOST_POSES, help="Number of random poses.", rich_help_panel=POSES),
-]
-Task = Annotated[
-    PartOfPose | None,
-    Option("--task", help="Part of the pose that counts. Default: all of it.", rich_help_panel=POSES),
-]
-Redundancy = Annotated[
-    str | None,
-    Option(
-        "--redundancy",
-        metavar="V1,V2,...",
-        help="Values of the redundancy parameter that `info` names. Default: that of --q, else the arm's.",
-        show_default=False,
-        rich_help_panel=POSES,
-    ),
-]
-World = Annotated[
-    Path | None,
-    Option(
-        "--world", metavar="FILE", help="Obstacles: the shapes of a URDF of fixed links.", rich_help_panel=OBSTACLES
-    ),
-]
-Margin = Annotated[
-    float | None,
-    Option(
-        "--margin",
-        metavar="M",
-        help="Distance that bodies must keep from each other [m]. Default: 0.",
-        rich_help_panel=OBSTACLES,
-    ),
-]
-Collisions = Annotated[
-    bool | None,
-    Option(
-        "--collisions/--no-collisions",
-        help="Whether contacts are checked. Default: where all shapes can be read.",
-        show_default=False,
-        rich_help_panel=OBSTACLES,
-    ),
-]
-Millimetres = Annotated[
-    float | None,
-    Option("--tolerance-mm", metavar="MM", min=0.0, help="Lengths up to this are the same. Default: 1e-6."),
-]
-DegreesOfTolerance = Annotated[
-    float | None,
-    Option("--tolerance-deg", metavar="DEG", min=0.0, help="Angles up to this are the same. Default: 6e-8."),
-]
-Ignored = Annotated[
-    str | None,
-    Option("--ignore", metavar="KINDS", help="Does not count: limits, collisions, visuals, names; with commas."),
-]
-Threads = Annotated[int, Option("--threads", metavar="N", min=1, max=MOST_THREADS, help="Threads that solve.")]
+    Options:
+        tolerance_mm (MM): Lengths up to this are the same. Default: 1e-6.
+        tolerance_deg (DEG): Angles up to this are the same. Default: 6e-8.
+        ignore (KINDS): Does not count: limits, collisions, visuals, names; with commas.
+        threads (N): Threads that solve.
 
+    Options (Poses):
+        seed (N): Seed of everything that is drawn.
+        n (--random -n N): Number of random poses.
+        task: Part of the pose that counts. Default: all of it.
+        redundancy (V1,V2,...): Values of the redundancy parameter that `info` names. Default: that of --q, else the
+            arm's.
 
-def output(text: str = "Write here instead of stdout.") -> Any:
-    """The option --output, which does what ``text`` says."""
-    return Option("--output", "-o", metavar="FILE", help=text, rich_help_panel=OUTPUT)
+    Options (Obstacles):
+        world (FILE): Obstacles: the shapes of a URDF of fixed links.
+        margin (M): Distance that bodies must keep from each other [m]. Default: 0.
+        collisions: Whether contacts are checked. Default: where all shapes can be read.
 
-
-Output = Annotated[Path | None, output()]
+    Options (Output):
+        time_limit (S): Longest work; then what it has so far.
+        degrees: All angles in degrees, typed and shown, those of --rpy and --rotvec too.
+        printed_as (--format -f): How to print it. Default: by the name of --output, else table.
+        as_json (--json): The same as --format json.
+        output (-o FILE): Write here instead of stdout.
+    """
 
 
 class Record:
     """Options as fields of a dataclass; its subclasses are annotations of parameters of commands."""
 
-    GROUP: ClassVar[str | None] = None
+    GROUP: ClassVar[str] = "Options"
 
     @classmethod
-    def parameters(cls) -> list[inspect.Parameter]:
-        """The options."""
-        hints = get_type_hints(cls, include_extras=True)
-        return [
-            parameter(each.name, hints[each.name], inspect.Parameter.empty if each.default is MISSING else each.default)
-            for each in fields(cls)  # type: ignore[arg-type]
-        ]
+    def parameters(cls, command: Any) -> list[inspect.Parameter]:
+        """The options; what the docstring of the command says of them goes before what this one says."""
+        return parameters(cls, command, cls.GROUP)
 
     @classmethod
     def read(cls, values: dict[str, Any]) -> Self:
@@ -159,78 +78,112 @@ class Record:
 
 @dataclass(frozen=True)
 class PoseOptions(Record):
-    """Every way to name poses, as typed; None for what is not there. ``cli.targets`` reads them."""
+    """Every way to name poses, as typed; None for what is not there. ``cli.targets`` reads them.
 
-    GROUP = POSES
-    xyz: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Position of the tip [m]; repeatable.")] = None
-    rpy: Annotated[list[str] | None, Option(metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z [rad].")] = None
-    quat_xyzw: Annotated[list[str] | None, Option(metavar="X,Y,Z,W", help="Orientation, scalar last.")] = None
-    quat_wxyz: Annotated[list[str] | None, Option(metavar="W,X,Y,Z", help="Orientation, scalar first.")] = None
-    rotvec: Annotated[list[str] | None, Option(metavar="X,Y,Z", help="Rotation axis times angle [rad].")] = None
-    q: Annotated[
-        list[str] | None,
-        Option(metavar="Q1,Q2,...|FILE", help="The tip at joint vectors: typed, of a file, or -; repeatable."),
-    ] = None
-    poses: Annotated[
-        str | None,
-        Option(
-            "--poses",
-            "-p",
-            metavar="FILE",
-            help="csv (x,y,z and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz), json, npy, npz, or -.",
-        ),
-    ] = None
+    Options:
+        xyz (X,Y,Z): Position of the tip [m]; repeatable.
+        rpy (R,P,Y): Roll, pitch, yaw about fixed x, y, z [rad].
+        quat_xyzw (X,Y,Z,W): Orientation, scalar last.
+        quat_wxyz (W,X,Y,Z): Orientation, scalar first.
+        rotvec (X,Y,Z): Rotation axis times angle [rad].
+        q (Q1,Q2,...|FILE): The tip at joint vectors: typed, of a file, or -; repeatable.
+        poses (-p FILE): csv (x,y,z and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz), json, npy, npz, or -.
+    """
+
+    GROUP = "Poses"
+    xyz: list[str] | None = None
+    rpy: list[str] | None = None
+    quat_xyzw: list[str] | None = None
+    quat_wxyz: list[str] | None = None
+    rotvec: list[str] | None = None
+    q: list[str] | None = None
+    poses: str | None = None
 
 
-def parameter(name: str, hint: Any, default: Any = None) -> inspect.Parameter:
+class Text(NamedTuple):
+    """What a docstring says of an option."""
+
+    names: list[str]
+    metavar: str | None
+    help: str
+    group: str
+    argument: bool
+
+
+_SECTION = re.compile(r"(Options|Positional)(?: \((.+)\))?:")
+_ENTRY = re.compile(r"    (\w+)(?: \(([^)]+)\))?: (.+)")
+
+
+def texts(holder: Any) -> dict[str, Text]:
+    """The options in the sections of a docstring."""
+    out: dict[str, Text] = {}
+    section, last = None, ""
+    for line in inspect.cleandoc(holder.__doc__ or "").splitlines():
+        if line and not line.startswith(" "):
+            section = _SECTION.fullmatch(line)
+        elif section and (entry := _ENTRY.fullmatch(line)):
+            last, words = entry[1], (entry[2] or "").split()
+            names, metavar = [word for word in words if word[0] == "-"], [word for word in words if word[0] != "-"]
+            out[last] = Text(names, " ".join(metavar) or None, entry[3], section[2] or "", section[1] == "Positional")
+        elif section and line:
+            out[last] = out[last]._replace(help=f"{out[last].help} {line.strip()}")
+    return out
+
+
+def parameters(holder: Any, command: Any, group: str = "Options") -> list[inspect.Parameter]:
+    """The options of a command or of one of its records, in order; those of records in their places."""
+    shared, hints = texts(Shared), get_type_hints(holder, include_extras=True)
+    known = shared | texts(holder) | texts(command)
+    out: list[inspect.Parameter] = []
+    for name, each in inspect.signature(holder).parameters.items():
+        hint = hints[name]
+        if isinstance(hint, type) and issubclass(hint, Record):
+            out += hint.parameters(command)
+            continue
+        place = known[name].group or (shared[name].group if name in shared else "") or group
+        out.append(parameter(name, hint, each.default, known[name], place))
+        if name == "printed_as":
+            out.append(parameter("as_json", bool, False, shared["as_json"], place))
+    return out
+
+
+def parameter(name: str, kind: Any, default: Any, text: Text, group: str) -> inspect.Parameter:
     """An option of a command."""
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+    kinds = (get_args(kind) or (kind,)) if get_origin(kind) is not list else (kind,)
+    shown: dict[str, Any] = {"metavar": text.metavar, "help": text.help, "show_default": type(default) in (int, float)}
+    if int in kinds:
+        shown |= {"min": 0 if default == 0 else 1, "max": MOST.get(name)}
+    if text.metavar == "DIR":
+        shown |= {"exists": True, "file_okay": False}
+    long = f"--{name.replace('_', '-')}"
+    names = [*([] if any(each[:2] == "--" for each in text.names) else [long]), *text.names]
+    if bool in kinds and type(None) in kinds:
+        names = [f"{long}/--no-{long[2:]}"]
+    mark = Argument(**shown) if text.argument else Option(*names, rich_help_panel=group, **shown)
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, mark])
 
 
 def expanded(command: Callable[..., None]) -> Callable[..., None]:
-    """A command with the options of records in the place of its parameters that are records.
-
-    A parameter of the command with the name of a record's option declares that option instead, and both get its value.
-    """
+    """A command with the options of records in the place of its parameters that are records."""
     hints = get_type_hints(command, include_extras=True)
-    signature = inspect.signature(command).parameters
     records = {name: hint for name, hint in hints.items() if isinstance(hint, type) and issubclass(hint, Record)}
-    inner = {name: [_grouped(each, record.GROUP) for each in record.parameters()] for name, record in records.items()}
-    own = [name for name in signature if name not in records]
+    inner = {name: [each.name for each in record.parameters(command)] for name, record in records.items()}
 
     @functools.wraps(command)
     def run(**values: Any) -> None:
         if values.pop("as_json", False):
-            if values["printed_as"] not in (signature["printed_as"].default, "json"):
+            default = inspect.signature(command).parameters["printed_as"].default
+            if values["printed_as"] not in (default, "json"):
                 other = f"--json and --format {values['printed_as'].value} exclude each other"
                 raise typer.BadParameter(other, param_hint="--json")
-            kind = get_type_hints(command)["printed_as"]
+            kind = hints["printed_as"]
             values["printed_as"] = (get_args(kind) or (kind,))[0]("json")
-        made = {
-            name: record.read({each.name: values[each.name] for each in inner[name]})
-            for name, record in records.items()
-        }
-        command(**{name: values[name] for name in own}, **made)
+        made = {name: record.read({each: values.pop(each) for each in inner[name]}) for name, record in records.items()}
+        command(**values, **made)
 
-    parameters: list[inspect.Parameter] = []
-    for name, each in signature.items():
-        if name in records:
-            parameters += [option for option in inner[name] if option.name not in own]
-        else:
-            parameters.append(each.replace(annotation=hints[name], kind=inspect.Parameter.KEYWORD_ONLY))
-        if name == "printed_as":
-            parameters.append(parameter("as_json", Json, False))
-    parameters.sort(key=lambda each: each.name in own or not is_argument(each))
-    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    every = sorted(parameters(command, command), key=lambda each: each.name in hints or not is_argument(each))
+    run.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
     return run
-
-
-def _grouped(one: inspect.Parameter, group: str | None) -> inspect.Parameter:
-    """An option that stands in a group of the help, its own one if it has one."""
-    kind, option = get_args(one.annotation)
-    option = copy.copy(option)
-    option.rich_help_panel = option.rich_help_panel or group
-    return one.replace(annotation=Annotated[kind, option])
 
 
 def is_argument(one: inspect.Parameter) -> bool:

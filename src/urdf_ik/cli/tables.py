@@ -1,77 +1,32 @@
-"""Tables for people: rich where the terminal can show it, plain ASCII everywhere else."""
+"""Lines and tables of plain text for people."""
 
 from __future__ import annotations
 
-import io
-import os
 import shutil
-import sys
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from urdf_ik.cli.console import Coloured
-from urdf_ik.cli.options import is_terminal
-from urdf_ik.errors import escaped
+from urdf_ik.support.text import aligned
 from urdf_ik.typing import Array
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
 _PIPE_WIDTH = 120
-_PLAIN = "    \n    \n -- \n    \n    \n    \n    \n    \n"
-_STYLES = {"yes": "green", "no": "red", "free": "green", "hits": "red", "FAIL": "red"}
 
 
-def render(*parts: Table | str, to_file: bool = False) -> str:
-    """Text of tables and lines of text, coloured for a terminal that takes colour; never cut off at its edge."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    live = is_terminal(sys.stdout) and not to_file
-    width = shutil.get_terminal_size((_PIPE_WIDTH, 24)).columns
-    out = io.StringIO()
-    colour = live and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
-    console = Console(file=out, width=width, force_terminal=colour, no_color=not colour, highlight=False, markup=False)
-    for part in parts:
-        if isinstance(part, Table):
-            part.box = box.SIMPLE_HEAD if live and console.encoding.startswith("utf") else box.Box(_PLAIN, ascii=True)
-            console.width = max(width, needed_width(part))
-            console.print(part)
-        else:
-            out.write(escaped(part) + "\n")
-    lines = out.getvalue().split("\n")
-    return Coloured("\n".join(line if colour else line.rstrip() for line in lines))
+def render(*parts: str | Sequence[str]) -> str:
+    """Text of lines and of tables."""
+    return "".join(f"{line}\n" for part in parts for line in ([part] if isinstance(part, str) else part))
 
 
-def needed_width(table: Table) -> int:
-    """Columns of text that the table takes without wrapping."""
-    from rich.console import Console
-    from rich.measure import Measurement
-
-    wide = Console(width=10_000, file=io.StringIO())
-    return Measurement.get(wide, wide.options, table).maximum
-
-
-def fits(table: Table) -> bool:
-    """Whether the table can be shown without wrapping."""
-    return needed_width(table) <= shutil.get_terminal_size((_PIPE_WIDTH, 24)).columns
-
-
-def grid(header: Sequence[str], rows: Iterable[Sequence[Any]], *, left: Sequence[str] = ()) -> Table:
+def grid(header: Sequence[str], rows: Iterable[Sequence[Any]], *, left: Sequence[str] = ()) -> list[str]:
     """A table of texts; columns are right-aligned but for those named in ``left``."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+    cells = [[str(value) for value in row] for row in rows]
+    return aligned([header, *cells], left=[k for k, name in enumerate(header) if name in left], rule=True)
 
-    table = Table(box=box.Box(_PLAIN, ascii=True), pad_edge=False, padding=(0, 1, 0, 0), show_edge=False)
-    for name in header:
-        table.add_column(Text(escaped(name)), justify="left" if name in left else "right", no_wrap=True)
-    for row in rows:
-        cells = [escaped(str(value)) for value in row]
-        table.add_row(*[Text(cell, style=_STYLES.get(cell, "")) for cell in cells])
-    return table
+
+def fits(lines: Sequence[str]) -> bool:
+    """Whether a table is no wider than the terminal."""
+    return max(map(len, lines)) <= shutil.get_terminal_size((_PIPE_WIDTH, 24)).columns
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -95,11 +50,10 @@ def pose_lines(T: Array, digits: int = 4) -> list[str]:
 
 def folded(text: str, indent: str = "", further: str = "") -> list[str]:
     """Lines of at most 79 columns."""
-    return textwrap.wrap(
-        text, 79, initial_indent=indent, subsequent_indent=further, break_long_words=False, break_on_hyphens=False
-    )
+    fold = textwrap.TextWrapper(79, indent, further, break_long_words=False, break_on_hyphens=False)
+    return fold.wrap(text)
 
 
-def facts(rows: Iterable[tuple[str, str]], width: int = 15) -> list[str]:
+def facts(rows: Iterable[tuple[str, str]], width: int = 14) -> list[str]:
     """Lines of a name and a text, which is folded beside it."""
     return [line for name, text in rows for line in folded(f"{name:<{width - 1}} {text}", "", " " * width)]

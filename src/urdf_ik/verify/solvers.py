@@ -9,8 +9,8 @@ import os
 import select
 import shlex
 import subprocess
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -140,3 +140,14 @@ class SolverProcess:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+@contextmanager
+def opened(spec: str) -> Iterator[Callable[[Array], Any]]:
+    """The solver of :func:`solver_of`; a process ends at the end of the block."""
+    solve = solver_of(spec)
+    try:
+        yield solve
+    finally:
+        if isinstance(solve, SolverProcess):
+            solve.close()

@@ -13,11 +13,11 @@ GROUPS = {
         "workspace": ("regions", "The region that the tip reaches: exact for a planar arm, a map for any other"),
     },
     "Hold it to account": {
-        "check": ("check", "Check an arm against Pinocchio: kinematics, every solution of random poses, collision"),
-        "compare": ("compare", "Compare arms, or URDFs of one arm (another tool, a calibrated copy)"),
+        "check": ("checks", "Check an arm against Pinocchio: kinematics, every solution of random poses, collision"),
+        "compare": ("checks", "Compare arms, or URDFs of one arm (another tool, a calibrated copy)"),
         "freeze": ("locks", "Freeze an arm: write its answers of today to a lock file for version control"),
         "verify": ("locks", "Verify an arm against its lock file"),
-        "judge": ("judge", "Judge another solver on an arm: the solutions that it has wrong, misses or doubles"),
+        "judge": ("checks", "Judge another solver on an arm: the solutions that it has wrong, misses or doubles"),
     },
     "Make something with it": {
         "path": ("path", "Follow a path: the cheapest joint motion through all waypoints"),

@@ -2,57 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cell.collision_model import CollisionModel
-from urdf_ik.cli import console, options, tables
+from urdf_ik.cli import console, tables
 from urdf_ik.cli.answers import flags
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.console import Angles
-from urdf_ik.cli.options import ReportFormat
-from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.cli.options import PartOfPose, PoseOptions, ReportFormat
+from urdf_ik.ik.solutions import IKSolutions, limits
 from urdf_ik.typing import Array
 
 _INTERVALS_SHOWN = 8
 
 
-@dataclass(frozen=True)
-class _Explained:
-    """The answer to one pose in words.
-
-    Attributes:
-        pose: its number.
-        solutions: how many joint vectors reach it.
-        of_use: how many of these are inside the limits, after whole turns, and free of contacts.
-        why: why there is none, or none of use; '' where there is one.
-        each: a line on every solution, what stands in its way.
-        intervals: where along the redundancy parameter there are solutions; empty without a single parameter.
-        unchecked: why contacts were not checked; '' where they were.
-    """
-
-    pose: int
-    solutions: int
-    of_use: int
-    why: str
-    each: tuple[str, ...]
-    intervals: tuple[str, ...]
-    unchecked: str
-
-
 def explain(
     *,
-    typed: options.PoseOptions,
-    seed: options.Seed = 0,
-    task: options.Task = None,
-    redundancy: options.Redundancy = None,
-    world: options.World = None,
+    typed: PoseOptions,
+    seed: int = 0,
+    task: PartOfPose | None = None,
+    redundancy: str | None = None,
+    world: Path | None = None,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
+    degrees: bool = False,
+    printed_as: ReportFormat = ReportFormat.TABLE,
 ) -> None:
     """Explain the answer to a pose: what reaches it, and what stands in the way of each solution.
 
@@ -78,42 +56,41 @@ def explain(
     asked = "pose" if task is None else task.value.replace("-", " ")
     target = targets.spread(arm, targets.target(arm, typed, None, seed, angles, asked), redundancy, angles)
     wanted = target.poses if asked == "pose" else targets.of_task(arm, target.poses, asked)
-    arm = arm.for_task(asked)
+    arm, values = arm.for_task(asked), target.redundancy
     found = [
-        _explained(arm, k, wanted[k], None if target.redundancy is None else target.redundancy[k], obstacles, angles)
+        {"pose": k, **_explained(arm, wanted[k], None if values is None else values[k], obstacles, angles)}
         for k in range(len(wanted))
     ]
-    facts = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "task": asked}
-    data = {**facts, "poses": [asdict(each) for each in found]}
-    console.emit(data, lambda: _text(arm, target.note, found), printed_as)
+    data = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "task": asked, "poses": found}
+    console.emit(printed_as, data, lambda: _text(arm, target.note, found))
 
 
-def _explained(
-    arm: Arm,
-    k: int,
-    wanted: Array,
-    redundancy: Array | None,
-    world: World | None,
-    angles: Angles,
-) -> _Explained:
-    """The answer to one target in words."""
+def _explained(arm: Arm, wanted: Array, redundancy: Array | None, world: World | None, angles: Angles) -> Any:
+    """The answer to one target in words.
+
+    Returns:
+        ``solutions``: how many joint vectors reach it; ``of_use``: how many of these are inside the limits, after
+        whole turns, and free of contacts; ``why`` there is none, or none of use; ``each``: a line on every solution,
+        what stands in its way; ``intervals`` of the redundancy parameter with solutions, of an arm with a single one;
+        ``unchecked``: why contacts were not checked.
+    """
     solutions = arm.ik(wanted, redundancy=redundancy)
     bodies = arm.cell.collisions.in_world(world)
     inside = solutions.within_limits()
     usable = inside.collision_free(world) if bodies.has_geometry else inside
-    why = solutions.explain() if not solutions.count else "" if usable.count else usable.explain()
-    each = tuple(_line(arm, solutions, int(b), bodies, angles) for b in np.flatnonzero(solutions.valid))
-    along: tuple[str, ...] = ()
-    if solutions.solver.task == "pose" and len(arm.solver.parameters) == 1:
-        along = tuple(map(str, arm.intervals(wanted)))
-    unchecked = "" if bodies.has_geometry else bodies.missing
-    return _Explained(k, int(solutions.count), int(usable.count), why, each, along, unchecked)
+    single = solutions.solver.task == "pose" and len(arm.solver.parameters) == 1
+    return {
+        "solutions": int(solutions.count),
+        "of_use": int(usable.count),
+        "why": solutions.explain() if not solutions.count else "" if usable.count else usable.explain(),
+        "each": [_line(arm, solutions, int(b), bodies, angles) for b in np.flatnonzero(solutions.valid)],
+        "intervals": list(map(str, arm.intervals(wanted))) if single else [],
+        "unchecked": "" if bodies.has_geometry else bodies.missing,
+    }
 
 
 def _line(arm: Arm, solutions: IKSolutions, column: int, bodies: CollisionModel, angles: Angles) -> str:
     """One solution, and what stands in its way."""
-    from urdf_ik.ik.solutions import limits
-
     q, chain = solutions.q[column], arm.chain
     _, out = limits.excess(q[None], arm.limits, chain.image_turns, limits.LIMIT_TOLERANCE)
     wrong = [
@@ -128,23 +105,19 @@ def _line(arm: Arm, solutions: IKSolutions, column: int, bodies: CollisionModel,
     return f"{solutions.names[column]}: {'; '.join(wrong) or 'of use'}"
 
 
-def _text(arm: Arm, note: str, found: list[_Explained]) -> str:
+def _text(arm: Arm, note: str, found: list[dict[str, Any]]) -> str:
     """Lines for people, folded under themselves."""
     lines = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}", *tables.folded(note)]
     for one in found:
-        count = f"{one.solutions} solution{'s' * (one.solutions != 1)}, {one.of_use} of use"
-        count = count if one.solutions else "no solution"
-        lines += ["", count if len(found) == 1 else f"pose {one.pose}: {count}"]
-        lines += _folded(one.why)
-        lines += [line for number, text in enumerate(one.each, 1) for line in _folded(f"{number} {text}")]
-        if one.intervals:
-            lines += ["", f"{arm.redundancy}", f"has {len(one.intervals)} intervals with solutions:"]
-            lines += [line for text in one.intervals[:_INTERVALS_SHOWN] for line in _folded(text)]
-            more = len(one.intervals) - _INTERVALS_SHOWN
-            lines += [f"  and {more} more: --json lists them"] if more > 0 else []
-        lines += _folded(f"contacts were not checked: {one.unchecked}") if one.unchecked else []
-    return tables.render(*lines)
-
-
-def _folded(text: str) -> list[str]:
-    return tables.folded(text, "  ", "    ")
+        number, intervals = one["solutions"], one["intervals"]
+        count = f"{number} solution{'s' * (number != 1)}, {one['of_use']} of use" if number else "no solution"
+        lines += ["", count if len(found) == 1 else f"pose {one['pose']}: {count}"]
+        words = [one["why"], *(f"{k} {text}" for k, text in enumerate(one["each"], 1))]
+        if intervals:
+            words += ["", f"{arm.redundancy}", f"has {len(intervals)} intervals with solutions:"]
+            words += intervals[:_INTERVALS_SHOWN]
+            more = len(intervals) - _INTERVALS_SHOWN
+            words += [f"and {more} more: --json lists them"] if more > 0 else []
+        words += [f"contacts were not checked: {one['unchecked']}"] if one["unchecked"] else []
+        lines += [line for text in words for line in tables.folded(text, "  ", "    ")]
+    return tables.render(lines)

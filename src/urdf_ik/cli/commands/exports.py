@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
-
-from typer import Option
+from typing import Any
 
 from urdf_ik import export as exporting
 from urdf_ik.cli import console
@@ -14,16 +12,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.support import files
 
 
-def compile(  # noqa: A001  the command's name
-    *,
-    output: Annotated[
-        Path, Option("--output", "-o", metavar="FILE", help="The compiled arm's file, such as arm.json.")
-    ],
-    require_current: Annotated[
-        bool, Option("--require-current", help="Write nothing; fail unless the file is that of this arm now.")
-    ] = False,
-    chosen: ArmOptions,
-) -> None:
+def compile(*, output: Path, require_current: bool = False, chosen: ArmOptions) -> None:  # noqa: A001
     """Compile an arm: write the JSON file from which C++, C and `urdf_ik.load` solve it without analysing its URDF.
 
     The file is the same whatever processor writes it. With --require-current nothing is written: the command fails
@@ -33,25 +22,25 @@ def compile(  # noqa: A001  the command's name
         urdf-ik compile ur5 -o ur5.json
         urdf-ik compile my_arm.urdf --tip tool0 -o my_arm.json
         urdf-ik compile my_arm.urdf --tip tool0 -o my_arm.json --require-current
+
+    Options:
+        output (-o FILE): The compiled arm's file, such as arm.json.
+        require_current: Write nothing; fail unless the file is that of this arm now.
     """
     if require_current:
         exporting.require_current(output, chosen.load())
-        console.write(f"{output} is up to date\n", None)
+        console.write(f"{output} is up to date\n")
     else:
         _written(chosen, [(output, exporting.compile, {})])
 
 
 def export(
     *,
-    cpp: Annotated[Path | None, Option("--cpp", metavar="FILE", help="C++20 header, such as arm.hpp.")] = None,
-    c: Annotated[Path | None, Option("--c", metavar="FILE", help="Header for C, such as arm.h.")] = None,
-    html: Annotated[Path | None, Option("--html", metavar="FILE", help="Page, such as arm.html.")] = None,
-    name: Annotated[
-        str | None, Option(metavar="NAME", help="Namespace, or prefix in C. Default: the robot's name.")
-    ] = None,
-    faces: Annotated[
-        int | None, Option(metavar="N", help="Triangles of the page's shapes at most. Default: 12000.")
-    ] = None,
+    cpp: Path | None = None,
+    c: Path | None = None,
+    html: Path | None = None,
+    name: str | None = None,
+    faces: int | None = None,
     chosen: ArmOptions,
 ) -> None:
     """Export an arm to one file: a header for C++ or C that needs no library, or a page that needs no server.
@@ -67,6 +56,13 @@ def export(
         urdf-ik export ur5 --cpp ur5.hpp
         urdf-ik export my_arm.urdf --tip tool0 --name left --c left.h
         urdf-ik export zyyzyz_6r --html arm.html
+
+    Options:
+        cpp (FILE): C++20 header, such as arm.hpp.
+        c (FILE): Header for C, such as arm.h.
+        html (FILE): Page, such as arm.html.
+        name (NAME): Namespace, or prefix in C. Default: the robot's name.
+        faces (N): Triangles of the page's shapes at most. Default: 12000.
     """
     page = {} if faces is None else {"faces": faces}
     kinds = ((cpp, exporting.cpp, {"name": name}), (c, exporting.c, {"name": name}), (html, exporting.html, page))
@@ -83,4 +79,4 @@ def _written(chosen: ArmOptions, wanted: list[Any]) -> None:
     arm = chosen.load()
     for file, write, settings in wanted:
         files.write(file, write(arm, **settings).encode())
-        console.write(f"{arm.name}, {arm.base} to {arm.tip}, in {file}\n", None)
+        console.write(f"{arm.name}, {arm.base} to {arm.tip}, in {file}\n")

@@ -5,22 +5,21 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import typer
-from typer import Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.console import Angles, Status
-from urdf_ik.cli.options import POSES, Format
+from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
-from urdf_ik.support.inputs import MOST_POSES
 from urdf_ik.typing import Array
 
 Metric = Literal["l2", "max", "time"]
@@ -29,25 +28,26 @@ Quality = Literal["limits", "manipulability", "clearance"]
 
 @dataclass(frozen=True)
 class Choice(options.Record):
-    """Options that choose solutions, as typed."""
+    """Options that choose solutions, as typed.
+
+    Options:
+        within_limits: Keep those inside the limits.
+        collision_free: Keep those free of self-collision, and of --world.
+        turns: Add the +-2 pi images inside the limits.
+        nearest (Q1,Q2,...): Keep the one nearest to this joint vector.
+        metric: Distance of --nearest: all joints, the largest one, or time.
+        max_step (V|V1,V2,...): Drop those with a joint further from --nearest.
+        best: Keep the one farthest from limits, singularity or contact.
+    """
 
     GROUP = "Solutions"
-    within_limits: Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")] = False
-    collision_free: Annotated[
-        bool, Option("--collision-free", help="Keep those free of self-collision, and of --world.")
-    ] = False
-    turns: Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")] = False
-    nearest: Annotated[str | None, Option(metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")] = (
-        None
-    )
-    metric: Annotated[
-        Metric, Option(help="Distance of --nearest: all joints, the largest one, or time.", show_default=False)
-    ] = "l2"
-    max_step: Annotated[
-        str | None,
-        Option(metavar="V|V1,V2,...", help="Drop those with a joint further from --nearest."),
-    ] = None
-    best: Annotated[Quality | None, Option(help="Keep the one farthest from limits, singularity or contact.")] = None
+    within_limits: bool = False
+    collision_free: bool = False
+    turns: bool = False
+    nearest: str | None = None
+    metric: Metric = "l2"
+    max_step: str | None = None
+    best: Quality | None = None
 
     def reference(self, arm: Arm, angles: Angles) -> Array | None:
         """(n,) rad or m, the joint vector of --nearest.
@@ -105,29 +105,18 @@ class Choice(options.Record):
 
 def ik(
     *,
-    typed: options.PoseOptions,
-    random: Annotated[
-        int | None,
-        Option("--random", "-n", metavar="N", min=1, max=MOST_POSES, help="Random poses.", rich_help_panel=POSES),
-    ] = None,
-    seed: options.Seed = 0,
-    task: options.Task = None,
-    redundancy: options.Redundancy = None,
+    typed: PoseOptions,
+    random: int | None = None,
+    seed: int = 0,
+    task: PartOfPose | None = None,
+    redundancy: str | None = None,
     choice: Choice,
-    world: options.World = None,
-    check: Annotated[
-        bool | None,
-        Option(
-            "--check/--no-check",
-            help="Pinocchio's errors and contacts, or neither. Default: both up to 20 poses, then errors.",
-            show_default=False,
-            rich_help_panel=Choice.GROUP,
-        ),
-    ] = None,
+    world: Path | None = None,
+    check: bool | None = None,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    printed_as: options.DataFormat = None,
-    output: options.Output = None,
+    degrees: bool = False,
+    printed_as: Format | None = None,
+    output: Path | None = None,
 ) -> None:
     """Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.
 
@@ -144,11 +133,17 @@ def ik(
         urdf-ik ik ur5 --random 1000 --output solutions.npz
         urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
 
+    Options (Poses):
+        random (-n N): Random poses.
+
+    Options (Solutions):
+        check: Pinocchio's errors and contacts, or neither. Default: both up to 20 poses, then errors.
+
     Raises:
         typer.BadParameter: an invalid target, or a file that cannot be written.
         typer.Exit: a pose has no solution.
     """
-    from urdf_ik.cli import answer_tables, answers, targets
+    from urdf_ik.cli import answers, targets
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     chosen.apart_from(typed)
@@ -161,30 +156,34 @@ def ik(
         target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
         target = choice.at_the_nearest(arm, target, angles) if asked == "pose" else target
-        few = len(target.poses) <= answer_tables.SUMMARY_ABOVE
         answer = answers.solve(
             arm,
             target.poses,
             keep,
+            angles,
             redundancy=target.redundancy if asked == "pose" else None,
             task=asked,
             errors=check is not False,
-            collisions=few if check is None else check,
+            collisions=len(target.poses) <= answers.SUMMARY_ABOVE if check is None else check,
             world=obstacles,
             tick=progress.tick,
         )
     if (reference := choice.reference(arm, angles)) is not None:
-        far = answers.distances_from(answer.solutions, reference, choice.metric, angles)
-        answer = replace(answer, distances=far)
-    if chosen_format is Format.TABLE:
-        console.write(answer_tables.text_of(answer, angles, target.note, to_file=output is not None), output)
-    else:
-        console.write(answers.DATA[chosen_format](answer, angles), output)
-        if output is not None:
-            console.say_written(output, answer.counted, angles.unit)
-        if answer.unmeasured:
-            typer.echo(f"errors and contacts were not checked: {answer.unmeasured}", err=True)
-    if unsolved := int((answer.counts == 0).sum()):
-        if chosen_format is not Format.TABLE:
-            typer.echo(f"{unsolved} of {len(answer.counts)} poses have no solution", err=True)
+        answer = answer.from_reference(reference, choice.metric)
+    counts, table = answer.counts.tolist(), chosen_format is Format.TABLE
+    total = f"{sum(counts)} solution{'s' * (sum(counts) != 1)} of {len(counts)} pose{'s' * (len(counts) != 1)}"
+    console.emit(
+        chosen_format,
+        answer.to_dict,
+        lambda: answers.as_text(answer, target.note),
+        output,
+        rows=answer.rows,
+        arrays=answer.arrays,
+        about=f"{total}; {angles.unit}, m",
+    )
+    if answer.unmeasured and not table:
+        console.say(f"errors and contacts were not checked: {answer.unmeasured}")
+    if unsolved := counts.count(0):
+        if not table:
+            console.say(f"{unsolved} of {len(counts)} poses have no solution")
         raise typer.Exit(Status.FAILED)

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Any
-
-from typer import Option
+from typing import Any
 
 from urdf_ik.arm import Arm
-from urdf_ik.cli import console, options, tables
+from urdf_ik.cli import console, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.errors import UrdfIkError, listed
-from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.model.urdf.chains import Limb
 
@@ -29,15 +26,11 @@ _LIMBS_SHOWN = 12
 
 def info(
     *,
-    chains: Annotated[
-        bool, Option("--chains", help="List the chains of the URDF instead, and the default one.")
-    ] = False,
-    pairs: Annotated[
-        bool, Option("--pairs", help="List the pairs of links instead: checked for contact, or allowed, and why.")
-    ] = False,
+    chains: bool = False,
+    pairs: bool = False,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
+    degrees: bool = False,
+    printed_as: ReportFormat = ReportFormat.TABLE,
 ) -> None:
     """Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.
 
@@ -47,21 +40,28 @@ def info(
         urdf-ik info panda --lock panda_joint3=30deg
         urdf-ik info my_arm.urdf --chains
         urdf-ik info my_arm.urdf --allow link_4,link_6 --pairs
+
+    Options:
+        chains: List the chains of the URDF instead, and the default one.
+        pairs: List the pairs of links instead: checked for contact, or allowed, and why.
     """
     if chains and pairs:
         raise console.usage("--chains and --pairs are two lists; ask for one of them", "--pairs")
     if chains:
         model = chosen.model()
-        console.emit(_chains_data(model, chosen.base), lambda: _chains_text(model, chosen.base), printed_as)
+        limbs = [{**asdict(each), "family": _family(model, each)} for each in model.limbs(chosen.base)]
+        found = [asdict(each) for each in model.chains(chosen.base)]
+        data = {"robot": model.name, "source": model.source, "root": model.root, "chains": found, "limbs": limbs}
+        console.emit(printed_as, data, lambda: _chains_text(model, chosen.base))
         return
     arm = chosen.load(degrees)
     if pairs:
         table = arm.cell.collisions.table()
         data = {"checked": table.checked, "allowed": [[*pair, why] for pair, why in table.allowed.items()]}
-        console.emit(data, lambda: f"{table}\n", printed_as)
+        console.emit(printed_as, data, lambda: f"{table}\n")
         return
     angles = angles_of(arm, degrees)
-    console.emit(_data(arm, angles), lambda: as_text(arm, angles), printed_as)
+    console.emit(printed_as, lambda: _data(arm, angles), lambda: as_text(arm, angles))
 
 
 def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
@@ -100,7 +100,7 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
             ],
             "triples": [
                 {
-                    "axes": _numbers(triple),
+                    "axes": [triple.first + k for k in range(3)],
                     "relation": triple.relation,
                     "off_angle": angles.angle(triple.imperfection) if triple.relation == "parallel" else 0.0,
                     "off_distance": triple.imperfection if triple.relation == "meet" else 0.0,
@@ -129,7 +129,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
     from urdf_ik.ik.cuspidality import in_words, is_cuspidal
     from urdf_ik.ik.solutions import branch_names
 
-    structure, chain = arm.structure, arm.chain
+    structure, chain, unit = arm.structure, arm.chain, angles.unit
     limits = [
         ["none" if abs(x) == float("inf") else tables.number(x) for x in ends] for ends in angles.shown(arm.limits.T).T
     ]
@@ -140,11 +140,20 @@ def as_text(arm: Arm, angles: Angles) -> str:
         [[i, name, kind, axis, *ends, unit] for i, (name, kind, axis, ends, unit) in enumerate(columns, 1)],
         left=["joint", "type", "axis in base at q = 0", "unit"],
     )
-    axes = tables.grid(
-        ["axes", "relation", f"angle [{angles.unit}]", "distance [m]", "imperfection"],
-        [_pair_row(pair, angles) for pair in structure.pairs] + [_triple_row(t, angles) for t in structure.triples],
-        left=["axes", "relation", "imperfection"],
-    )
+    rows = []
+    for pair in structure.pairs:
+        turned, apart = f"{angles.angle(pair.off_angle):.1e} {unit}", f"{pair.off_distance:.1e} m"
+        off = {"parallel": turned, "coincident": f"{turned}, {apart}", "intersecting": apart}.get(pair.relation, "-")
+        distance = "0" if pair.off_distance else f"{pair.distance:.6g}"
+        axes = f"{pair.first}, {pair.first + 1}"
+        rows.append([axes, pair.relation, f"{angles.angle(pair.angle):.6g}", distance, off])
+    for triple in structure.triples:
+        meet = triple.relation == "meet"
+        off = f"{triple.imperfection:.1e} m" if meet else f"{angles.angle(triple.imperfection):.1e} {unit}"
+        axes = ", ".join(str(triple.first + k) for k in range(3))
+        rows.append([axes, "meet in a point" if meet else triple.relation, "-", "-", off])
+    header = ["axes", "relation", f"angle [{unit}]", "distance [m]", "imperfection"]
+    axes_table = tables.grid(header, rows, left=["axes", "relation", "imperfection"])
     slides = {joint.name for joint in arm.model.joints if joint.type == "prismatic"}
     facts = [
         ("robot", arm.name),
@@ -153,27 +162,27 @@ def as_text(arm: Arm, angles: Angles) -> str:
         *[("mimics", str(follower)) for follower in chain.followers],
     ]
     for name, value in chain.locked:
-        at = f"{value:.6g} m" if name in slides else f"{angles.angle(value):.6g} {angles.unit}"
+        at = f"{value:.6g} m" if name in slides else f"{angles.angle(value):.6g} {unit}"
         facts.append(("locked", f"{name} at {at}"))
     if allowed := len(arm.cell.disabled):
         facts.append(("may touch", f"{allowed} pair{'s' * (allowed > 1)} of links, by the SRDF; `--pairs` lists all"))
     facts += [("warning", str(each)) for each in arm.model.warnings]
     solver, branches = [("family", structure.family or _UNSOLVED)], []
     if structure.family:
-        solver += [("controls", arm.task)] if arm.task != "pose" else []
+        local = bool(branch_names.local(structure.branches))
         solver += [
+            ("controls", arm.task if arm.task != "pose" else ""),
             ("why", structure.reason),
             ("solver", structure.method),
             ("solutions", structure.solutions_in_words()),
             ("imperfection", structure.imperfection_in_words()),
             ("cuspidal", in_words(is_cuspidal(arm.solver)) if structure.is_6r else ""),
             ("redundancy", "" if arm.redundancy is None else str(arm.redundancy)),
+            ("names", "" if not local else _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED),
         ]
-        if branch_names.local(structure.branches):
-            solver.append(("names", _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED))
         branches = [f"{'' if i else 'branches':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
-    return tables.render(*tables.facts(facts, 14), "", joints, "", axes, "", *tables.facts(solver, 14), *branches)
+    return tables.render(tables.facts(facts), "", joints, "", axes_table, "", tables.facts(solver), branches)
 
 
 def _columns(branches: tuple[str, ...]) -> list[str]:
@@ -192,40 +201,6 @@ def _columns(branches: tuple[str, ...]) -> list[str]:
     return lines
 
 
-def _pair_row(pair: AxisPair, angles: Angles) -> list[str]:
-    distance = "0" if pair.off_distance else f"{pair.distance:.6g}"
-    off = {
-        "parallel": f"{angles.angle(pair.off_angle):.1e} {angles.unit}",
-        "coincident": f"{angles.angle(pair.off_angle):.1e} {angles.unit}, {pair.off_distance:.1e} m",
-        "intersecting": f"{pair.off_distance:.1e} m",
-    }
-    return [
-        f"{pair.first}, {pair.first + 1}",
-        pair.relation,
-        f"{angles.angle(pair.angle):.6g}",
-        distance,
-        off.get(pair.relation, "-"),
-    ]
-
-
-def _triple_row(triple: AxisTriple, angles: Angles) -> list[str]:
-    axes = ", ".join(map(str, _numbers(triple)))
-    if triple.relation == "meet":
-        return [axes, "meet in a point", "-", "-", f"{triple.imperfection:.1e} m"]
-    return [axes, triple.relation, "-", "-", f"{angles.angle(triple.imperfection):.1e} {angles.unit}"]
-
-
-def _numbers(triple: AxisTriple) -> list[int]:
-    return [triple.first, triple.first + 1, triple.first + 2]
-
-
-def _chains_data(model: UrdfModel, base: str | None) -> dict[str, Any]:
-    """The chains and limbs."""
-    chains = [asdict(each) for each in model.chains(base)]
-    limbs = [{**asdict(each), "family": _family(model, each)} for each in model.limbs(base)]
-    return {"robot": model.name, "source": model.source, "root": model.root, "chains": chains, "limbs": limbs}
-
-
 def _chains_text(model: UrdfModel, base: str | None) -> str:
     """A table of the limbs, and how to choose one."""
     chains, limbs = model.chains(base), [each for each in model.limbs(base) if each.kind != "finger"]
@@ -235,25 +210,18 @@ def _chains_text(model: UrdfModel, base: str | None) -> str:
     there = {(each.base, each.tip) for each in limbs}
     shown = [*(each for each in meant if (each.base, each.tip) not in there), *limbs]
     chosen = {(each.base, each.tip) for each in meant}
+    heads = ["chain", "joints", "base", "tip", "family", "meant"]
     rows = [
-        [
-            each.name,
-            len(each.joints),
-            each.base,
-            each.tip,
-            _family(model, each),
-            "yes" if (each.base, each.tip) in chosen else "",
-        ]
+        dict(zip(heads, (each.name, len(each.joints), each.base, each.tip, _family(model, each)), strict=False))
+        | {"meant": "yes" if (each.base, each.tip) in chosen else ""}
         for each in shown[:_LIMBS_SHOWN]
     ]
-    heads = ["chain", "joints", "base", "tip", "family", "meant"]
-    left = ["chain", "base", "tip", "family", "meant"]
-    table = tables.grid(heads, rows, left=left)
-    for dropped in ("base", "tip"):
-        if not tables.fits(table):
-            at = heads.index(dropped)
-            heads, rows = heads[:at] + heads[at + 1 :], [row[:at] + row[at + 1 :] for row in rows]
-            table = tables.grid(heads, rows, left=[each for each in left if each in heads])
+    table: list[str] = []
+    for dropped in ("", "base", "tip"):  # as many columns as the terminal has room for
+        heads = [head for head in heads if head != dropped]
+        table = tables.grid(heads, [[row[head] for head in heads] for row in rows], left=[*heads[:1], *heads[2:]])
+        if tables.fits(table):
+            break
     notes = [f"{len(shown) - _LIMBS_SHOWN} more: --format json lists them"] if len(shown) > _LIMBS_SHOWN else []
     for each in chains:
         if each.chosen and each.frames:
@@ -265,7 +233,7 @@ def _chains_text(model: UrdfModel, base: str | None) -> str:
     if not meant:
         notes.append("none is meant by itself: name one with --chain, or with --base and --tip")
     folded = [line for note in notes for line in tables.folded(note, further="  ")]
-    return tables.render(f"{model.name}: {model.source}", "", table, *([""] if folded else []), *folded)
+    return tables.render(f"{model.name}: {model.source}", "", table, [""] if folded else [], folded)
 
 
 def _family(model: UrdfModel, limb: Limb) -> str:

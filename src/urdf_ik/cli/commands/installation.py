@@ -6,19 +6,17 @@ import platform
 import re
 import sys
 import time
-from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
-from typer import Argument, Option
 
 from urdf_ik.cell import missing_pinocchio
-from urdf_ik.cli import console, options, tables
+from urdf_ik.cli import console, tables
 from urdf_ik.cli.console import Status
 from urdf_ik.cli.options import ReportFormat
-from urdf_ik.errors import ChainError, UrdfIkError
+from urdf_ik.errors import ChainError, UrdfIkError, printable
 from urdf_ik.model import catalogue, downloads
 from urdf_ik.support import extras
 from urdf_ik.version import __version__
@@ -33,35 +31,7 @@ _POSES = 50
 _EXACT = 1e-9
 
 
-@dataclass(frozen=True)
-class Robot:
-    """An arm that has a name.
-
-    Attributes:
-        name: argument of ``load``.
-        source: 'bundled', 'example-robot-data' or 'robot_descriptions'.
-        here: whether it can be loaded without a download or an installation.
-        joints: number of its joints; its package's number where it is not here; None if unknown.
-        family: how it is solved, '' where it is not here or no solver takes it.
-        note: its description, or why it is not solved.
-    """
-
-    name: str
-    source: str
-    here: bool
-    joints: int | None
-    family: str
-    note: str
-
-
-def robots(
-    *,
-    word: Annotated[str, Argument(metavar="[WORD]", help="Only names that contain this.")] = "",
-    everything: Annotated[
-        bool, Option("--all", help="Also the arms of robot_descriptions that are not downloaded.")
-    ] = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
-) -> None:
+def robots(*, word: str = "", everything: bool = False, printed_as: ReportFormat = ReportFormat.TABLE) -> None:
     """List the arms that have names, with the family and the joints of those that are here.
 
     There are bundled arms, those of example-robot-data, and those of robot_descriptions, which downloads a model at its
@@ -70,51 +40,62 @@ def robots(
     Examples:
         urdf-ik robots
         urdf-ik robots ur --all
+
+    Positional:
+        word ([WORD]): Only names that contain this.
+
+    Options:
+        everything (--all): Also the arms of robot_descriptions that are not downloaded.
     """
     more = [name for name in downloads.names() if everything or downloads.is_here(name)]
     found = [_robot(name) for name in (*catalogue.names(), *more) if word in name]
-    console.emit({"robots": [asdict(robot) for robot in found]}, lambda: _table(found), printed_as)
+    console.emit(printed_as, {"robots": found}, lambda: _table(found))
 
 
-def _table(robots: list[Robot]) -> str:
+def _table(found: list[dict[str, Any]]) -> str:
     """A table, and how to get more."""
-    header = ["name", "joints", "family", "here", "from"]
-    sources = [_SHORT.get(robot.source, robot.source) for robot in robots]
-    taken = sum(max(map(len, column)) for column in ([*(robot.name for robot in robots), ""], [*sources, ""])) + 18
-    words = max(_WIDTH - taken, _LEAST_WORDS)
-    rows = []
-    for robot, source in zip(robots, sources, strict=True):
-        what = robot.family or robot.note
-        short = what if len(what) <= words else f"{what[: words - 3]}..."
-        joints = "-" if robot.joints is None else robot.joints
-        rows.append([robot.name, joints, short, "yes" if robot.here else "no", source])
-    table = tables.grid(header, rows, left=["name", "family", "from"])
+    rows = [
+        [robot["name"], robot["joints"], robot["family"] or robot["note"], robot["here"], robot["source"]]
+        for robot in (each | {"source": _SHORT.get(each["source"], each["source"])} for each in found)
+    ]
+    taken = sum(max((len(row[k]) for row in rows), default=0) for k in (0, 4)) + 18
+    for row in rows:
+        row[1:4] = (
+            "-" if row[1] is None else row[1],
+            printable(row[2], max(_WIDTH - taken, _LEAST_WORDS)),
+            ("yes" if row[3] else "no"),
+        )
+    table = tables.grid(["name", "joints", "family", "here", "from"], rows, left=["name", "family", "from"])
     more = len(downloads.names())
     rest = f"robot_descriptions has {more} arms: --all lists them" if more else f"more: {extras.command('robots')}"
-    return tables.render(*([table] if rows else ["no robot has such a name"]), "", rest)
+    return tables.render(table if rows else "no robot has such a name", "", rest)
 
 
-def _robot(name: str) -> Robot:
-    here = catalogue.is_here(name)
+def _robot(name: str) -> dict[str, Any]:
+    """An arm that has a name.
+
+    Returns:
+        ``here``: whether it can be loaded without a download or an installation; ``joints``: their number, None if
+        unknown; ``family`` that solves it; ``note``: its description, or why it is not solved.
+    """
     source = "bundled" if name in catalogue.BUNDLED else "example-robot-data"
-    if name not in catalogue.names():
-        source = "robot_descriptions"
-    note = catalogue.BUNDLED.get(name, "") or (downloads.describe(name) if source == "robot_descriptions" else "")
-    if not here:
-        joints = downloads.joints_of(name) if source == "robot_descriptions" else None
-        return Robot(name, source, False, joints, "", note)
+    source = source if name in catalogue.names() else "robot_descriptions"
+    foreign = source == "robot_descriptions"
+    found = {"name": name, "source": source, "here": catalogue.is_here(name), "joints": None, "family": ""}
+    note = catalogue.BUNDLED.get(name, "") or (downloads.describe(name) if foreign else "")
+    if not found["here"]:
+        return found | {"joints": downloads.joints_of(name) if foreign else None, "note": note}
     from urdf_ik.arm import load
 
     try:
         arm = load(name)
-    except ChainError:
-        return Robot(name, source, True, None, "", "several chains: urdf-ik info --chains")
     except UrdfIkError as error:
-        return Robot(name, source, True, None, "", str(error))
-    return Robot(name, source, True, arm.dof, arm.structure.family, note)
+        several = isinstance(error, ChainError)
+        return found | {"note": "several chains: urdf-ik info --chains" if several else str(error)}
+    return found | {"joints": arm.dof, "family": arm.structure.family, "note": note}
 
 
-def doctor(*, printed_as: options.TextFormat = ReportFormat.TABLE) -> None:
+def doctor(*, printed_as: ReportFormat = ReportFormat.TABLE) -> None:
     """Say what is installed and whether it works.
 
     It prints versions, the processor's instruction set and optional packages, and tests the solvers against
@@ -125,7 +106,7 @@ def doctor(*, printed_as: options.TextFormat = ReportFormat.TABLE) -> None:
         urdf-ik doctor --format json
     """
     found = examine()
-    console.emit(found, lambda: _findings(found), printed_as)
+    console.emit(printed_as, found, lambda: _findings(found))
     if not found["passed"]:
         raise typer.Exit(Status.FAILED)
 
@@ -188,9 +169,7 @@ def _findings(found: dict[str, Any]) -> str:
     if found["passed"] and not missing_pinocchio.installed():
         verdict = f"solving works; errors and contacts were not checked: {missing_pinocchio.UNCHECKED}"
     times = f"loading the packages took {found['loading']:.1f} s, the test {found['seconds']:.1f} s"
-    return tables.render(
-        *tables.facts(facts, 14), "", *tables.facts(optional, 14), "", table, "", f"{verdict}; {times}"
-    )
+    return tables.render(tables.facts(facts), "", tables.facts(optional), "", table, "", f"{verdict}; {times}")
 
 
 def _test(name: str) -> dict[str, Any]:

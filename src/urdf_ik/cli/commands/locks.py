@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
 
 import typer
-from typer import Argument, Option
 
 from urdf_ik.arm import Arm
-from urdf_ik.cli import console, options
+from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.console import Status
-from urdf_ik.cli.options import ReportFormat, ReviewFormat
+from urdf_ik.cli.options import PoseOptions, ReportFormat, ReviewFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ChainError, UrdfIkError
 from urdf_ik.support import files
@@ -26,30 +24,31 @@ from urdf_ik.verify.review import VerifiedFile
 
 def freeze(
     *,
-    lock_file: Annotated[
-        Path | None, Argument(metavar="LOCK", help="The lock file to write, such as arm.lock.json.")
-    ] = None,
-    output: Annotated[Path | None, options.output("The same; commit the file.")] = None,
-    typed: options.PoseOptions,
-    collisions: options.Collisions = None,
-    time_limit: options.TimeLimit = None,
+    lock_file: Path | None = None,
+    output: Path | None = None,
+    typed: PoseOptions,
+    collisions: bool | None = None,
     chosen: ArmOptions,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
+    printed_as: ReportFormat = ReportFormat.TABLE,
 ) -> None:
     """Freeze an arm: write its answers of today to a lock file for version control.
 
     The lock file holds joints, axes, limits, shapes, Pinocchio's poses and every solution of 50 poses, as text of
     at most 200 kB. Poses of yours are kept as well. Contacts are kept where all shapes can be read; --collisions
-    makes it an error where they cannot. `urdf-ik verify` says later what is different. The status is 1 when the
-    time limit left poses out.
+    makes it an error where they cannot. `urdf-ik verify` says later what is different.
 
     Examples:
         urdf-ik freeze ur5 ur5.lock.json
         urdf-ik freeze my_arm.urdf --tip tool0 --poses stations.csv -o my_arm.lock.json
 
+    Positional:
+        lock_file (LOCK): The lock file to write, such as arm.lock.json.
+
+    Options:
+        output (-o FILE): The same; commit the file.
+
     Raises:
         typer.BadParameter: no lock file is named, or two.
-        typer.Exit: the time limit left poses out.
     """
     from urdf_ik.cli import targets
 
@@ -61,40 +60,26 @@ def freeze(
     files.writable(file)
     arm = chosen.load()
     target = targets.given(arm, typed, angles_of(arm, False))
+    own = None if target is None else target.poses
     with Progress("solving poses") as progress:
-        lock = baselines.freeze(
-            arm,
-            None if target is None else target.poses,
-            collisions=collisions is None or ("require" if collisions else False),
-            time_limit=time_limit,
-            progress=progress.tick,
-        )
+        contacts = collisions is None or ("require" if collisions else False)
+        lock = baselines.freeze(arm, own, collisions=contacts, progress=progress.tick)
     lock.save(file)
     about = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "poses": len(lock.poses), "file": str(file)}
-    console.emit(about | {"unlooked": lock.unlooked}, lambda: f"{repr(lock)[1:-1]}, in {file}\n", printed_as)
-    if lock.unlooked:
-        raise typer.Exit(Status.FAILED)
+    console.emit(printed_as, about | {"unlooked": ""}, lambda: f"{repr(lock)[1:-1]}, in {file}\n")
 
 
 def verify(
     *,
     chosen: ArmOptions,
-    further: Annotated[
-        list[str] | None,
-        Argument(metavar="[LOCK | ROBOT...]", help="Its lock file; or more robots, each with a lock file of its name."),
-    ] = None,
-    locks: Annotated[
-        Path | None, Option(metavar="DIR", help="Folder of the lock files NAME.lock.json. Default: beside each robot.")
-    ] = None,
-    tolerance_mm: options.Millimetres = None,
-    tolerance_deg: options.DegreesOfTolerance = None,
-    ignore: options.Ignored = None,
-    update: Annotated[bool, Option("--update", help="Then write the lock file anew; the status is 0.")] = False,
-    time_limit: options.TimeLimit = None,
-    printed_as: Annotated[
-        ReviewFormat,
-        Option("--format", "-f", help="How to print it; github: annotations.", rich_help_panel=options.OUTPUT),
-    ] = ReviewFormat.TABLE,
+    further: list[str] | None = None,
+    locks: Path | None = None,
+    tolerance_mm: float | None = None,
+    tolerance_deg: float | None = None,
+    ignore: str | None = None,
+    update: bool = False,
+    time_limit: float | None = None,
+    printed_as: ReviewFormat = ReviewFormat.TABLE,
 ) -> None:
     """Verify arms against their lock files.
 
@@ -112,6 +97,16 @@ def verify(
         urdf-ik verify my_arm.urdf my_arm.lock.json --tolerance-mm 0.1 --ignore visuals,collisions
         urdf-ik verify left.urdf right.urdf --locks locks --format github
         urdf-ik verify my_arm.urdf my_arm.lock.json --update
+
+    Positional:
+        further ([LOCK | ROBOT...]): Its lock file; or more robots, each with a lock file of its name.
+
+    Options:
+        locks (DIR): Folder of the lock files NAME.lock.json. Default: beside each robot.
+        update: Then write the lock file anew; the status is 0.
+
+    Options (Output):
+        printed_as (--format -f): How to print it; github: annotations.
     """
     Tolerance.read(tolerance_mm, tolerance_deg)
     ignored(ignore or ())
@@ -139,7 +134,7 @@ def verify(
                 if update:
                     own = [pose.matrix for pose in lock.poses if pose.kind == "own"]
                     baselines.freeze(arm, own or None).save(path)
-                    typer.echo(f"updated: {path}", err=True)
+                    console.say(f"updated: {path}")
             except _ChainGone as error:
                 result = error
             except UrdfIkError as error:
@@ -166,9 +161,9 @@ def _print(done: list[VerifiedFile], printed_as: ReviewFormat) -> None:
             file.write(review.markdown(done))
     if printed_as in ("table", "json"):
         data = [each.to_dict() for each in done]
-        console.emit(data[0] if len(data) == 1 else data, lambda: "".join(f"{each}\n" for each in done), printed_as)
+        console.emit(printed_as, data[0] if len(data) == 1 else data, lambda: "".join(f"{each}\n" for each in done))
     else:
-        console.write(getattr(review, printed_as)(done), None)
+        console.write(getattr(review, printed_as)(done))
 
 
 def _loaded(chosen: ArmOptions, lock: Baseline) -> Arm:

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import typer
-from typer import Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
@@ -20,29 +19,26 @@ from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.console import Angles, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
 from urdf_ik.cli.progress import Progress
-from urdf_ik.errors import ArgumentError, escaped
+from urdf_ik.errors import ArgumentError
 from urdf_ik.paths import Plan, path_settings
 from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
 SUFFIXES = (".csv", ".json", ".npz")
 _FREE = {None: "not checked", True: "free", False: "hits"}
 """Whether the straight joint motion of a change touches something."""
-_TYPES: Mapping[str, tuple[Any, str]] = {
+_TYPES: Mapping[str, tuple[Any, str | None]] = {
     "joint vector": (str, "Q1,Q2,..."),
     "number": (float, "VALUE"),
     "per joint": (str, "V|V1,V2,..."),
     "length and angle": (str, "M,RAD"),
-    "flag": (bool, ""),
-    "choice": (StrEnum("Cost", {cost: cost for cost in path_settings.COSTS}), ""),
+    "flag": (bool, None),
+    "choice": (StrEnum("Cost", {cost: cost for cost in path_settings.COSTS}), None),
+    "world": (Path, None),
+    "contacts": (bool, None),
 }
 """The type and the metavariable of an option for a setting of each kind."""
-_SHARED = {"world": options.World, "margin": options.Margin, "collisions": options.Collisions}
-"""Settings whose options other commands have, too."""
 
 
 @dataclass(frozen=True)
@@ -53,18 +49,16 @@ class PathOptions(options.Record):
     settings: dict[str, Any]
 
     @classmethod
-    def parameters(cls) -> list[inspect.Parameter]:
-        """An option for each setting."""
+    def parameters(cls, command: Any) -> list[inspect.Parameter]:
+        """An option for each setting; some have the words of an option that other commands have, too."""
         out = []
         for name, setting in path_settings.options().items():
-            kind, unit = setting.metadata["kind"], setting.metadata["unit"]
-            hint: Any = _SHARED.get(name)
-            if hint is None:
-                of, metavar = _TYPES[kind]
-                metavar = unit.upper() if kind == "number" and unit else metavar
-                text = f"{setting.metadata['help'].removesuffix('.')}{f' [{unit}]' if unit else ''}."
-                hint = Annotated[of | None, Option(metavar=metavar or None, help=text)]
-            out.append(options.parameter(name, hint))
+            unit, (kind, metavar) = setting.metadata["unit"], _TYPES[setting.metadata["kind"]]
+            words = f"{setting.metadata['help'].removesuffix('.')}{f' [{unit}]' if unit else ''}."
+            text = options.Text([], unit.upper() if kind is float and unit else metavar, words, cls.GROUP, False)
+            if name in ("world", "margin", "collisions"):
+                text = options.texts(options.Shared)[name]
+            out.append(options.parameter(name, kind | None, None, text, text.group))
         return out
 
     @classmethod
@@ -104,18 +98,8 @@ class PathOptions(options.Record):
         return out
 
 
-@dataclass(frozen=True)
-class Followed:
-    """A plan and its inputs.
-
-    Attributes:
-        arm: the arm that follows the path.
-        plan: found or not.
-        source: the file of the waypoints, as a message calls it.
-        world: its obstacles, or None.
-        cost: the cost that is least.
-        seconds: time that the search took [s].
-    """
+class Followed(NamedTuple):
+    """A plan, the arm that follows it, the file of its waypoints, its world, the cost that is least, and seconds."""
 
     arm: Arm
     plan: Plan
@@ -146,22 +130,12 @@ def path(
     *,
     waypoints: PoseOptions,
     path: PathOptions,
-    alternatives: Annotated[
-        bool,
-        Option("--alternatives", help="The best plan from every start branch, too.", rich_help_panel=PathOptions.GROUP),
-    ] = False,
+    alternatives: bool = False,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
-    output: Annotated[Path | None, options.output("Write the plan: .csv, .json or .npz; always rad, m.")] = None,
-    timed: Annotated[
-        Path | None,
-        Option(
-            metavar="FILE",
-            help="Write it in time, at the highest velocities: .csv, .json or .npz; always s, rad, m.",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = None,
+    degrees: bool = False,
+    printed_as: ReportFormat = ReportFormat.TABLE,
+    output: Path | None = None,
+    timed: Path | None = None,
 ) -> None:
     """Follow a path: the cheapest joint motion through all waypoints, over all branches and turns.
 
@@ -173,6 +147,13 @@ def path(
         urdf-ik path my_arm.urdf --tip tool0 -p seam.csv --world cell.urdf --margin 0.01 --reconfigure
         urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -p -
         urdf-ik path ur5 --q 0,-1,1,0,1,0 --q 0.1,-1,1,0,1,0 --no-collisions
+
+    Options (Path):
+        alternatives: The best plan from every start branch, too.
+
+    Options (Output):
+        output (-o FILE): Write the plan: .csv, .json or .npz; always rad, m.
+        timed (FILE): Write it in time, at the highest velocities: .csv, .json or .npz; always s, rad, m.
 
     Raises:
         typer.BadParameter: options that make no sense.
@@ -196,15 +177,15 @@ def path(
         untimed = error
     others = plan.alternatives if alternatives else ()
     data = _data(found, angles, in_time, others)
-    console.emit(data, lambda: _text(found, angles, in_time, others), printed_as)
+    console.emit(printed_as, data, lambda: _text(found, angles, in_time, others))
     for file, content in ((output, plan), (timed, in_time)):
         if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
             getattr(content, f"to_{file.suffix.lower()[1:]}")(file)
             rows = len(plan.motion) if content is plan else len(in_time.t) if in_time is not None else 0
-            console.say_written(file, f"{rows} joint vectors", "rad" if content is plan else "s, rad")
+            console.say(f"{file}: {rows} joint vectors; {'rad' if content is plan else 's, rad'}, m")
         elif file is not None:
             why = untimed or ("it changes its branch" if plan.found else "there is no plan")
-            typer.echo(escaped(f"{file} was not written: {why}"), err=True)
+            console.say(f"{file} was not written: {why}")
     if untimed is not None:
         raise typer.Exit(Status.USAGE)
     if not plan.found:
@@ -214,44 +195,49 @@ def path(
 def _text(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
-    count = len(plan.poses)
-    lines: list[Table | str] = [
-        f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'s' * (count != 1)} from {found.source}"
-    ]
+    count, took = len(plan.poses), f"in {found.seconds:.2f} s"
+    lines = [f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'s' * (count != 1)} from {found.source}"]
     lines += [] if found.world is None else [f"world: {', '.join(found.world.names)}"]
     lines += [plan.unlooked] if plan.unlooked else []
     lines += [f"contacts not checked: {plan.unchecked}"] if plan.unchecked else []
-    took = f"in {found.seconds:.2f} s"
     if not plan.found:
         header = ["start branch", "before waypoint", "cause", "reason"]
         rows = [[stop.branch, stop.waypoint, stop.cause, stop.reason] for stop in plan.stops]
-        return tables.render(*lines, f"no plan, {took}", "", tables.grid(header, rows, left=(header[0], *header[2:])))
-    lines += [f"found {took}", "", *_facts(found, angles, in_time), "", _joints(plan, angles)]
+        return tables.render(lines, f"no plan, {took}", "", tables.grid(header, rows, left=(header[0], *header[2:])))
+    digits, q, limits = 2 if angles.degrees else 4, angles.shown(plan.q), angles.shown(plan.solver.limits.T)
+    steps = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
+    columns = np.stack([q[0], q[-1], q.min(axis=0), q.max(axis=0), steps, *limits], axis=1)
+    named = zip(plan.solver.joint_names, angles.units, columns, strict=True)
+    rows = [
+        [name, unit, *("none" if np.isinf(x) else tables.number(x, digits) for x in row)] for name, unit, row in named
+    ]
+    header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
+    lines += [f"found {took}", "", *tables.facts(_facts(found, angles, in_time), 18), ""]
+    lines += tables.grid(header, rows, left=["joint", "unit"])
     if plan.changes:
         header = ["before waypoint", "from", "to", "straight joint motion"]
         rows = [[c.waypoint, c.before, c.after, _FREE[c.free]] for c in plan.changes]
-        lines += ["", tables.grid(header, rows, left=header[1:])]
+        lines += ["", *tables.grid(header, rows, left=header[1:])]
     if others:
         header = ["start branch", "end branch", "cost", "clearance [m]"]
         rows = [[o.branches[0], o.branches[-1], f"{o.cost:.6g}", tables.number(_clearance(o))] for o in others]
-        lines += ["", tables.grid(header, rows, left=header[:2])]
-    return tables.render(*lines)
+        lines += ["", *tables.grid(header, rows, left=header[:2])]
+    return tables.render(lines)
 
 
-def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
-    """Lines of a heading and a number."""
+def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[tuple[str, str]]:
+    """What is known of a plan, by its heading."""
     plan, arm = found.plan, found.arm
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
     used = list(dict.fromkeys(plan.branches))
+    low, high = plan.solver.limits.T
+    room = np.minimum(plan.q - low, high - plan.q)
     facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
-    facts.append(("cost", f"{plan.cost:.6g} ({kinds[found.cost]})"))
-    facts.append(("reconfigurations", str(len(plan.changes))))
+    facts += [("cost", f"{plan.cost:.6g} ({kinds[found.cost]})"), ("reconfigurations", str(len(plan.changes)))]
     if between := len(plan.motion) - len(plan.q):
         facts.append(("waypoints added", f"{between}, so that the tip keeps to the straight segments"))
     strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
     facts.append(("tolerance", f"{strays} from the straight segments, proven"))
-    low, high = plan.solver.limits.T
-    room = np.minimum(plan.q - low, high - plan.q)
     k, joint = (int(x) for x in np.unravel_index(int(np.argmin(room)), room.shape))
     if np.isfinite(room[k, joint]):
         shown = tables.number(angles.shown(room[k])[joint], 2 if angles.degrees else 4)
@@ -265,27 +251,13 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     facts.append(("manipulability", f"at least {plan.margins.manipulability[k]:.4g}, at waypoint {k}"))
     if in_time is not None:
         facts.append(("time", f"{in_time.duration:.3f} s ({in_time.method})"))
-    return [f"{name:<18}{text}" for name, text in facts]
+    return facts
 
 
 def _clearance(plan: Plan) -> float:
     """The least clearance at the waypoints [m], NaN where there is none."""
     clearance = plan.margins.clearance
     return np.nan if np.isnan(clearance).all() else float(np.nanmin(clearance))
-
-
-def _joints(plan: Plan, angles: Angles) -> Table:
-    """First, last, least and largest value of each joint, its largest step, and its limits."""
-    digits = 2 if angles.degrees else 4
-    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T)
-    steps = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
-    columns = np.stack([q[0], q[-1], q.min(axis=0), q.max(axis=0), steps, *limits], axis=1)
-    named = zip(plan.solver.joint_names, angles.units, columns, strict=True)
-    rows = [
-        [name, unit, *("none" if np.isinf(x) else tables.number(x, digits) for x in row)] for name, unit, row in named
-    ]
-    header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
-    return tables.grid(header, rows, left=["joint", "unit"])
 
 
 def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> dict[str, Any]:
@@ -311,11 +283,7 @@ def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[
             "branches": plan.branches,
             "changes": [change._asdict() for change in plan.changes],
             "q": angles.shown(plan.q),
-            "margins": {
-                "limits": margins.limits,
-                "clearance": margins.clearance,
-                "manipulability": margins.manipulability,
-            },
+            "margins": {name: getattr(margins, name) for name in ("limits", "clearance", "manipulability")},
             "duration": None if in_time is None else in_time.duration,
             "alternatives": [
                 {"first": each.branches[0], "last": each.branches[-1], "cost": each.cost, "q": angles.shown(each.q)}

@@ -6,11 +6,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
 import typer
-from typer import Argument, Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
@@ -18,6 +17,7 @@ from urdf_ik.cli import console, options, targets
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.commands.path import PathOptions, followed
 from urdf_ik.cli.console import usage
+from urdf_ik.cli.options import PoseOptions
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.typing import Array
@@ -33,34 +33,33 @@ _Value = StrEnum("_Value", ["REACH", "SOLUTIONS", "MANIPULABILITY", "MARGIN", "C
 
 @dataclass(frozen=True)
 class _Layer(options.Record):
-    """Options of a layer of a workspace, as typed."""
+    """Options of a layer of a workspace, as typed.
+
+    Options:
+        map (PATH): Map from `urdf-ik workspace`, to cut a layer from.
+        axis (x|y|z): Axis across which a layer lies.
+        at (M): Place of the layer on that axis [m].
+        show (VALUE): Value of a layer's voxels: reach, solutions, manipulability, margin, clearance.
+    """
 
     GROUP = "Workspace"
-    map: Annotated[Path | None, Option(metavar="PATH", help="Map from `urdf-ik workspace`, to cut a layer from.")] = (
-        None
-    )
-    axis: Annotated[str, Option(metavar="x|y|z", help="Axis across which a layer lies.")] = "z"
-    at: Annotated[float, Option(metavar="M", help="Place of the layer on that axis [m].")] = 0.0
-    show: Annotated[
-        _Value,
-        Option(metavar="VALUE", help=f"Value of a layer's voxels: {', '.join(_Value)}.", show_default=False),
-    ] = _Value.REACH
+    map: Path | None = None
+    axis: str = "z"
+    at: float = 0.0
+    show: _Value = _Value.REACH
 
 
 def plot(
     *,
-    picture: Annotated[
-        Picture,
-        Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders, path or intervals."),
-    ] = Picture.ARM,
-    typed: options.PoseOptions,
-    seed: options.Seed = 0,
-    shapes: Annotated[bool, Option(help="The shapes of the links, too, meshes among them.")] = False,
+    picture: Picture = Picture.ARM,
+    typed: PoseOptions,
+    seed: int = 0,
+    shapes: bool = False,
     layer: _Layer,
     path: PathOptions,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    output: Annotated[Path | None, options.output("PNG, SVG or PDF. Default: a window.")] = None,
+    degrees: bool = False,
+    output: Path | None = None,
 ) -> None:
     """Draw an arm, the branches of a pose, joint limits, the workspace or a path.
 
@@ -73,6 +72,13 @@ def plot(
         urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png
         urdf-ik plot zyyzyz_6r path --poses seam.csv -o path.png
         urdf-ik plot srs_7r intervals -o intervals.png
+
+    Positional:
+        picture ([WHAT]): arm, branches, overlay, limits, workspace, sliders, path or intervals.
+
+    Options:
+        shapes: The shapes of the links, too, meshes among them.
+        output (-o FILE): PNG, SVG or PDF. Default: a window.
 
     Raises:
         ArgumentError: there is no display, or the file cannot be written.
@@ -93,10 +99,8 @@ def plot(
     else:
         target = targets.target(arm, typed, None, seed, angles)
         if (count := len(target.poses)) > 1:
-            text = (
-                f"{picture.value} shows one pose, and {count} are given; 'plot {{ROBOT}} path' draws a way through them"
-            )
-            raise usage(text, "--poses")
+            way = "'plot {ROBOT} path' draws a way through them"
+            raise usage(f"{picture.value} shows one pose, and {count} are given; {way}", "--poses")
         q = angles.typed(console.joint_vectors(typed.q, "--q", arm.joint_names)[0]) if typed.q else None
         if picture is Picture.SLIDERS:
             # The object that the sliders belong to must live as long as the window.
@@ -164,19 +168,14 @@ def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> Figure:
 
 def view(
     *,
-    typed: options.PoseOptions,
+    typed: PoseOptions,
     path: PathOptions,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    host: Annotated[
-        str, Option(metavar="ADDRESS", help="Listen there; 0.0.0.0 lets everybody in the network in.")
-    ] = "127.0.0.1",
-    port: Annotated[
-        int | None,
-        Option(metavar="PORT", help="Default: 8080, or the first free one after it.", show_default=False),
-    ] = None,
-    dark: Annotated[bool, Option("--dark", help="Light on dark.")] = False,
-    output: Annotated[Path | None, options.output("Write the scene there as one HTML page, and leave.")] = None,
+    degrees: bool = False,
+    host: str = "127.0.0.1",
+    port: int | None = None,
+    dark: bool = False,
+    output: Path | None = None,
 ) -> None:
     """Show an arm in the browser: every solution of a target to drag, sliders for the joints.
 
@@ -188,6 +187,12 @@ def view(
         urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000
         urdf-ik view panda -o panda.html
         urdf-ik view zyyzyz_6r --poses seam.csv --world cell.urdf
+
+    Options:
+        host (ADDRESS): Listen there; 0.0.0.0 lets everybody in the network in. Default: 127.0.0.1.
+        port (PORT): Default: 8080, or the first free one after it.
+        dark: Light on dark.
+        output (-o FILE): Write the scene there as one HTML page, and leave.
 
     Raises:
         MissingPackage: viser is not installed.
@@ -206,7 +211,7 @@ def view(
     elif target is not None:
         plan = followed(arm, angles, target, path, chosen).plan
         if not plan.found:
-            typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
+            console.say(f"no plan:\n{plan.explain()}")
     if output is not None:
         with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
             _begin(viewer, first)
@@ -218,7 +223,7 @@ def view(
         with suppress(KeyboardInterrupt):  # how the user ends it: the status is 0
             typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
             if viewer.message:
-                typer.echo(escaped(viewer.message), err=True)
+                console.say(viewer.message)
             viewer.wait()
 
 

@@ -6,16 +6,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from typer import Option
 
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.console import Angles, usage
-from urdf_ik.cli.options import ReportFormat
+from urdf_ik.cli.options import PoseOptions, ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps import placements, workspaces
@@ -26,18 +25,18 @@ _VALUES = ("collision-free", "manipulability", "margin", "clearance")
 
 @dataclass(frozen=True)
 class StoreOptions(options.Record):
-    """The folder that keeps long work and the workers that do it, as typed."""
+    """The folder that keeps long work and the workers that do it, as typed.
+
+    Options:
+        store (FOLDER): Keep the work there; the same command continues it.
+        workers (N): Processes that fill the store (urdf-ik[scale]).
+        scheduler (ADDRESS): Dask scheduler of other workers, as tcp://HOST:PORT.
+    """
 
     GROUP = "Store and workers"
-    store: Annotated[
-        Path | None, Option(metavar="FOLDER", help="Keep the work there; the same command continues it.")
-    ] = None
-    workers: Annotated[
-        int | None, Option(metavar="N", min=1, help="Processes that fill the store (urdf-ik[scale]).")
-    ] = None
-    scheduler: Annotated[
-        str | None, Option(metavar="ADDRESS", help="Dask scheduler of other workers, as tcp://HOST:PORT.")
-    ] = None
+    store: Path | None = None
+    workers: int | None = None
+    scheduler: str | None = None
 
     @contextmanager
     def client(self) -> Iterator[Any]:
@@ -61,27 +60,22 @@ class StoreOptions(options.Record):
 
 @dataclass(frozen=True)
 class MapOptions(options.Record):
-    """Options of a map that have the names of ``urdf_ik.maps.workspace``'s arguments."""
+    """Options of a map that have the names of ``urdf_ik.maps.workspace``'s arguments.
+
+    Options:
+        voxel (M): Edge of a voxel [m]. Default: 0.1.
+        orientations (N): Number of them at each voxel. Default: 200.
+        bounds (X0,Y0,Z0,X1,Y1,Z1): Box to look at [m]. Default: the reach of the links.
+        values (KINDS): Keep more of each voxel: manipulability, margin, and collision-free, clearance (slow); with
+            commas.
+    """
 
     GROUP = "Map"
-    voxel: Annotated[
-        float | None, Option(metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
-    ] = None
-    orientations: Annotated[
-        int | None,
-        Option(metavar="N", min=1, help="Number of them at each voxel. Default: 200.", show_default=False),
-    ] = None
-    bounds: Annotated[
-        str | None, Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: the reach of the links.")
-    ] = None
-    values: Annotated[
-        str | None,
-        Option(
-            metavar="KINDS",
-            help="Keep more of each voxel: manipulability, margin, and collision-free, clearance (slow); with commas.",
-        ),
-    ] = None
-    threads: options.Threads = 1
+    voxel: float | None = None
+    orientations: int | None = None
+    bounds: str | None = None
+    values: str | None = None
+    threads: int = 1
 
     def changed(self) -> dict[str, Any]:
         """The options that differ from their defaults.
@@ -100,12 +94,12 @@ class MapOptions(options.Record):
 def workspace(
     *,
     map: MapOptions,  # noqa: A002  the group of its options
-    world: options.World = None,
+    world: Path | None = None,
     work: StoreOptions,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
-    output: Annotated[Path | None, options.output("Write the map here, as .npz.")] = None,
+    degrees: bool = False,
+    printed_as: ReportFormat = ReportFormat.TABLE,
+    output: Path | None = None,
 ) -> None:
     """The region that the tip reaches: exact for a planar arm, a map for any other.
 
@@ -118,6 +112,9 @@ def workspace(
         urdf-ik workspace planar_2r --degrees
         urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz
         urdf-ik workspace zyyzyz_6r --voxel 0.25 --orientations 50 --store map.zarr --workers 2
+
+    Options:
+        output (-o FILE): Write the map here, as .npz.
 
     Raises:
         typer.BadParameter: options that exclude each other.
@@ -135,14 +132,14 @@ def workspace(
     wants_map = bool(asked) or output is not None or work.store is not None
     if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not wants_map:
         region = workspaces.planar(arm)
-        console.emit(_region_data(region), lambda: _region_text(region, angles), printed_as)
+        console.emit(printed_as, _region_data(region), lambda: _region_text(region, angles))
         return
     with work.client() as client, Progress("solving poses") as progress:
         if work.store is not None:
             found = workspaces.stored_workspace(arm, work.store, **asked, client=client, progress=progress.tick)
         else:
             found = workspaces.workspace(arm, **asked, output=output, progress=progress.tick)
-    console.emit(_map_data(found), lambda: _map_text(found, output or work.store), printed_as)
+    console.emit(printed_as, _map_data(found), lambda: _map_text(found, output or work.store))
 
 
 def _region_text(region: workspaces.PlanarWorkspace, angles: Angles) -> str:
@@ -217,7 +214,7 @@ def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
         for name, share in totals.branch_shares.items()
     ]
     table = tables.grid(["branch", "voxels [%]", "poses [%]"], rows, left=["branch"])
-    return tables.render(*lines, "", table)
+    return tables.render(lines, "", table)
 
 
 def _map_data(found: workspaces.WorkspaceMap) -> dict[str, Any]:
@@ -235,31 +232,23 @@ def _map_data(found: workspaces.WorkspaceMap) -> dict[str, Any]:
 
 def placement(
     *,
-    typed: options.PoseOptions,
-    bounds: Annotated[
-        str,
-        Option(
-            metavar="X0,Y0,Z0,X1,Y1,Z1",
-            help="Box of the base's positions in the cell [m]; equal numbers: one position.",
-        ),
-    ],
-    step: Annotated[float, Option(metavar="M", help="From one position to the next [m].")],
-    headings: Annotated[int, Option(metavar="N", min=1, help="Headings of the base at each position.")] = 1,
-    mount: Annotated[
-        str | None, Option(metavar="R,P,Y", help="Orientation of the base at heading 0, for an arm that hangs.")
-    ] = None,
-    as_path: Annotated[bool, Option("--path", help="The targets are the waypoints of a path to be followed.")] = False,
-    world: options.World = None,
-    margin: options.Margin = None,
-    collisions: options.Collisions = None,
-    places: Annotated[int, Option(metavar="N", min=1, help="Number of best places to print.")] = 5,
-    show: Annotated[str, Option(metavar="VALUE", help="Score to draw: reached, branches, margin, ...")] = "reached",
-    threads: options.Threads = 1,
+    typed: PoseOptions,
+    bounds: str,
+    step: float,
+    headings: int = 1,
+    mount: str | None = None,
+    as_path: bool = False,
+    world: Path | None = None,
+    margin: float | None = None,
+    collisions: bool | None = None,
+    places: int = 5,
+    show: str = "reached",
+    threads: int = 1,
     work: StoreOptions,
     chosen: ArmOptions,
-    degrees: options.Degrees = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
-    output: Annotated[Path | None, options.output("Draw the map: PNG, SVG or PDF.")] = None,
+    degrees: bool = False,
+    printed_as: ReportFormat = ReportFormat.TABLE,
+    output: Path | None = None,
 ) -> None:
     """Find where to put the base: every position of a grid, in every heading, with scores.
 
@@ -271,6 +260,16 @@ def placement(
         urdf-ik placement zyyzyz_6r --poses seam.csv --bounds=-0.5,-0.5,0,0.5,0.5,0 --step 0.25
         urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-0.5,0,0,0.5,0,0 --step 0.5 --path --world cell.urdf
         urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-1,-1,0,1,1,0 --step 0.5 --headings 4 --store bases.zarr
+
+    Options:
+        bounds (X0,Y0,Z0,X1,Y1,Z1): Box of the base's positions in the cell [m]; equal numbers: one position.
+        step (M): From one position to the next [m].
+        headings (N): Headings of the base at each position.
+        mount (R,P,Y): Orientation of the base at heading 0, for an arm that hangs.
+        as_path (--path): The targets are the waypoints of a path to be followed.
+        places (N): Number of best places to print.
+        show (VALUE): Score to draw: reached, branches, margin, ...
+        output (-o FILE): Draw the map: PNG, SVG or PDF.
 
     Raises:
         typer.BadParameter: options that exclude each other, or an unknown score.
@@ -320,7 +319,7 @@ def placement(
         "reached_all": int((found.reached == len(found.targets)).sum()),
         "places": [place._asdict() for place in best],
     }
-    console.emit(data, lambda: _places_text(found, arm, angles, best, output), printed_as)
+    console.emit(printed_as, data, lambda: _places_text(found, arm, angles, best, output))
 
 
 def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, best: Any, picture: Path | None) -> str:
@@ -360,4 +359,4 @@ def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, best:
         row += [tables.number(place.clearance, 3)] * (found.clearance is not None)
         row += ["yes" if place.followed else "no", tables.number(place.cost, 3)] * (place.followed is not None)
         rows.append(row)
-    return tables.render(*lines, "", tables.grid(header, rows))
+    return tables.render(lines, "", tables.grid(header, rows))

@@ -1,0 +1,189 @@
+"""The commands ``check``, ``compare`` and ``judge``."""
+
+from __future__ import annotations
+
+import string
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from urdf_ik.cli import console
+from urdf_ik.cli.arm_options import ArmOptions, SeveralArms, angles_of
+from urdf_ik.cli.console import Status
+from urdf_ik.cli.options import PoseOptions, ReportFormat
+from urdf_ik.cli.progress import Progress
+
+
+def check(
+    *,
+    n: int = 200,
+    seed: int = 0,
+    complete: bool = False,
+    proof: bool = False,
+    collisions: bool | None = None,
+    time_limit: float | None = None,
+    chosen: ArmOptions,
+    printed_as: ReportFormat = ReportFormat.TABLE,
+) -> None:
+    """Check an arm against Pinocchio: kinematics, every solution of random poses, collision.
+
+    The status is 1 when a check failed, or when the time limit left something out.
+
+    With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method from
+    random starts where the solver uses the elimination itself, answer the same poses, random ones and some 1e-1 to
+    1e-8 rad from a singularity. Every difference is printed. The status is 1 when the solver lacks a solution or
+    has one that Pinocchio does not confirm.
+
+    With --proof it checks the solver's own proofs: a search for all complex roots of N poses, in ball arithmetic
+    and without code of the solver, accepts or refuses every answer whose status is complete or clustered. It takes
+    about half a second a pose and needs python-flint (the extra `proof`).
+
+    ROBOT may be a folder: every URDF in it is checked, and one table shows the result of each.
+
+    Examples:
+        urdf-ik check zyyzyz_6r -n 200
+        urdf-ik check ur5 --complete -n 80
+        urdf-ik check ur5 --proof -n 10
+        urdf-ik check my_arm.urdf --tip tool0 --no-collisions --json
+        urdf-ik check lab/ --complete -n 2
+
+    Options:
+        complete: Instead: look for missing solutions in a second way, at N random, N nearly singular, N round poses.
+        proof: Instead: check the proofs of N random, N nearly singular and N round poses.
+
+    Raises:
+        typer.BadParameter: options that exclude each other.
+        typer.Exit: a check failed.
+        UrdfIkError: there is no such arm, or the folder holds no URDF.
+    """
+    from urdf_ik.verify import check_proof, completeness, crosscheck, folders
+
+    if complete and collisions is not None:
+        raise console.usage("--complete compares solutions and nothing else", "--collisions")
+    if proof and (complete or collisions is not None):
+        raise console.usage("--proof checks proofs and nothing else", "--proof")
+    folder = Path(chosen.robot).is_dir()
+    if folder and proof:
+        raise console.usage("proofs are checked one arm at a time, and this is a folder", "--proof")
+    with Progress("checking") as progress:
+        question: dict[str, Any] = {"n": n, "seed": seed, "time_limit": time_limit, "progress": progress.tick}
+        report: Any
+        if folder:
+            chosen.require_only(("base", "tip", "mesh_root"), f"{chosen.robot} is a folder")
+            arms: dict[str, Any] = {"base": chosen.base, "tip": chosen.tip, "mesh_roots": chosen.mesh_root or ()}
+            report = folders.check_folder(chosen.robot, complete=complete, collision=collisions, **arms, **question)
+        elif proof:
+            arm = chosen.load()
+            solutions = arm.ik(arm.fk(completeness.planted(arm, n, seed)))
+            report = check_proof(arm, solutions, time_limit=time_limit, progress=progress.tick)
+        elif complete:
+            report = completeness.compare(chosen.load(), **question)
+        else:
+            report = crosscheck.check(chosen.load(), collision=collisions, **question)
+    console.conclude(report, printed_as)
+
+
+def compare(
+    *,
+    arms: SeveralArms,
+    typed: PoseOptions,
+    n: int = 200,
+    seed: int = 0,
+    tolerance_mm: float | None = None,
+    tolerance_deg: float | None = None,
+    ignore: str | None = None,
+    exit_code: bool = False,
+    time_limit: float | None = None,
+    printed_as: ReportFormat = ReportFormat.TABLE,
+) -> None:
+    """Compare arms, or URDFs of one arm (another tool, a calibrated copy).
+
+    It compares structure, frames, limits, shapes, reach, the number of solutions for the same poses and the joint
+    values branch by branch, and says how far B's tool is off when B gets A's joint vectors. What is the same to
+    rounding is called the same.
+
+    An option is for all arms; with a letter it is for one of them: --tip tool0, or --tip B=flange.
+
+    Examples:
+        urdf-ik compare zyyzyz_6r puma_560
+        urdf-ik compare zyyzyz_6r my_arm.urdf --exit-code --tolerance-mm 0.5
+        urdf-ik compare zyyzyz_6r my_arm.urdf --tip B=tool0 -n 100
+        urdf-ik compare ur5 ur10 puma_560 -n 20
+
+    Options:
+        exit_code: End with status 1 where arms differ.
+        time_limit (S): How long the table of the typed poses may take.
+    """
+    from urdf_ik.cli import targets
+    from urdf_ik.verify import comparison, many_arms
+
+    chosen = arms.each()
+    for each in chosen:
+        each.apart_from(typed)
+    loaded = [each.load() for each in chosen]
+    target = targets.given(loaded[0], typed, angles_of(loaded[0], False))
+    own = None if target is None else target.poses
+    tolerances: dict[str, Any] = {"tolerance_mm": tolerance_mm, "tolerance_deg": tolerance_deg, "ignore": ignore or ()}
+    with Progress("comparing") as progress:
+        found = [
+            comparison.compare(loaded[0], other, n=n, seed=seed, poses=own, **tolerances, progress=progress.tick)
+            for other in loaded[1:]
+        ]
+        reports: list[Any] = list(found)
+        if own is not None:
+            names = [f"{a} {Path(name).name}" for a, name in zip(string.ascii_uppercase, arms.robots, strict=False)]
+            by_name = dict(zip(names, loaded, strict=True))
+            reports.append(many_arms.compare_many(by_name, own, time_limit=time_limit, progress=progress.tick))
+    data: Any = found[0].to_json()
+    if len(reports) > 1:
+        poses = None if own is None else reports[-1].to_dict()
+        data = {"comparisons": [each.to_dict() for each in found], "poses": poses}
+    console.emit(printed_as, data, lambda: "\n".join(f"{each}\n" for each in reports))
+    if exit_code and not all(each.same for each in found):
+        raise typer.Exit(Status.FAILED)
+
+
+def judge(
+    *,
+    solver: str,
+    n: int = 50,
+    seed: int = 0,
+    max_error: float | None = None,
+    within_limits: bool = False,
+    chosen: ArmOptions,
+    printed_as: ReportFormat = ReportFormat.TABLE,
+    output: Path | None = None,
+) -> None:
+    """Judge another solver on an arm: the solutions that it has wrong, misses or doubles.
+
+    It is asked at N poses of each kind: random, round joint angles, tool down, near singularities and at them.
+    Pinocchio measures every solution, and each fault comes with the pose to replay. The status is 1 when there is a
+    fault.
+
+    A process reads {"T": 4x4} and answers {"q": [[...], ...]}, a line each, in the arm's order of joints.
+
+    Examples:
+        urdf-ik judge ur5 --solver my_solver.py:solve
+        urdf-ik judge my_arm.urdf --tip tool0 --solver "process:./my_solver" -n 200 --json
+
+    Options:
+        solver (SPEC): module:function, file.py:function, or process:COMMAND (a line of JSON a pose).
+        max_error (E): Error [m; rad] of a solution. Default: 1e-7.
+        within_limits: The solver returns only what is inside the limits.
+    """
+    from urdf_ik.verify import judging, solvers
+
+    arm = chosen.load()
+    with solvers.opened(solver) as solve, Progress("judging poses") as progress:
+        found = judging.judge(
+            arm,
+            solve,
+            n=n,
+            seed=seed,
+            tolerance=judging.TOLERANCE if max_error is None else max_error,
+            within_limits=within_limits,
+            name=str(getattr(solve, "__name__", solver)),
+            progress=progress.tick,
+        )
+    console.conclude(found, printed_as, output)
