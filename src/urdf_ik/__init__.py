@@ -29,6 +29,7 @@ _PUBLIC = {
         "UrdfIkError",
     ),
     "export": ("compile",),
+    "ik.configurations": ("OPW",),
     "ik.redundancy": ("Interval", "Intervals", "Region"),
     "ik.solutions": ("IKSolutions", "Singular", "Solution"),
     "kinematics.chain": ("Chain",),

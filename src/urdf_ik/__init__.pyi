@@ -24,6 +24,7 @@ from urdf_ik.errors import UnsupportedArm as UnsupportedArm
 from urdf_ik.errors import UrdfError as UrdfError
 from urdf_ik.errors import UrdfIkError as UrdfIkError
 from urdf_ik.export import compile as compile
+from urdf_ik.ik.configurations import OPW as OPW
 from urdf_ik.ik.redundancy import Interval as Interval
 from urdf_ik.ik.redundancy import Intervals as Intervals
 from urdf_ik.ik.redundancy import Region as Region

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -167,7 +168,8 @@ def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles
     if in_degrees:
         values = np.deg2rad(values)
     values = np.broadcast_to(values, (count, values.shape[1]))
-    poses = pose(positions, **{option.removeprefix("--").replace("-", "_"): values})
+    orientation: dict[str, Any] = {option.removeprefix("--").replace("-", "_"): values}
+    poses = pose(positions, **orientation)
     return Target(poses, f"target: as typed{_unit(option, values, in_degrees)}", source="--xyz")
 
 

@@ -12,7 +12,12 @@ from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
 from urdf_ik.typing import Array
 
-ORIENTATIONS = {"quat_xyzw": 4, "quat_wxyz": 4, "rotvec": 3, "rpy": 3, "euler_zyx": 3}
+ORIENTATIONS = {
+    "quat_xyzw": 4, "quat_wxyz": 4, "rotvec": 3, "rpy": 3, "euler_zyx": 3,
+    "abb": 4, "fanuc": 3, "kuka": 3, "motoman": 3, "staubli": 3,
+}  # fmt: skip
+_SAME = {"abb": "quat_wxyz", "fanuc": "rpy", "motoman": "rpy", "kuka": "euler_zyx"}
+"""Notations of makers that have another name."""
 PROJECTION_TOLERANCE = 0.1
 """Greatest entry of R^T R - I that :func:`project_rotation` takes for an inexact rotation, not for a mistake."""
 
@@ -30,6 +35,12 @@ def pose(
     rotvec: ArrayLike | None = None,
     rpy: ArrayLike | None = None,
     euler_zyx: ArrayLike | None = None,
+    abb: ArrayLike | None = None,
+    fanuc: ArrayLike | None = None,
+    kuka: ArrayLike | None = None,
+    motoman: ArrayLike | None = None,
+    staubli: ArrayLike | None = None,
+    degrees: bool = False,
 ) -> Array:
     """Pose from a position and at most one orientation; without one, the rotation is the identity.
 
@@ -44,6 +55,12 @@ def pose(
             R = Rz(yaw) Ry(pitch) Rx(roll).
         euler_zyx: (..., 3) rad, yaw, pitch, roll about the moving z, y, x axes: the same rotation as
             ``rpy`` with its three values reversed.
+        abb: (..., 4) quaternion q1 to q4, scalar first.
+        fanuc: (..., 3) rad, W P R about the fixed x, y, z axes: the same as ``rpy``.
+        kuka: (..., 3) rad, A B C about the moving z, y, x axes: the same as ``euler_zyx``.
+        motoman: (..., 3) rad, Rx Ry Rz about the fixed x, y, z axes: the same as ``rpy``.
+        staubli: (..., 3) rad, Rx Ry Rz about the moving x, y, z axes.
+        degrees: whether the angles are in degrees.
 
     Returns:
         (..., 4, 4) homogeneous transforms.
@@ -56,16 +73,15 @@ def pose(
         >>> pose([0.5, 0.0, 0.2]).tolist()[0]
         [1.0, 0.0, 0.0, 0.5]
     """
-    given = {
-        "quat_xyzw": quat_xyzw, "quat_wxyz": quat_wxyz, "rotvec": rotvec, "rpy": rpy, "euler_zyx": euler_zyx
-    }  # fmt: skip
-    chosen = {name: value for name, value in given.items() if value is not None}
+    values = (quat_xyzw, quat_wxyz, rotvec, rpy, euler_zyx, abb, fanuc, kuka, motoman, staubli)
+    chosen = {name: value for name, value in zip(ORIENTATIONS, values, strict=True) if value is not None}
     if len(chosen) > 1:
         raise PoseError(f"{' and '.join(chosen)} given; a pose has one orientation, of {', '.join(ORIENTATIONS)}")
     p = _numbers(position, "position", 3)
     R = np.eye(3)
     for name, value in chosen.items():
-        R = _rotation(name, _numbers(value, name, ORIENTATIONS[name]))
+        numbers = _numbers(value, name, ORIENTATIONS[name])
+        R = _rotation(_SAME.get(name, name), np.deg2rad(numbers) if degrees and ORIENTATIONS[name] == 3 else numbers)
     try:
         batch = np.broadcast_shapes(p.shape[:-1], R.shape[:-2])
     except ValueError:
@@ -260,6 +276,8 @@ def _rotation(name: str, value: Array) -> Array:
         return _from_rpy(value)
     if name == "euler_zyx":
         return _from_rpy(value[..., ::-1])
+    if name == "staubli":  # the inverse of turns by the negative angles in the other order
+        return _from_rpy(-value).swapaxes(-1, -2)
     from scipy.spatial.transform import Rotation
 
     rows = np.array(value.reshape(-1, value.shape[-1]))  # SciPy takes no read-only arrays
@@ -289,7 +307,7 @@ def _numbers(value: ArrayLike, name: str, size: int) -> Array:
     if array.shape[-1:] != (size,):
         raise PoseError(f"{name} has the shape {array.shape}; {size} numbers are needed, or (..., {size})")
     # The length of a quaternion does not matter, so that any number may be in one.
-    largest = np.finfo(np.float64).max if name.startswith("quat") else LARGEST
+    largest = np.finfo(np.float64).max if size == 4 else LARGEST
     if (bad := inputs.first_bad(array, largest)) is not None:
         raise PoseError(f"{name} is {array[bad[:-1]]}; {inputs.why_bad(array[bad], largest)}", bad[:-1] or None)
     return array

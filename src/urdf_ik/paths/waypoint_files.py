@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Sequence
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 
@@ -129,7 +129,8 @@ def _posed(kind: str, values: Array, where: Callable[[int], str]) -> Array:
                 f"{where(int(k))}: the quaternion {','.join(ORIENTATIONS[kind])} = "
                 f"{','.join(f'{x:g}' for x in values[k, 3:])} has the length {lengths[k]:.4g}; a rotation has 1"
             )
-    return read(pose(values[:, :3], **{kind: values[:, 3:]}))
+    orientation: dict[str, Any] = {kind: values[:, 3:]}
+    return read(pose(values[:, :3], **orientation))
 
 
 def _orientation(name: str, line: int, header: Sequence[str]) -> str:

@@ -272,6 +272,63 @@ class IKSolutions(DifferentiableSolutions):
         q[dropped], info[dropped] = np.nan, 0
         return self._derived(q, info, self._branches, Step("collision", self, amount=margin, model=model))
 
+    def configuration(self, vendor: str) -> NDArray[np.str_]:
+        """The configuration of each solution as a maker's controller writes it; '' where there is no solution.
+
+        :mod:`urdf_ik.ik.configurations` has the rules and their sources. The URDF's joint values are taken for those of
+        the controller, which the makers' own URDFs have.
+
+        Args:
+            vendor: 'abb', 'fanuc', 'kuka', 'staubli' or 'motoman'.
+
+        Returns:
+            (..., B) such as '0 -1 0 1' (cf1 cf4 cf6 cfx), 'NUT 0 0 0', 'S 2 T 35'.
+
+        Raises:
+            ArgumentError: an unknown vendor.
+            UnsupportedArm: the arm is not of the structure that has configurations.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).configuration("fanuc")[0].item()
+            'NUT 0 0 0'
+        """
+        from urdf_ik.ik import configurations
+
+        flat = configurations.codes(self.solver.chain, self._q, vendor)
+        found = np.full(flat.shape[:-1], "", dtype="<U64")
+        for place in zip(*np.nonzero(self._info & 1), strict=True):
+            found[place] = configurations.text(flat[place].tolist(), vendor)
+        return found
+
+    def with_configuration(self, written: str, vendor: str) -> IKSolutions:
+        """The solutions with a configuration as a maker's controller writes it, such as 'NUT 0 0 0' of 'fanuc'.
+
+        Where it has turn numbers, every image inside the joint limits counts (:meth:`turns`); parts that are left out
+        do not count: 'NUT', 'S 2', 'lefty', '4' (ABB's cfx).
+
+        Raises:
+            ArgumentError: an unknown vendor, or text that is no configuration of its.
+            UnsupportedArm: the arm is not of the structure that has configurations.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).with_configuration("FUT", "fanuc")
+            >>> len(s), s[0].branch
+            (1, 'shoulder front, elbow up, wrist flip')
+        """
+        from urdf_ik.ik import configurations
+
+        wanted = configurations.read(written, vendor)
+        kept = self.turns() if configurations.depends_on_turns(wanted, vendor) else self
+        there = configurations.codes(self.solver.chain, kept._q, vendor)
+        compared = [k for k, number in enumerate(wanted) if number is not None]
+        same = (there[..., compared] == [wanted[k] for k in compared]).all(axis=-1)
+        q, info = np.where(same[..., None], kept._q, np.nan), np.where(same, kept._info, np.uint8(0))
+        return kept._derived(q, info, kept._branches, Step("configuration", kept, model=(written, vendor)))
+
     def to_frame(self, *, contacts: bool = True) -> Any:
         """The solutions as a tidy ``pandas.DataFrame``, one row each; frames of several arms can be put together.
 

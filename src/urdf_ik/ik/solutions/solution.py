@@ -125,13 +125,13 @@ class Step(NamedTuple):
     """How solutions were made from others.
 
     Attributes:
-        how: 'limits', 'turns', 'collision', 'within', 'nearest' or 'best'.
+        how: 'limits', 'turns', 'collision', 'within', 'configuration', 'nearest' or 'best'.
         parent: the solutions before.
         columns: (..., B) the column of theirs that each column comes from; None: the same.
         amount: tolerance [rad or m] of the limits, margin [m] of collisions.
         apart: (..., B, n) rad or m, how far each joint of the solutions before was from the reference, for 'within'.
         within: (n,) rad or m, how far it may be, for 'within'.
-        model: what was asked whether anything touches, for 'collision'.
+        model: what was asked whether anything touches, for 'collision'; text and vendor, for 'configuration'.
     """
 
     how: str

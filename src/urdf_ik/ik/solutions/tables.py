@@ -36,6 +36,11 @@ def explanation(solutions: KeptSolutions) -> str:
     if step.how == "within":
         inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
         return f"{found} the pose{inside}, none as near to the reference as asked; {_too_far(step)}"
+    if step.how == "configuration":
+        written, vendor = step.model
+        there = dict.fromkeys(each for each in step.parent.configuration(vendor).tolist() if each)
+        shown = ", ".join(list(there)[:_MOST_ROWS])
+        return f"{found} the pose, none with the configuration {written} of {vendor}; there are {shown}"
     if step.how != "collision":
         return f"{found} the pose, none inside the joint limits; {_out_of_limits(step.parent, step.amount)}"
     inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
