@@ -45,7 +45,7 @@ _PUBLIC = {
 __all__ = sorted(name for names in _PUBLIC.values() for name in names)
 
 # The differentiable functions of torch and jax, which need not be installed: urdf_ik.torch.ik, urdf_ik.jax.ik.
-_AUTOGRAD = {"jax": "interop.autograd", "torch": "interop.autograd"}
+_AUTOGRAD = {"jax": "interop", "torch": "interop"}
 
 __getattr__ = attributes(__name__, {name: module for module, names in _PUBLIC.items() for name in names} | _AUTOGRAD)
 

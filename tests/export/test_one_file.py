@@ -28,7 +28,7 @@ import urdf_ik
 from urdf_ik import _core, export
 from urdf_ik.cmake import core
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.export.solver_text import FAMILIES, Node, node_of
+from urdf_ik.export.one_file import FAMILIES, Node, node_of
 
 Array = NDArray[np.float64]
 

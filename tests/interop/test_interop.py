@@ -9,6 +9,7 @@ import pytest
 import urdf_ik
 from urdf_ik import interop
 from urdf_ik.errors import ArgumentError
+from urdf_ik.model import link_shapes
 
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 
@@ -62,22 +63,22 @@ def test_a_solution_is_where_a_task_of_pink_is_at_rest(arm: urdf_ik.Arm) -> None
     np.testing.assert_allclose(arm.from_pinocchio(near.q), Q, atol=1e-4)
 
 
-def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm) -> None:
+def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each shape has the pose of its link."""
     import viser
 
-    server = viser.ViserServer(port=0, verbose=False)
+    server, handles = viser.ViserServer(port=0, verbose=False), []
+    add = server.scene.add_mesh_trimesh
+    monkeypatch.setattr(server.scene, "add_mesh_trimesh", lambda *of: handles.append(add(*of)) or handles[-1])
     try:
         shown = interop.add_to_viser(server.scene, arm, "/cell/arm")
         shown.show(Q)
-        poses = arm.link_poses(Q)
-        assert shown._bodies and not shown.missing
-        for link, handle in shown._bodies:
-            np.testing.assert_allclose(handle.position, poses[link][:3, 3], atol=1e-6)
-            np.testing.assert_allclose(urdf_ik.pose([0, 0, 0], quat_wxyz=handle.wxyz), urdf_ik.pose(
-                [0, 0, 0], quat_wxyz=urdf_ik.model.poses.to_quat_wxyz(poses[link])), atol=1e-6)  # fmt: skip
     finally:
         server.stop()
+    bodies, poses = link_shapes.read(arm.model).bodies, arm.link_poses(Q)
+    assert len(handles) == len(bodies) > 0 and not shown.missing
+    for body, handle in zip(bodies, handles, strict=True):
+        np.testing.assert_allclose(urdf_ik.pose(handle.position, quat_wxyz=handle.wxyz), poses[body.link], atol=1e-6)
 
 
 def test_a_rerun_recording_holds_shapes_and_poses(arm: urdf_ik.Arm, tmp_path: pytest.TempPathFactory) -> None:

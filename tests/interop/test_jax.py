@@ -10,7 +10,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError
-from urdf_ik.interop.autograd.solving import Differentiable
+from urdf_ik.interop.differentiable import Differentiable
 
 jax = pytest.importorskip("jax", reason="jax is not installed: pip install 'urdf-ik[jax]'")
 

@@ -5,16 +5,21 @@ from __future__ import annotations
 import json
 import re
 import struct
-from typing import Any
+from collections.abc import Iterable
+from pathlib import Path
+from string import Template
+from typing import Any, NamedTuple
 
+from urdf_ik._core import Solver
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, escaped
+from urdf_ik.cmake import core
+from urdf_ik.errors import ArgumentError, UnsupportedArm, escaped
 from urdf_ik.export.compilation import compile
-from urdf_ik.export.solver_text import Node, inlined, macros, node_of, struct_of
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.version import __version__
 
+_TEMPLATES = Path(__file__).resolve().parent / "templates"
 _SPACE = f"urdf_ik_{__version__.replace('.', '_')}"
 
 # Of C++20 and of C; the name is a namespace, and begins the names of C's functions.
@@ -27,37 +32,6 @@ return short signed sizeof static static_assert static_cast std struct switch te
 try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
 """
 _KEYWORDS = frozenset(_WORDS.split())
-
-# GCC's AVX-512 headers use undefined registers on purpose, and it sees such uses where it inlines.
-_QUIET = """\
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif"""
-_LOUD = """\
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif"""
-_LEVEL = """\
-// The namespace of the solver names the instruction set, so that units compiled for several do not mix.
-#if defined(__AVX512F__)
-#define URDF_IK_LEVEL v4
-#elif defined(__AVX2__)
-#define URDF_IK_LEVEL v3
-#elif defined(__SSE2__)
-#define URDF_IK_LEVEL v2
-#else
-#define URDF_IK_LEVEL plain
-#endif
-"""
-_SCRATCH = """\
-// The search for the solutions of joints that drive several axes each has 1 to 4 MB of memory of its own, beside the
-// stack. One thread at a time may then solve; #define URDF_IK_SCRATCH static thread_local lifts this.
-#ifndef URDF_IK_SCRATCH
-#define URDF_IK_SCRATCH static
-#endif
-"""
 
 
 def cpp(arm: Arm, name: str | None = None) -> str:
@@ -86,7 +60,7 @@ def cpp(arm: Arm, name: str | None = None) -> str:
     document = json.loads(compile(arm))
     guard = f"{name.upper()}_HPP"
     start = f"#ifndef {guard}\n#define {guard}\n#ifndef {name.upper()}_EXAMPLE\n#pragma GCC system_header\n#endif"
-    return "\n".join([_head(arm, document, f"{name}: "), start, _body(arm, name, document), "#endif\n"])
+    return "\n".join([_head(document, f"{name}: "), start, _body(arm, name, document), "#endif\n"])
 
 
 def c(arm: Arm, name: str | None = None) -> str:
@@ -102,52 +76,10 @@ def c(arm: Arm, name: str | None = None) -> str:
     """
     name = _name(arm, name)
     document = json.loads(compile(arm))
-    sizes = {
-        "JOINTS": len(document["joints"]),
-        "COLUMNS": len(document["branches"]),
-        "PARAMETERS": len(document["parameters"]),
-    }
-    macro = name.upper()
-    constants = ", ".join(f"{macro}_{key} = {value}" for key, value in sizes.items())
-    return f"""{_head(arm, document, f"{name}, for C: ")}
-#ifndef {macro}_H
-#define {macro}_H
-#include <stdint.h>
-#ifdef __cplusplus
-extern "C" {{
-#endif
-enum {{ {constants} }};
-/* All solutions of a pose T (16, row by row), packed: q ({macro}_COLUMNS * {macro}_JOINTS) and flags ({macro}_COLUMNS),
-   bit 0: valid, bits 1 to 4: singular. q_ref (joints) and values (parameters) may be null.
-   The number of solutions, or -1: T is no pose. */
-int {name}_ik(const double* T, double* q, uint8_t* flags, const double* q_ref, const double* values);
-/* The pose T (16) and the Jacobian J (6, joints) at a joint vector. */
-void {name}_fk(const double* q, double* T);
-void {name}_jacobian(const double* q, double* J);
-void {name}_limits(int joint, double* lower, double* upper);
-const char* {name}_joint_name(int joint);
-#ifdef __cplusplus
-}}
-#endif
-#endif
-
-#if defined({macro}_IMPLEMENTATION) && !defined({macro}_IMPLEMENTED)
-#define {macro}_IMPLEMENTED
-#pragma GCC system_header
-{_body(arm, name, document)}
-extern "C" {{
-int {name}_ik(const double* T, double* q, uint8_t* flags, const double* q_ref, const double* values) {{
-    return {name}::ik(T, q, flags, q_ref, values);
-}}
-void {name}_fk(const double* q, double* T) {{ {name}::fk(q, T); }}
-void {name}_jacobian(const double* q, double* J) {{ {name}::jacobian(q, J); }}
-void {name}_limits(int joint, double* lower, double* upper) {{
-    *lower = {name}::lower[joint], *upper = {name}::upper[joint];
-}}
-const char* {name}_joint_name(int joint) {{ return {name}::joint_names[joint]; }}
-}}
-#endif
-"""
+    macro, sizes = name.upper(), {"JOINTS": "joints", "COLUMNS": "branches", "PARAMETERS": "parameters"}
+    constants = ", ".join(f"{macro}_{size} = {len(document[key])}" for size, key in sizes.items())
+    head, body = _head(document, f"{name}, for C: "), _body(arm, name, document)
+    return _filled("one_file.h", name=name, macro=macro, constants=constants, head=head, body=body)
 
 
 def _name(arm: Arm, name: str | None) -> str:
@@ -165,7 +97,7 @@ def _name(arm: Arm, name: str | None) -> str:
     return name
 
 
-def _head(arm: Arm, document: dict[str, Any], what: str) -> str:
+def _head(document: dict[str, Any], what: str) -> str:
     licence = (
         "The solver is part of urdf-ik, under the BSD 3-Clause License: redistribution and use in source and binary\n"
         "forms, with or without modification, are permitted provided that this notice, the list of conditions and the\n"
@@ -181,124 +113,53 @@ def _head(arm: Arm, document: dict[str, Any], what: str) -> str:
     )
 
 
+def _filled(template: str, **values: Any) -> str:
+    """A file of ``templates`` with values in place of its names."""
+    return Template((_TEMPLATES / f"{template}.in").read_text()).substitute(values)
+
+
 def _body(arm: Arm, name: str, document: dict[str, Any]) -> str:
     node = node_of(arm.solver.require_member().solver.arm, arm.name)
-    files = ["chain.cpp"]
+    files, solvers, needs_scratch = ["chain.cpp"], list[str](), False
     at: Node | None = node
-    needs_scratch = False
     while at is not None:
         files += at.files
         needs_scratch |= "URDF_IK_SCRATCH" in at.text
         at = at.inner
-    defined, undefined = macros()
-    start = f"#include <stdint.h>\n#include <stddef.h>\n{_LEVEL}{_SCRATCH if needs_scratch else ''}{defined}"
-    return "\n".join(
-        [_QUIET, start, inlined(files, _SPACE), _interface(name, document, node), undefined, _LOUD, _example(name)]
-    )
-
-
-def _interface(name: str, document: dict[str, Any], node: Node) -> str:
-    joints, parameters = document["joints"], document["parameters"]
-    n, columns, p = len(joints), len(document["branches"]), len(parameters)
-    solvers: list[str] = []
     _solver(node, solvers)
-    slides = ", ".join("true" if each else "false" for each in document["chain"]["slides"])
-    steps = ",\n    ".join(_motion(each) for each in document["chain"]["steps"])
-    free = (
-        f"\ninline constexpr double defaults[parameters] = {_row(each['default'] for each in parameters)};" if p else ""
+    defined, undefined = macros()
+    joints, parameters, chain = document["joints"], document["parameters"], document["chain"]
+    defaults = f"\ninline constexpr double defaults[parameters] = {_row(each['default'] for each in parameters)};"
+    gain = "" if chain["gain"] is None else f"inline constexpr double gain[][joints] = {_row_of_rows(chain['gain'])};\n"
+    return _filled(
+        "one_file.hpp",
+        name=name,
+        macro=f"{name.upper()}_EXAMPLE",
+        space=_SPACE,
+        scratch=_filled("scratch.hpp") if needs_scratch else "",
+        macros=defined,
+        undefined=undefined,
+        core=inlined(files, _SPACE),
+        joints=len(joints),
+        columns=len(document["branches"]),
+        parameters=len(parameters),
+        defaults=defaults if parameters else "",
+        base=_word(document["base"]),
+        tip=_word(document["tip"]),
+        sha256=document["urdf"]["sha256"],
+        joint_names=", ".join(_word(joint["name"]) for joint in joints),
+        branch_names=", ".join(map(_word, document["branches"])),
+        lower=_row(joint["lower"] for joint in joints),
+        upper=_row(joint["upper"] for joint in joints),
+        turns=", ".join("true" if joint["turn"] else "false" for joint in joints),
+        steps=",\n    ".join(map(_motion, chain["steps"])),
+        slides=", ".join("true" if slides else "false" for slides in chain["slides"]),
+        axes=len(chain["slides"]),
+        gain=gain,
+        solvers="".join(solvers),
+        last=len(solvers) - 1,
+        kinematics=_filled("kinematics_with_mimics.hpp" if gain else "kinematics.hpp").rstrip(),
     )
-    turning = ", ".join("true" if each["turn"] else "false" for each in joints)
-    return f"""
-namespace {name} {{
-
-inline constexpr int joints = {n}, columns = {columns}, parameters = {p};
-inline constexpr const char *base = {_word(document["base"])}, *tip = {_word(document["tip"])};
-inline constexpr const char* urdf_sha256 = "{document["urdf"]["sha256"]}";
-inline constexpr const char* joint_names[joints] = {{{", ".join(_word(each["name"]) for each in joints)}}};
-inline constexpr const char* branch_names[columns] = {{{", ".join(_word(each) for each in document["branches"])}}};
-inline constexpr double lower[joints] = {_row(each["lower"] for each in joints)};
-inline constexpr double upper[joints] = {_row(each["upper"] for each in joints)};{free}
-// Bits of a column's flags: whether it holds a solution, and whether this is singular; of a pose's first column: the
-// status, 0 if the solutions are all, 32 if some may be missing, 64 if some stand as one, 96 if a curve of solutions
-// keeps the pose.
-inline constexpr int valid = 1, singular = 30, status = 96;
-
-namespace detail {{
-using namespace {_SPACE};
-using namespace {_SPACE}::URDF_IK_LEVEL;
-inline constexpr Motion steps[] = {{
-    {steps}}};
-inline constexpr bool slides[] = {{{slides}}}, turns[] = {{{turning}}};
-inline constexpr ChainArm chain = {{{len(document["chain"]["slides"])}, steps, slides}};
-{_gain(document)}{"".join(solvers)}}}  // namespace detail
-
-// All solutions of m poses T (m, 16), row by row: q (m, columns, joints) [rad, m], flags (m, columns). q_ref (joints):
-// on a continuum, free joints take values near these. values (m, parameters); null: the defaults. Index of the first T
-// that is no pose, or -1.
-inline long ik_batch(const double* T, long m, double* q, uint8_t* flags, const double* q_ref = nullptr,
-                     const double* values = nullptr) {{
-    double near[joints];
-    for (int j = 0; q_ref && j < joints; ++j) {{
-        const bool inside = q_ref[j] > -3.141592653589793 && q_ref[j] <= 3.141592653589793;
-        near[j] = inside || !detail::turns[j] ? q_ref[j] : detail::on_circle(q_ref[j]);
-    }}
-    return detail::solve_{len(solvers) - 1}({{T, m, q_ref ? near : nullptr, values, q, flags}});
-}}
-
-// The solutions of one pose, packed: flags and q of the first so many columns. The number of them, or -1: T is no pose.
-inline int ik(const double* T, double* q, uint8_t* flags, const double* q_ref = nullptr,
-              const double* values = nullptr) {{
-    if (ik_batch(T, 1, q, flags, q_ref, values) >= 0) return -1;
-    int count = 0;
-    const int of_pose = flags[0] & status;
-    for (int c = 0; c < columns; ++c) {{
-        if (!(flags[c] & valid)) continue;
-        for (int j = 0; j < joints; ++j) q[count * joints + j] = q[c * joints + j];
-        flags[count++] = flags[c];
-    }}
-    flags[0] = uint8_t((count ? flags[0] & ~status : 0) | of_pose);
-    return count;
-}}
-
-// The pose T (16) and the Jacobian J (6, joints), linear rows above angular ones, at a joint vector of any size.
-{_kinematics(document)}
-
-}}  // namespace {name}
-"""
-
-
-def _gain(document: dict[str, Any]) -> str:
-    """How far each axis moves per unit of a joint, where joints drive several axes."""
-    gain = document["chain"]["gain"]
-    if gain is None:
-        return ""
-    return f"inline constexpr double gain[][joints] = {_row_of_rows(gain)};\n"
-
-
-def _kinematics(document: dict[str, Any]) -> str:
-    """The functions fk and jacobian."""
-    if document["chain"]["gain"] is None:
-        return """\
-inline void fk(const double* q, double* T) { detail::chain_functions.poses(detail::chain, q, 1, T); }
-inline void jacobian(const double* q, double* J) { detail::chain_functions.jacobians(detail::chain, q, 1, J); }"""
-    return """\
-inline void fk(const double* q, double* T) {
-    constexpr int axes = int(sizeof detail::slides);
-    double values[axes] = {};
-    for (int k = 0; k < axes; ++k) for (int j = 0; j < joints; ++j) values[k] += q[j] * detail::gain[k][j];
-    detail::chain_functions.poses(detail::chain, values, 1, T);
-}
-inline void jacobian(const double* q, double* J) {
-    constexpr int axes = int(sizeof detail::slides);
-    double values[axes] = {}, each[6 * axes];
-    for (int k = 0; k < axes; ++k) for (int j = 0; j < joints; ++j) values[k] += q[j] * detail::gain[k][j];
-    detail::chain_functions.jacobians(detail::chain, values, 1, each);
-    for (int r = 0; r < 6; ++r) for (int j = 0; j < joints; ++j) {
-        double sum = 0.0;
-        for (int k = 0; k < axes; ++k) sum += each[axes * r + k] * detail::gain[k][j];
-        J[joints * r + j] = sum;
-    }
-}"""
 
 
 def _solver(node: Node, made: list[str]) -> None:
@@ -353,22 +214,200 @@ def _word(text: str) -> str:
     ) + '"'  # fmt: skip
 
 
-def _example(name: str) -> str:
-    macro = f"{name.upper()}_EXAMPLE"
-    return f"""
-#ifdef {macro}
-// c++ -std=c++20 -O3 -D{macro} -x c++ FILE
-#include <cstdio>
-int main() {{
-    double zero[{name}::joints] = {{}}, T[16], q[{name}::columns * {name}::joints];
-    uint8_t flags[{name}::columns];
-    {name}::fk(zero, T);
-    const int count = {name}::ik(T, q, flags);
-    for (int k = 0; k < count; ++k) {{
-        for (int j = 0; j < {name}::joints; ++j) std::printf("%.6f ", q[k * {name}::joints + j]);
-        std::printf("\\n");
-    }}
-    return count > 0 ? 0 : 1;
-}}
-#endif
-"""
+_CLOSED, _SINGLY = "solve_closed_form", "solve_singly"
+_FORMS = "families/closed_forms/"
+# Of each family of six joints: the header, and by variant the function and the class that it takes, as in the table of
+# the .cpp file beside the header.
+FAMILIES = {
+    "spherical wrist": (
+        f"{_FORMS}spherical_wrist.hpp",
+        {
+            "2||3": (_CLOSED, "SphericalWrist<Shoulder::parallel_23>"),
+            "1x2": (_CLOSED, "SphericalWrist<Shoulder::intersecting_12>"),
+            "1||2": (_CLOSED, "SphericalWrist<Shoulder::parallel_12>"),
+            "general": (_SINGLY, "SphericalWrist<Shoulder::general>"),
+        },
+    ),
+    "three parallel axes": (
+        f"{_FORMS}three_parallel.hpp",
+        {
+            "5x6": (_CLOSED, "ThreeParallel<Hand::intersecting_56>"),
+            "general": (_SINGLY, "ThreeParallel<Hand::general>"),
+        },
+    ),
+    "parallel shoulder": (
+        f"{_FORMS}parallel_shoulder.hpp",
+        {
+            "5x6": (_CLOSED, "ParallelShoulder<LastAxes::intersecting_56>"),
+            "5||6": (_CLOSED, "ParallelShoulder<LastAxes::parallel_56>"),
+            "4x5": (_CLOSED, "ParallelShoulder<LastAxes::intersecting_45>"),
+            "4||5": (_CLOSED, "ParallelShoulder<LastAxes::parallel_45>"),
+            "general": (_SINGLY, "ParallelShoulder<LastAxes::general>"),
+        },
+    ),
+    "spherical middle": (
+        f"{_FORMS}spherical_middle.hpp",
+        {
+            "5x6": (_CLOSED, "SphericalMiddle<LastPair::intersecting>"),
+            "5||6": (_CLOSED, "SphericalMiddle<LastPair::parallel>"),
+            "general": (_SINGLY, "SphericalMiddle<LastPair::general>"),
+        },
+    ),
+}
+_FEW = "families/few_joints/"
+_WRAPPED = "arms/wrapped.hpp"
+# Functions that a header declares and a unit of its own defines.
+_DECLARED = re.compile(r"^(?!template|inline|extern|static|using|struct)[A-Za-z]\w* (\w+)\([^;{]*\);", re.MULTILINE)
+
+
+class Node(NamedTuple):
+    """One solver: its struct, the files that it needs, and the statement that solves a batch with it.
+
+    Attributes:
+        core: the compiled solver.
+        files: headers and sources.
+        text: C++ that returns the answer to ``batch``; ``arm`` is the struct, ``inner`` the other solver.
+        inner: the solver that it uses, or None.
+    """
+
+    core: Solver
+    files: tuple[str, ...]
+    text: str
+    inner: Node | None = None
+
+
+def node_of(arm: Any, name: str) -> Node:
+    """The solver of an arm's numbers, and those that it uses."""
+    made, kind = Solver(arm), arm.kind
+    if kind in ("one joint given", "axis free"):
+        inserted = "true" if kind == "one joint given" else "false"
+        inner = node_of(arm.solver, name)
+        most = 8 * inner.core.branches
+        text = f"solve_one_given<8, {most}>(arm, {inserted}, {_size(inner)}, inner, one_given_solvers, batch)"
+        return Node(made, (_WRAPPED, "families/seven_joints/one_given.cpp"), text, inner)
+    if kind == "reversed":
+        inner = node_of(arm.solver, name)
+        text = f"solve_reversed({_size(inner)}, inner, reversed_steps, batch)"
+        return Node(made, (_WRAPPED, f"{_FORMS}reversed.cpp"), text, inner)
+    if kind == "completed":
+        inner = node_of(arm.six, name)
+        text = (
+            "struct Steps { void (*completed)(const CompletedArm&, const Batch&, const OfSix&) = keep_real; } steps;\n"
+            f"    return solve_completed(arm, {_size(inner)}, inner, steps, batch)"
+        )
+        return Node(made, (_WRAPPED, f"{_FEW}completed.hpp"), text, inner)
+    if kind == "coupled":
+        n = int(arm.joints)
+        text = (
+            f"struct Scratch {{ double boxes[{n} * SCRATCH]; }};\n    URDF_IK_SCRATCH Scratch scratch;\n"
+            f"    return solve_coupled<{n}>(arm, batch, scratch.boxes)"
+        )
+        return Node(made, ("families/mimics/coupled.hpp",), text)
+    files, function = _own(arm, kind, name)
+    return Node(made, files, f"{function}(arm, batch)")
+
+
+def _size(inner: Node) -> str:
+    of = inner.core
+    return f"{{{of.joints}, {of.branches}, {of.parameters}}}"
+
+
+def _own(arm: Any, kind: str, name: str) -> tuple[tuple[str, ...], str]:
+    """Files and function of a solver that uses no other one."""
+    if kind in FAMILIES:
+        header, variants = FAMILIES[kind]
+        function, family = variants[arm.variant]
+        return (header,), f"{function}<{family}>"
+    if kind == "imperfect":
+        header, variants = FAMILIES[arm.family.kind]
+        family = variants[arm.family.variant][1]
+        return ("families/imperfect/imperfect.hpp", header), f"{_SINGLY}<Imperfect<{family}>>"
+    if kind == "elimination":
+        return ("families/general/elimination.hpp",), f"{_SINGLY}<General6>"
+    if kind == "few joints":
+        return (f"{_FEW}few_joints.hpp",), f"{_SINGLY}<FewJoints<{int(arm.joints)}, {int(arm.columns)}>>"
+    if kind == "planar":
+        return (f"{_FEW}planar.hpp",), f"{_CLOSED}<Planar<{int(arm.number)}>>"
+    if kind == "slides":
+        return (f"{_FEW}slides.hpp",), f"{_SINGLY}<Slides<{int(arm.columns)}>>"
+    if kind in ("sampled", "sampled with one held"):
+        return (f"{_FEW}sampled.hpp",), f"{_SINGLY}<{'Sampled' if kind == 'sampled' else 'SampledHeld'}>"
+    if kind == "S-R-S":
+        function = f"{_SINGLY}<SrsNear>" if arm.imperfection > 0.0 else f"{_CLOSED}<Srs>"
+        return ("families/seven_joints/srs_near.hpp",), function
+    if kind == "hollow wrist":
+        return ("families/mimics/hollow_wrist.hpp",), f"{_SINGLY}<HollowWrist>"
+    raise UnsupportedArm(f"{name}: a solver of the kind {kind!r} is not exported to one file")
+
+
+def struct_of(node: Node) -> str:
+    """The C++ type of a solver's numbers.
+
+    It is that of the first parameter of the function that solves, so that no list of structs is kept here.
+    """
+    text = node.text
+    if "solve_one_given" in text:
+        return "GivenJoint"
+    if "solve_completed" in text:
+        return "CompletedArm"
+    if coupled := re.search(r"solve_coupled<(\d)>", text):
+        return f"CoupledArm<{coupled[1]}>"
+    family = re.match(r"solve_\w+<(.*)>\(arm, batch\)$", text)
+    return "" if family is None else f"{family[1]}::Arm"
+
+
+def inlined(files: Iterable[str], space: str) -> str:
+    """Sources of the core in the order of need, as parts of one unit, each behind a guard of its own.
+
+    Args:
+        files: what is needed; what they include comes before them.
+        space: the namespace that replaces ``urdf_ik``.
+    """
+    root, seen, parts = core(), set[str](), list[str]()
+    declared: set[str] = set()
+    waiting = list(files)
+
+    def take(name: str) -> None:
+        if name in seen:
+            return
+        seen.add(name)
+        text = (root / name).read_text()
+        for included in re.findall(r'^#include "(.*)"\n', text, re.MULTILINE):
+            take(included)
+        # A function that another unit defines is defined here, behind all headers.
+        if name.endswith(".hpp") and (functions := _DECLARED.findall(text)):
+            declared.update(functions)
+            unit = name.removesuffix(".hpp") + ".cpp"
+            waiting.append(unit if (root / unit).is_file() else "families/general/elimination.hpp")
+        if name != _LEVEL:
+            parts.append(_guarded(name, text, space))
+
+    while waiting:
+        take(waiting.pop(0))
+    whole = "\n".join(parts)
+    for function in declared:
+        whole = re.sub(rf"^(?!inline)([A-Za-z]\w* {function}\()", r"inline \1", whole, flags=re.MULTILINE)
+    return whole
+
+
+_LEVEL = "arithmetic/level.hpp"
+
+
+def macros() -> tuple[str, str]:
+    """The core's macros, defined and taken back."""
+    text = (core() / _LEVEL).read_text()
+    defined = re.findall(r"^#define (\w+) .*$", text, re.MULTILINE)
+    lines = re.findall(r"^#define \w+ .*$", text, re.MULTILINE)
+    return "\n".join(lines), "\n".join(f"#undef {name}" for name in [*defined, "URDF_IK_LEVEL"])
+
+
+def _guarded(name: str, text: str, space: str) -> str:
+    text = re.sub(r'^#include "[^"]*"\n|^#pragma once\n', "", text, flags=re.MULTILINE)
+    # One file is one unit: nothing is instantiated or defined elsewhere.
+    text = re.sub(r"^extern (template|const) [^;]*;\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^const (\w+ \w+ = \{)", r"inline constexpr \1", text, flags=re.MULTILINE)
+    if name.endswith(".cpp"):
+        text = re.sub(r"^template (?!<)[^;{]*;\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"\burdf_ik(?=::| \{|;)", space, text)
+    guard = f"{space}_{re.sub(r'[^A-Za-z0-9]', '_', name)}".upper()
+    return f"#ifndef {guard}\n#define {guard}\n{text.strip()}\n#endif\n"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from urdf_ik.interop import other_programs
-from urdf_ik.interop.other_programs import *  # noqa: F403
+from urdf_ik.support.lazy import attributes
 
-__all__ = []
-__all__ += other_programs.__all__
+_PUBLIC = (
+    "ShownArm", "add_to_rerun", "add_to_viser", "from_joint_state", "pink_configuration", "to_joint_state"
+)  # fmt: skip
 
+__all__ = [*_PUBLIC]  # noqa: PLE0604
 
-def __dir__() -> list[str]:
-    return __all__
+__getattr__ = attributes(__name__, dict.fromkeys(_PUBLIC, "other_programs"))

@@ -5,7 +5,7 @@ Pinocchio's configurations are methods of the arm: ``arm.to_pinocchio(q)`` and `
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,19 +15,8 @@ from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
-from urdf_ik.support import extras, inputs
-from urdf_ik.support.text import quoted
+from urdf_ik.support import extras
 from urdf_ik.typing import Array
-
-__all__ = [
-    "RerunArm",
-    "ViserArm",
-    "add_to_rerun",
-    "add_to_viser",
-    "from_joint_state",
-    "pink_configuration",
-    "to_joint_state",
-]
 
 
 def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLike | None = None) -> Array:
@@ -52,10 +41,8 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
         >>> interop.to_joint_state(arm, [0.1, 0.2], ["gripper", "joint_2", "joint_1"], others=[0.04, 0.0, 0.0]).tolist()
         [0.04, 0.2, 0.1]
     """
-    inputs.arm(arm)
     Q, place = arm.chain.check(q, padded=True), _places(names)
-    given = None if others is None else inputs.real(others, "others", "a position for each name")
-    kept = np.full(len(names), np.nan) if given is None else given
+    kept = np.full(len(names), np.nan) if others is None else np.asarray(others, dtype=np.float64)
     if kept.shape != (len(names),):
         raise ArgumentError(f"others has the shape {kept.shape}; one position for each of {len(names)} names is needed")
     out = np.tile(kept, (*Q.shape[:-1], 1))
@@ -83,8 +70,7 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
         >>> interop.from_joint_state(arm, ["gripper", "joint_2", "joint_1"], [0.04, 0.2, 0.1]).tolist()
         [0.1, 0.2]
     """
-    inputs.arm(arm)
-    given, place = inputs.real(positions, "positions", "joint positions"), _places(names)
+    given, place = np.asarray(positions, dtype=np.float64), _places(names)
     if given.shape[-1:] != (len(names),):
         raise ArgumentError(f"positions of shape {given.shape} for {len(names)} names; (..., {len(names)}) is needed")
     if missing := [name for name in arm.joint_names if name not in place]:
@@ -119,80 +105,23 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
         import pink
     except ImportError:
         raise extras.missing("pink is not installed", "interop") from None
-    inputs.arm(arm)
     model = arm.cell.reference.pin_model
     return pink.Configuration(model, model.createData(), arm.to_pinocchio(_one(arm, q)))
 
 
-class ViserArm:
-    """An arm in a viser scene; see :func:`add_to_viser`.
-
-    Attributes:
-        arm: the arm.
-        root: viser's frame that holds the links; set its ``position`` and ``wxyz`` to move the whole arm.
-        missing: a sentence for each shape that could not be read.
-    """
-
-    def __init__(self, scene: Any, arm: Arm, name: str) -> None:
-        inputs.arm(arm)
-        inputs.kind(scene, "add_mesh_trimesh", "scene", "a scene of viser's")
-        self.arm, self.root = arm, scene.add_frame(name, show_axes=False)
-        shapes = link_shapes.read(arm.model)
-        self.missing = shapes.missing
-        self._bodies = [
-            (body.link, scene.add_mesh_trimesh(f"{name}/{k}", body.mesh)) for k, body in enumerate(shapes.bodies)
-        ]
-
-    def show(self, q: ArrayLike) -> None:
-        """Move the links to where they are at ``q`` (n,) rad or m.
-
-        Raises:
-            ArgumentError: q is not (n,).
-        """
-        poses = self.arm.link_poses(_one(self.arm, q))
-        for link, handle in self._bodies:
-            handle.position, handle.wxyz = poses[link][:3, 3], to_quat_wxyz(poses[link])
-
-
-def add_to_viser(scene: Any, arm: Arm, name: str = "/arm") -> ViserArm:
-    """Add the arm's shapes to a scene of your own, such as ``viser.ViserServer().scene``.
-
-    Args:
-        scene: viser's scene.
-        arm: the arm.
-        name: of the frame that holds its links.
-
-    Returns:
-        What moves it: ``add_to_viser(...).show(q)``.
-    """
-    shown = ViserArm(scene, arm, name)
-    shown.show(np.clip(np.zeros(arm.dof), *arm.limits.T))
-    return shown
-
-
-class RerunArm:
-    """An arm in a rerun recording; see :func:`add_to_rerun`.
+class ShownArm:
+    """An arm in a scene of another program; :func:`add_to_viser` and :func:`add_to_rerun` make it.
 
     Attributes:
         arm: the arm.
         missing: a sentence for each shape that could not be read.
     """
 
-    def __init__(self, rerun: Any, arm: Arm, path: str, recording: Any) -> None:
-        inputs.arm(arm)
-        if not isinstance(path, str) or not path or "\0" in path:
-            raise ArgumentError(f"path={quoted(path)} given; the path of an entity, such as 'arm', is needed")
-        if recording is not None:
-            inputs.kind(recording, "set_time", "recording", "a rerun.RecordingStream")
-        self.arm, self._rerun, self._path, self._recording = arm, rerun, path, recording
-        shapes = link_shapes.read(arm.model)
-        self.missing = shapes.missing
-        for k, body in enumerate(shapes.bodies):
-            mesh = rerun.Mesh3D(vertex_positions=body.mesh.vertices, triangle_indices=body.mesh.faces)
-            rerun.log([path, body.link, f"shape_{k}"], mesh, static=True, recording=recording)
+    def __init__(self, arm: Arm, missing: tuple[str, ...], place: Callable[[str, Array], None]) -> None:
+        self.arm, self.missing, self._place = arm, missing, place
 
     def show(self, q: ArrayLike) -> None:
-        """Log the poses of the links at ``q`` (n,) rad or m, at the recording's present time.
+        """Move the links to where they are at ``q`` (n,) rad or m; in rerun at the recording's present time.
 
         Raises:
             ArgumentError: q is not (n,).
@@ -206,13 +135,37 @@ class RerunArm:
             ...     recording.set_time("step", sequence=step)
             ...     shown.show([0.1 * step] * 6)
         """
-        poses = self.arm.link_poses(_one(self.arm, q))
-        for link, pose in poses.items():
-            placed = self._rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3])
-            self._rerun.log([self._path, link], placed, recording=self._recording)
+        for link, pose in self.arm.link_poses(_one(self.arm, q)).items():
+            self._place(link, pose)
 
 
-def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> RerunArm:
+def add_to_viser(scene: Any, arm: Arm, name: str = "/arm") -> ShownArm:
+    """Add the arm's shapes to a scene of your own, such as ``viser.ViserServer().scene``.
+
+    Args:
+        scene: viser's scene.
+        arm: the arm.
+        name: of the frame that holds its links; move it to move the whole arm.
+
+    Returns:
+        What moves it: ``add_to_viser(...).show(q)``.
+    """
+    scene.add_frame(name, show_axes=False)
+    shapes = link_shapes.read(arm.model)
+    handles: dict[str, list[Any]] = {}
+    for k, body in enumerate(shapes.bodies):
+        handles.setdefault(body.link, []).append(scene.add_mesh_trimesh(f"{name}/{k}", body.mesh))
+
+    def place(link: str, pose: Array) -> None:
+        for handle in handles.get(link, ()):
+            handle.position, handle.wxyz = pose[:3, 3], to_quat_wxyz(pose)
+
+    shown = ShownArm(arm, shapes.missing, place)
+    shown.show(np.clip(np.zeros(arm.dof), *arm.limits.T))
+    return shown
+
+
+def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> ShownArm:
     """Log the arm's shapes to rerun, one entity a link.
 
     Args:
@@ -225,18 +178,21 @@ def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> RerunArm
 
     Raises:
         MissingPackage: rerun is not installed.
-
-    Example:
-        >>> import rerun, urdf_ik
-        >>> from urdf_ik import interop
-        >>> interop.add_to_rerun(urdf_ik.load("puma_560"), recording=rerun.RecordingStream("arms")).missing
-        ()
     """
     try:
         import rerun
     except ImportError:
         raise extras.missing("rerun is not installed", "interop") from None
-    return RerunArm(rerun, arm, path, recording)
+    shapes = link_shapes.read(arm.model)
+    for k, body in enumerate(shapes.bodies):
+        mesh = rerun.Mesh3D(vertex_positions=body.mesh.vertices, triangle_indices=body.mesh.faces)
+        rerun.log([path, body.link, f"shape_{k}"], mesh, static=True, recording=recording)
+
+    def place(link: str, pose: Array) -> None:
+        placed = rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3])
+        rerun.log([path, link], placed, recording=recording)
+
+    return ShownArm(arm, shapes.missing, place)
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -251,10 +207,8 @@ def _places(names: Sequence[str]) -> dict[str, int]:
     """Index of each name.
 
     Raises:
-        ArgumentError: these are no names, or one of them stands there twice.
+        ArgumentError: one of them stands there twice.
     """
-    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
-        raise ArgumentError(f"names={quoted(names)} given; a list of joints' names is needed")
     place = {name: k for k, name in enumerate(names)}
     if len(place) < len(names):
         twice = sorted({name for name in names if list(names).count(name) > 1})

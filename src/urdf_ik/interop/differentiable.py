@@ -30,10 +30,6 @@ class Branches(NamedTuple):
     Attributes:
         q: (..., B, n) rad or m, NaN where there is no solution.
         valid: (..., B) truth values.
-
-    Example:
-        >>> Branches(q=0.5, valid=True).valid
-        True
     """
 
     q: Any
@@ -47,10 +43,6 @@ class Answers(NamedTuple):
         q: (..., B, n) rad or m, zeros where there is no solution.
         inverse: (..., B, n, 6 + k) joints by the target's twist and by redundancy parameters, zeros likewise.
         valid: (..., B) whether there is a solution.
-
-    Example:
-        >>> Answers(np.zeros((8, 6)), np.zeros((8, 6, 6)), np.zeros(8, dtype=bool)).q.shape
-        (8, 6)
     """
 
     q: Array
@@ -70,11 +62,6 @@ class Differentiable:
         rows: number of those that are functions of the joints.
         defaults: (count,) their values where none are given.
         branches: number of columns.
-
-    Example:
-        >>> import urdf_ik
-        >>> Differentiable(urdf_ik.load("zyyzyz_6r"), "raise").branches
-        8
     """
 
     def __init__(self, arm: Arm, at_folds: str) -> None:
@@ -84,7 +71,6 @@ class Differentiable:
             ArgumentError: an unknown ``at_folds``.
             UnsupportedArm: a swivel angle stands beside other redundancy parameters.
         """
-        inputs.arm(arm)
         self._at_folds = inputs.choice(at_folds, "at_folds", FOLDS)
         self._solver: Solver = arm.solver
         self._solver.require_member()
@@ -115,12 +101,6 @@ class Differentiable:
             PoseError: a pose is none.
             ArgumentError: a solution is singular, and ``at_folds`` is 'raise'.
             UnsupportedArm: the changed arm has other branches.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> Differentiable(arm, "raise").answers(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).inverse.shape
-            (8, 6, 6)
         """
         solver = self._solver if values is None else self._changed(np.asarray(values, dtype=np.float64))
         poses = np.ascontiguousarray(T, dtype=np.float64)

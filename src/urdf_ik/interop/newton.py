@@ -1,4 +1,6 @@
-"""Forward kinematics by a URDF's numbers, residuals and swivel angles, in torch's and jax's own functions.
+"""Forward kinematics by a URDF's numbers and steps of Newton's method, in torch's and jax's own functions.
+
+The steps change nothing in answers of ``ik``, and carry derivatives through them.
 
 Both libraries call these functions alike, so that ``xp`` is either; ``constant`` makes one of its arrays of numbers.
 """
@@ -6,10 +8,12 @@ Both libraries call these functions alike, so that ``xp`` is either; ``constant`
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.interop.differentiable import Answers, Differentiable
+from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.derivatives import WrittenChain
 from urdf_ik.kinematics.derivatives.swivel import ELBOW, SHOULDER, WRIST, Points
 
@@ -23,16 +27,6 @@ def residual(xp: Any, tip: tuple[Any, Any, Lines], target: tuple[Any, Any]) -> A
 
     The rotation counts by the skew part of R R_T^T. It is zero at the rotation nearest to R_T, so that entries of a
     target may change one by one.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.kinematics.derivatives import written
-        >>> arm = urdf_ik.load("planar_2r")
-        >>> geometry, q = written(arm.chain), np.array([[0.1, 0.2]])
-        >>> T = arm.fk(q[0])
-        >>> tip = fk(np, np.asarray, geometry, q, geometry.values)
-        >>> bool(abs(residual(np, tip, (T[:3, :3], T[:3, 3]))).max() < 1e-12)
-        True
     """
     M = tip[0] @ target[0][..., None, :, :].swapaxes(-1, -2)
     turn = [
@@ -45,18 +39,7 @@ def residual(xp: Any, tip: tuple[Any, Any, Lines], target: tuple[Any, Any]) -> A
 
 
 def swivel(xp: Any, points: Points, R: Any, p: Any, axes: Lines) -> tuple[Any, Any]:
-    """Cosine and sine (..., B) of the swivel angle, as the core measures it (swivel.hpp), of tips and axes 4.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.kinematics.derivatives import written
-        >>> arm, q = urdf_ik.load("srs_7r"), np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
-        >>> geometry = written(arm.chain)
-        >>> points = swivel_points(np, np.asarray, geometry, geometry.values)
-        >>> c, s = swivel(np, points, *fk(np, np.asarray, geometry, q, geometry.values, (ELBOW,)))
-        >>> bool(abs(np.arctan2(s, c) - arm.redundancy_of(q)) < 1e-12)
-        True
-    """
+    """Cosine and sine (..., B) of the swivel angle, as the core measures it (swivel.hpp), of tips and axes 4."""
     W = p + (R @ points.wrist[:, None])[..., 0] - points.shoulder
     axis = axes[ELBOW][1]
     normal = _cross(xp, points.up, W)
@@ -67,15 +50,7 @@ def swivel(xp: Any, points: Points, R: Any, p: Any, axes: Lines) -> tuple[Any, A
 
 
 def swivel_points(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, values: Any) -> Points:
-    """What a swivel angle is measured from, by numbers (p,) of a URDF, in the library's arrays.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.kinematics.derivatives import written
-        >>> geometry = written(urdf_ik.load("srs_7r").chain)
-        >>> (swivel_points(np, np.asarray, geometry, geometry.values).shoulder.round(6) + 0.0).tolist()
-        [0.0, 0.0, 0.36]
-    """
+    """What a swivel angle is measured from, by numbers (p,) of a URDF, in the library's arrays."""
     columns = range(geometry.dof)
     R, p, axes = fk(xp, constant, geometry, constant(np.zeros(geometry.dof)), values, tuple(columns))
     shoulder, wrist = (_meeting(xp, constant, [axes[k] for k in columns[part]]) for part in (SHOULDER, WRIST))
@@ -109,13 +84,6 @@ def fk(
 
     Returns:
         The rotations, the positions, and for each of these joints a point (..., 3) on its axis and its direction.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik.kinematics.derivatives import written
-        >>> geometry = written(urdf_ik.load("planar_2r").chain)
-        >>> fk(np, np.asarray, geometry, np.zeros(2), geometry.values)[1].round(6).tolist()
-        [0.196, 0.0, 0.0]
     """
     one, zero = constant(1.0), constant(0.0)
     eye, cross = constant(_UNITS), constant(np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1))
@@ -154,3 +122,60 @@ def _about(xp: Any, angle: Any, axis: int, one: Any, zero: Any) -> Any:
     rows = [[one, zero, zero], [zero, c, -s], [zero, s, c]]
     order = [(k - axis) % 3 for k in range(3)]
     return xp.stack([xp.stack([rows[i][j] for j in order], -1) for i in order], -2)
+
+
+class Given(NamedTuple):
+    """What the answers depend on.
+
+    Attributes:
+        T: (..., 4, 4) poses.
+        numbers: (p,) of the URDF.
+        values: (..., k) of the redundancy parameters.
+        still: makes of an array one without derivatives.
+    """
+
+    T: Any
+    numbers: Any
+    values: Any
+    still: Callable[[Any], Any]
+
+
+def step(xp: Any, constant: Callable[[Any], Any], of: Differentiable, at: Answers, given: Given) -> Any:
+    """Joint vectors (..., B, n) after two steps of Newton's method from answers, whose inverses it takes.
+
+    The steps change nothing, and carry the derivatives by what is given, exact up to the second order.
+
+    Args:
+        xp: the library.
+        constant: makes one of its arrays of numbers.
+        of: the arm.
+        at: the answers, as arrays of the library, without derivatives.
+        given: what the derivatives are by.
+    """
+    target = T, p = given.T[..., :3, :3], given.T[..., :3, 3]
+    if of.free_axis is not None:
+        line = np.array(of.free_axis.direction), np.array(of.free_axis.at)
+        fixed, cosine, sine = (constant(part) for part in turning(*line))
+        v = given.values[..., 0, None, None]
+        turn = fixed + xp.cos(v) * cosine + xp.sin(v) * sine
+        target = T @ turn[..., :3], (T @ turn[..., 3:])[..., 0] + p
+    own = given.values[..., given.values.shape[-1] - of.rows :]
+    q, lines = at.q, (ELBOW,) if of.swivelling else ()
+    if of.swivelling:
+        points = swivel_points(xp, constant, of.geometry, given.numbers)
+        start = [
+            given.still(each) for each in swivel(xp, points, *fk(xp, constant, of.geometry, q, given.numbers, lines))
+        ]
+    for _ in range(2):
+        tip = fk(xp, constant, of.geometry, q, given.numbers, lines)
+        parts = [residual(xp, tip, target)]
+        if of.held:
+            moved = xp.stack([q[..., k] - at.q[..., k] for k in of.held], -1)
+            parts.append(moved - (own - given.still(own))[..., None, :])
+        elif of.swivelling:
+            (c, s), (c_start, s_start) = swivel(xp, points, *tip), start
+            change = (own - given.still(own))[..., 0, None]
+            parts.append((s * c_start - c * s_start - change)[..., None])
+        off = xp.concatenate([xp.broadcast_to(each, (*q.shape[:-1], each.shape[-1])) for each in parts], -1)
+        q = q - (at.inverse @ off[..., None])[..., 0]
+    return q

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
-from urdf_ik.interop.autograd.newton import Given, step
-from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
+from urdf_ik.interop.differentiable import Answers, Branches, Differentiable
+from urdf_ik.interop.newton import Given, step
 from urdf_ik.support import extras
 
 _KEPT = 32  # arms whose compiled functions are kept

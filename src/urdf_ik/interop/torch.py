@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.arm import Arm
-from urdf_ik.interop.autograd.newton import Given, step
-from urdf_ik.interop.autograd.solving import Answers, Branches, Differentiable
+from urdf_ik.interop.differentiable import Answers, Branches, Differentiable
+from urdf_ik.interop.newton import Given, step
 from urdf_ik.support import extras
 
 
