@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from arms_general import calibrated_ur
 from cases import described
 from numpy.typing import NDArray
 
-from urdf_ik.ik.families.parts.elimination import EliminationArm, elimination_arm
+from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.inexact import inexact
+from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.kinematics.chain import Chain
 
 Array = NDArray[np.float64]
@@ -24,7 +23,7 @@ def chain() -> Chain:
 
 
 @pytest.fixture(scope="module")
-def arm(chain: Chain) -> EliminationArm:
+def arm(chain: Chain) -> Numbers:
     """Its elimination."""
     return elimination_arm(chain, near=True)
 
@@ -41,7 +40,7 @@ def on_lines(R: Array, t: Array) -> Array:
     return np.asarray(np.linalg.lstsq(numbers(p, d), numbers(p @ R.T + t, d @ R.T), rcond=None)[0].T)
 
 
-def left_over(chain: Chain, arm: EliminationArm, q: Array) -> float:
+def left_over(chain: Chain, arm: Numbers, q: Array) -> float:
     """What the six equations leave at a joint vector, relative to the products of (1, cos, sin) that enter them."""
     variant = arm.variant
     first, back = int(variant.first[0]), bool(variant.reversed[0])
@@ -58,7 +57,7 @@ def left_over(chain: Chain, arm: EliminationArm, q: Array) -> float:
     return float(np.linalg.norm(A @ products) / np.linalg.norm(products))
 
 
-def test_the_equations_hold_at_joint_vectors_up_to_the_bound(chain: Chain, arm: EliminationArm) -> None:
+def test_the_equations_hold_at_joint_vectors_up_to_the_bound(chain: Chain, arm: Numbers) -> None:
     """The matrix errs by at most twice what the equations do, and both by little more than rounding."""
     rng, a = np.random.default_rng(1), arm.variant.inexact[0]
     reach = arm.scale * 2.0 * chain.size
@@ -69,16 +68,16 @@ def test_the_equations_hold_at_joint_vectors_up_to_the_bound(chain: Chain, arm: 
 
 
 @pytest.mark.parametrize("off", [1e-9, 1e-6, 1e-3])
-def test_the_bound_holds_what_other_factors_leave(chain: Chain, arm: EliminationArm, off: float) -> None:
+def test_the_bound_holds_what_other_factors_leave(chain: Chain, arm: Numbers, off: float) -> None:
     """Factors that were changed leave more; the bound grows with it, and no further than it must by some orders."""
     rng = np.random.default_rng(2)
     left = arm.variant.left.copy()
     left[0] += off * rng.normal(size=left[0].shape)
-    variant = dataclasses.replace(arm.variant, left=left)
+    variant = arm.variant.but(left=left)
     cut = int(variant.first[0]), bool(variant.reversed[0])
     steps = arm.written.steps
     a, rest = inexact(steps, arm.centre, arm.scale, cut, left[0], variant.right[0])
-    changed = dataclasses.replace(arm, variant=variant)
+    changed = arm.but(variant=variant)
     reach = arm.scale * 2.0 * chain.size
     bound = a[0] + a[1] * reach + a[2] * reach**2
     worst = max(left_over(chain, changed, rng.uniform(-np.pi, np.pi, 6)) for _ in range(20))
@@ -88,7 +87,7 @@ def test_the_bound_holds_what_other_factors_leave(chain: Chain, arm: Elimination
     assert (rest.inexact < 1e-13 * off).all()
 
 
-def test_the_rest_of_the_factors_is_rounding_and_leaves_that_of_twice_the_digits(arm: EliminationArm) -> None:
+def test_the_rest_of_the_factors_is_rounding_and_leaves_that_of_twice_the_digits(arm: Numbers) -> None:
     """What rounding leaves out is below 1e-13, nothing where the factors are padded; the bound falls by 16 digits."""
     left, right, bound = arm.counter_rest.left, arm.counter_rest.right, arm.counter_rest.inexact
     assert 0.0 < np.abs(left).max() < 1e-13

@@ -12,7 +12,7 @@ from seven_joints import member, tolerance
 
 import urdf_ik
 from urdf_ik import ArgumentError, UnsupportedArm
-from urdf_ik.ik.families.srs import SrsArm
+from urdf_ik.ik.families.parts.written import Numbers
 
 # What each kind is solved as: the family, the joint that is given.
 EXPECTED = {
@@ -35,10 +35,9 @@ def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
     return q, case.oracle.poses(q), case.arm.redundancy_of(q)
 
 
-def numbers_of(case: Case) -> SrsArm:
+def numbers_of(case: Case) -> Numbers:
     """The numbers of the solver of an S-R-S arm."""
-    arm = case.arm.solver.require_member().solver.arm
-    assert isinstance(arm, SrsArm)
+    arm: Numbers = case.arm.solver.require_member().solver.arm
     return arm
 
 

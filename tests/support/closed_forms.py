@@ -13,7 +13,6 @@ from cases import Case, assert_exact, described, indistinct_pairs, nearest, rows
 from numpy.typing import NDArray
 
 from urdf_ik.ik.families import general
-from urdf_ik.ik.families.parts.family import Reversed
 from urdf_ik.kinematics.structure import analyse
 
 Array = NDArray[np.float64]
@@ -78,7 +77,7 @@ def agrees_with_elimination(case: Case, poses: int, seed: int) -> None:
 def at_quarter_turns(case: Case, poses: int, seed: int) -> None:
     """With all joints at multiples of a quarter turn from where neighbouring axes lie in a plane: exact solutions."""
     arm: Any = case.arm.solver.require_member().solver.arm
-    from_tip = isinstance(arm, Reversed)
+    from_tip = arm.kind == "reversed"
     offset = (arm.solver if from_tip else arm).ideal.offset
     offset = offset[::-1] if from_tip else offset
     rng = np.random.default_rng(seed)

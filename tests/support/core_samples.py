@@ -13,7 +13,7 @@ from arms import X, Z, industrial, random_arm, rotation, ur_like
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from urdf_ik.ik.families.parts.written import Written
+from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.ik.families.parts.written import written as written_arm
 from urdf_ik.kinematics.chain import Chain, from_urdf
 from urdf_ik.model import urdf
@@ -38,7 +38,7 @@ def step(name: str, *numbers: float) -> list[float]:
     return list(alone.tolist())
 
 
-def written(urdf_text: str) -> tuple[Written, Chain]:
+def written(urdf_text: str) -> tuple[Numbers, Chain]:
     """The arm as the URDF has it, as the solvers take it, and its chain."""
     chain = from_urdf(urdf.read(urdf_text), "base", "tool")
     return written_arm(chain), chain

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError
-from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import sweep
 from urdf_ik.ik.redundancy.interval_search import intervals
@@ -60,12 +59,12 @@ def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str
         target = solver.targets.read(T)
         if target.ndim != 1:
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
-        return member.explain(solver.targets.poses(target[None])[0])
+        return member.why(solver.targets.poses(target[None])[0])
     target = check_poses(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
-    if redundancy is None and not isinstance(member, RedundantMember):
-        return member.explain(target)
+    if redundancy is None and not member.parameters:
+        return member.why(target)
     redundant = solver.redundant_member
     if len(redundant.parameters) == 1:
         return sweep.explanation(solver, target, redundancy)
@@ -75,4 +74,4 @@ def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str
             f"redundancy of shape {values.shape} given; explain takes one value of each of the "
             f"{len(redundant.parameters)} parameters"
         )
-    return redundant.explain_at(target, np.asarray(values))
+    return redundant.explain(target, np.asarray(values))

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.pose_solving import near_each, solve
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.region import Region, nearest_in_region
@@ -37,7 +36,7 @@ def _along_parameter(
     The distance is that to the +-2 pi images (with ``within_limits`` those inside the limits). Of a pose that has no
     solution inside the limits, what is least far outside them is looked at, and dropped with its reason.
     """
-    parameter = solver.redundant_member.parameter
+    parameter = solver.redundant_member.parameters[0]
     threads = inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
@@ -115,7 +114,7 @@ def nearest(
         if region is not None and solver.free_axis is not None:
             raise ArgumentError(f"{solver.name}: {solver.free_axis} is free; a region has rotation=pi for that")
         return nearest_in_region(solver, T, q_ref, region, threads=threads, **options)
-    if isinstance(solver.member, RedundantMember):
+    if solver.parameters:
         return _along_parameter(solver, T, q_ref, threads=threads, **options)
     reference = solver.chain.check(q_ref)
     near = reference if reference.ndim == 1 else None

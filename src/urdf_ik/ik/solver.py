@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, printable
 from urdf_ik.ik import families
-from urdf_ik.ik.families import FamilyMember, RedundantMember, axis_added, coupled
+from urdf_ik.ik.families import FamilyMember, axis_added, coupled
 from urdf_ik.ik.families.registry import MOST_JOINTS
 from urdf_ik.ik.tasks import Control, Targets, control_of
 from urdf_ik.kinematics.chain import Chain, CoupledChain, dependent_joints, kinds_of
@@ -85,7 +85,7 @@ class Solver:
     @property
     def parameters(self) -> tuple[Redundancy, ...]:
         """Every redundancy parameter, in the order in which solving takes their values; () for most arms."""
-        return self.member.parameters if isinstance(self.member, RedundantMember) else ()
+        return () if self.member is None else self.member.parameters
 
     @property
     def parameter(self) -> Redundancy | None:
@@ -93,14 +93,14 @@ class Solver:
         return self.parameters[0] if self.parameters else None
 
     @property
-    def redundant_member(self) -> RedundantMember:
+    def redundant_member(self) -> FamilyMember:
         """The member of a family with a redundancy parameter.
 
         Raises:
             UnsupportedArm: no solver takes the arm, or a pose leaves nothing free.
         """
-        if isinstance(self.require_member(), RedundantMember):
-            return self.member  # type: ignore[return-value]
+        if (member := self.require_member()).parameters:
+            return member
         raise UnsupportedArm(
             f"{self.name}: {self.dof} joints ({', '.join(self.joint_names)}) leave nothing free in a pose; only arms "
             "with seven, or with a free axis (Arm.with_free_axis), have a redundancy parameter"
@@ -304,7 +304,7 @@ def _check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: FamilyMember
             "as a rule; only arms with six joints or more take a free axis"
         )
     if plan is not None and not isinstance(plan.solver, _core.Solver):
-        joint = plan.parameters[0].joint if isinstance(plan, RedundantMember) else None
+        joint = plan.parameters[0].joint
         raise ArgumentError(
             f"{name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an end joint, "
             "or none: arm.with_redundancy(...)"

@@ -21,7 +21,6 @@ from urdf_ik._core import Step
 from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik.families.parts import written as task
-from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import CoupledChain, velocity_limits
@@ -59,7 +58,7 @@ class _TrackedArm:
     """
 
     joints: int
-    written: Written
+    written: task.Numbers
     lower: Array
     upper: Array
     velocity: Array
@@ -158,7 +157,7 @@ class Tracker:
         self._core = CoreTracker(
             _TrackedArm(
                 joints=chain.n,
-                written=kind.written(chain),
+                written=task.written(chain, kind),
                 lower=chain.limits[:, 0].copy(),
                 upper=chain.limits[:, 1].copy(),
                 velocity=self.velocity_limits,

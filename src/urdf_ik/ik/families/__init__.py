@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, RedundantMember
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.registry import choose, every, of_six
 
-__all__ = ["Family", "FamilyMember", "RedundantMember", "choose", "every", "of_six"]
+__all__ = ["Family", "FamilyMember", "choose", "every", "of_six"]

@@ -7,16 +7,15 @@ the five joints as written.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any, ClassVar
 
 import numpy as np
 
-from urdf_ik._core import SelfMotion, Solver
+from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.explanations import off_by
-from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
-from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, FreeArm, Written, written
+from urdf_ik.ik.families.parts.family import FamilyMember, columns, self_motion
+from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import free_axis
@@ -27,24 +26,6 @@ Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 # Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
 _OBLIQUE = 1.05
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CompletedArm:
-    """Five joints, solved by the solver of six: ``CompletedArm`` of the core.
-
-    Attributes:
-        written: the arm as its URDF has it.
-        six: the arm with the added axis: the dataclass of its solver.
-        at: which of the six joints is the arm's first.
-        columns: of a pose's solutions.
-    """
-
-    kind: ClassVar = "completed"
-    written: Written
-    six: Any
-    at: int
-    columns: int
 
 
 def prepare_completed(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
@@ -104,7 +85,6 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
     count = len(six.branches)
 
     most = 8 if aim.kind == POSE else count
-    arm = CompletedArm(written=aim.written(chain), six=six.solver.arm, at=at, columns=most)
     return FamilyMember(
         family=six.family,
         name=f"{name} (six joints with an added axis: {six.name})",
@@ -112,67 +92,41 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
         method=f"With a sixth axis {role}: {six.method[0].lower()}{six.method[1:]}; verified on the five joints",
         branches=columns(most),
         imperfection=six.imperfection,
-        explain=partial(off_by, chain, aim=aim),
-        solver=Solver(arm),
+        why=partial(off_by, chain, aim=aim),
+        solver=Solver(Numbers(kind="completed", written=written(chain, aim), six=six.solver.arm, at=at, columns=most)),
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _AxisFree:
-    """An arm whose targets are turned about an axis of the tip: ``GivenJoint`` of the core, behind the target.
-
-    Attributes:
-        motion: (3, 3, 4) the rotation is their sum times (1, cos, sin) of its angle.
-        value: rad, the angle where no other is given.
-        solver: the arm for whole poses: the dataclass of its solver.
-        turns: whether the parameter is an angle.
-        last: whether the motion stands behind the target.
-    """
-
-    kind: ClassVar = "axis free"
-    motion: Array
-    value: float
-    solver: Any
-    turns: bool = True
-    last: bool = True
-
-
-def prepare_free(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> RedundantMember:
+def prepare_free(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> FamilyMember:
     """The plan of an arm that ``plan`` solves for whole poses, with one parameter more, which comes first."""
     parameter = free_axis(axis)
-    arm = _AxisFree(motion=axis.motion, value=parameter.default, solver=plan.solver.arm)
-    own = plan.parameters if isinstance(plan, RedundantMember) else ()
+    arm = Numbers(
+        kind="axis free",
+        motion=axis.motion,
+        value=parameter.default,
+        solver=plan.solver.arm,
+        turns=True,
+        last=True,  # the motion is behind the target
+    )
 
     def value_of(Q: Array, T: Array) -> Array:
         reached = chain.fk(Q)
-        angle = axis.angle(np.linalg.inv(T) @ reached)[:, None]
-        return np.hstack([angle, plan.value_of(Q, reached)]) if isinstance(plan, RedundantMember) else angle
+        return np.hstack([axis.angle(np.linalg.inv(T) @ reached)[:, None], plan.value_of(Q, reached)])
 
-    def explain_at(T: Array, at: Array) -> str:
-        turned = T @ axis.rotation(at[0])
-        why = plan.explain_at(turned, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(turned)
-        return f"turned by {at[0]:.6g} rad about {axis}: {why}"
+    def why(T: Array, values: Array) -> str:
+        turned = plan.explain(T @ axis.rotation(values[0]), values[1:])
+        return f"turned by {values[0]:.6g} rad about {axis}: {turned}"
 
-    return RedundantMember(
-        family=plan.family,
+    # Curves of six joints and the rotation: a seventh joint behind the tip turns it back to the target.
+    direction, point = (chain.R_tip @ np.array(each) for each in (axis.direction, axis.at))
+    alone = not plan.parameters and chain.axes is chain
+    return replace(
+        plan,
         name=f"{plan.name}, rotation about {axis.name} free",
-        reason=plan.reason,
         method=f"The target is turned about {axis}, by a value that is given. {plan.method}",
-        branches=plan.branches,
-        imperfection=plan.imperfection,
-        error=plan.error,
         solver=Solver(arm),
-        parameters=(parameter, *own),
-        self_motion=None if own or chain.axes is not chain else _self_motion(chain, axis),
+        parameters=(parameter, *plan.parameters),
+        self_motion=self_motion(with_axis_behind(chain, -direction, chain.P.sum(axis=0) + point), 6) if alone else None,
         value_of=value_of,
-        explain=plan.explain,
-        explain_at=explain_at,
-        swivel=plan.swivel if isinstance(plan, RedundantMember) else None,
+        why=why,
     )
-
-
-def _self_motion(chain: Chain, axis: FreeAxis) -> SelfMotion:
-    """The curves of six joints and the rotation: a seventh joint behind the tip that turns it back to the target."""
-    direction, at = (chain.R_tip @ np.array(each) for each in (axis.direction, axis.at))
-    whole = with_axis_behind(chain, -direction, chain.P.sum(axis=0) + at)
-    return SelfMotion(FreeArm(written=written(whole), given=6))

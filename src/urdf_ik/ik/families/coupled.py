@@ -6,8 +6,6 @@ Six independent joints are solved where the wrist mimics: see ``hollow_wrist``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -15,7 +13,7 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families import hollow_wrist
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.written import Driven, driven
+from urdf_ik.ik.families.parts.written import Numbers, driven
 from urdf_ik.kinematics.chain import Chain, is_redundant
 from urdf_ik.kinematics.chain.mimic import MOST_TURNS, CoupledChain
 from urdf_ik.kinematics.structure import Structure
@@ -27,28 +25,6 @@ MOST_JOINTS, MOST_AXES = 4, 12
 _PARALLEL = 1e-10
 # Columns of a pose; a range [rad, shares of the size] that is too wide to be searched.
 _COLUMNS, _MOST_COLUMNS, _TOO_WIDE = 16, 96, 1e3
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CoupledArm:
-    """An arm with joints that mimic others, as the compiled search takes it: ``CoupledArm`` of the core.
-
-    Attributes:
-        joints: n, how many are independent.
-        written: the arm as its URDF has it.
-        middle: (n,) the middle of the box that is searched, in the joints' units.
-        half: (n,) half of its widths.
-        rates: (m, n) greatest rates [rad] at which the joints turn the links behind each axis.
-        columns: of a pose's solutions.
-    """
-
-    kind: ClassVar = "coupled"
-    joints: int
-    written: Driven
-    middle: Array
-    half: Array
-    rates: Array
-    columns: int
 
 
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
@@ -66,7 +42,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         method="Bisection of the joint space with proven bounds: every part is shown to hold no solution, or one, "
         "which Newton's method finds on the URDF as written" + _searched_within_limits(chain),
         branches=names,
-        explain=lambda T: _out_of_reach(chain, T[:3, 3]),
+        why=lambda T: _out_of_reach(chain, T[:3, 3]),
         solver=solver,
     )
 
@@ -116,14 +92,15 @@ def _unit(chain: CoupledChain, joint: int) -> float:
     return chain.size if chain.joint_types[joint] == "prismatic" else 1.0
 
 
-def _arm(chain: CoupledChain, many: int) -> CoupledArm:
+def _arm(chain: CoupledChain, many: int) -> Numbers:
     """The arm for the compiled search, with so many columns."""
     units = np.array([_unit(chain, j) for j in range(chain.n)])
     turns = chain.image_turns
     lower, upper = chain.limits.T / units
     with np.errstate(invalid="ignore"):
         middle = np.where(turns > 0.0, 0.0, 0.5 * (lower + upper))
-    return CoupledArm(
+    return Numbers(
+        kind="coupled",
         joints=chain.n,
         written=driven(chain, units),
         middle=middle,
@@ -154,7 +131,7 @@ def _rates(axes: Chain, gain: Array) -> Array:
 def _out_of_reach(chain: CoupledChain, point: Array) -> str:
     """Why a target at ``point`` (3,) [m] has no solution."""
     far = float(np.linalg.norm(point - chain.points[0]))
-    if far > chain.size and not chain.axes.prismatic.any():
-        return beyond_links("the tip", far, chain.size)
+    if not chain.axes.prismatic.any() and (why := beyond_links("the tip", far, chain.size)):
+        return why
     joints = f"{chain.n} independent joint{'s' if chain.n > 1 else ''}"
     return f"{joints} ({', '.join(chain.joint_names)}) cannot bring the tip there{_searched_within_limits(chain)}"

@@ -12,14 +12,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Written
+from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure, closest_points
 from urdf_ik.support.tolerances import DEFAULT
@@ -40,66 +39,6 @@ class Joint:
     point: Array
     slides: bool
     index: int
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PositionStep:
-    """Three joints that place a point; lengths are shares of the arm's size.
-
-    Attributes:
-        slides: (3,) which of them slide.
-        directions: (3, 3) of their axes at zero.
-        points: (3, 3) on their axes at zero; of axes 1 and 2 the feet of their common normal.
-        X: (3,) the point at zero.
-    """
-
-    slides: Array
-    directions: Array
-    points: Array
-    X: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FewJointsWay:
-    """A way to solve for few joints: a position step and up to two turns behind it.
-
-    Attributes:
-        step: the position step.
-        reversed: whether it is on the chain from tip to base.
-        turns: how many turns are behind the step.
-        axes: (2, 3) directions of their axes at zero.
-        joints: (5,) the chain's joints that step and turns are; -1: one that was added and stays at zero.
-        home: (3, 3) the tip's rotation at zero.
-        in_tip: (3,) the step's point in the tip [share of size].
-    """
-
-    step: PositionStep
-    reversed: bool
-    turns: int
-    axes: Array
-    joints: Array
-    home: Array
-    in_tip: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FewJointsArm:
-    """An arm of one to five joints: ``FewJointsArm`` of the core.
-
-    Attributes:
-        joints: how many there are.
-        columns: of a pose's solutions.
-        written: the arm as its URDF has it.
-        way: how it is solved.
-        spare: another way, for poses at which the first one leaves a joint almost free; None: there is no other.
-    """
-
-    kind: ClassVar = "few joints"
-    joints: int
-    columns: int
-    written: Written
-    way: FewJointsWay
-    spare: FewJointsWay | None
 
 
 @dataclass(frozen=True)
@@ -142,7 +81,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         + (f", with {added} joint{'s' * (added > 1)} added that must stay at zero" if added else "")
         + "; verified and polished on the URDF as written",
         branches=columns(_COLUMNS[chain.n]),
-        explain=partial(off_by, chain),
+        why=partial(off_by, chain),
         solver=Solver(_arm(chain, Aim(), chosen, _COLUMNS[chain.n])),
     )
 
@@ -203,7 +142,7 @@ def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> FamilyMem
         method="Closed form: two equations without the first joint, one of them without the second; verified and "
         "polished on the URDF as written",
         branches=columns(count),
-        explain=partial(off_by, chain, aim=aim),
+        why=partial(off_by, chain, aim=aim),
         solver=Solver(_arm(chain, aim, ways, count)),
     )
 
@@ -290,24 +229,26 @@ def _turned(v: Array, h: Array, angles: Array) -> Array:
     return out
 
 
-def _arm(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> FewJointsArm:
+def _arm(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> Numbers:
     """The arm and up to two ways to solve for it."""
-    return FewJointsArm(
+    return Numbers(
+        kind="few joints",
         joints=chain.n,
         columns=count,
-        written=aim.written(chain),
+        written=written(chain, aim),
         way=_way(ways[0]),
         spare=_way(ways[1]) if len(ways) > 1 else None,
     )
 
 
-def _way(way: _Way) -> FewJointsWay:
+def _way(way: _Way) -> Numbers:
+    """``FewJointsWay`` of the core; lengths are shares of the arm's size."""
     padded = np.full(5, -1.0)
     padded[: len(way.joints)] = [joint.index for joint in way.joints]
     axes = np.zeros((2, 3))
     for k, joint in enumerate(way.joints[3:]):
         axes[k] = joint.h
-    return FewJointsWay(
+    return Numbers(
         step=position_step(way.joints[:3], way.X),
         reversed=way.is_reversed,
         turns=len(way.joints) - 3,
@@ -318,13 +259,13 @@ def _way(way: _Way) -> FewJointsWay:
     )
 
 
-def position_step(joints: list[Joint], X: Array) -> PositionStep:
+def position_step(joints: list[Joint], X: Array) -> Numbers:
     """The step of three joints that place the point ``X`` (3,), in shares of the size."""
     first, second = joints[:2]
     points = [joint.point for joint in joints]
     if not first.slides and not second.slides:
         points[:2] = feet(first.h, first.point, second.h, second.point)
-    return PositionStep(
+    return Numbers(
         slides=np.array([joint.slides for joint in joints], dtype=np.float64),
         directions=np.array([joint.h for joint in joints]),
         points=np.array(points),

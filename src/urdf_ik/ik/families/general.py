@@ -1,15 +1,23 @@
-"""Six joints without a structure that a closed form could use, turning or with slides: up to sixteen solutions."""
+"""Six joints without a structure that a closed form could use, and those that have one only nearly.
+
+Turning or with slides there are up to sixteen solutions; where the joints are singular everywhere, a continuum.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
+
+import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
+from urdf_ik.kinematics.dh.frames import rotation_z
 from urdf_ik.kinematics.structure import Structure
 
 
@@ -26,7 +34,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         method=family.steps,
         branches=family.branches,
         solver=Solver(elimination_arm(chain)),
-        explain=partial(off_by, chain),
+        why=partial(off_by, chain),
     )
 
 
@@ -73,4 +81,79 @@ def behind(plan: FamilyMember, chain: Chain) -> FamilyMember:
         method="Elimination to one joint's value (Raghavan and Roth), Newton's method on the URDF as written",
         branches=columns(16),
         solver=Solver(elimination_arm(chain)),
+    )
+
+
+def _prepare_singular(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
+    """Newton's method from starts all over the joints: samples of the continuum."""
+    return FamilyMember(
+        family=family,
+        name=f"{kinds_of(chain)} singular everywhere",
+        reason=family.reason,
+        method=family.steps,
+        branches=family.branches,
+        solver=Solver(Numbers(kind="sampled", written=written(chain))),
+        why=partial(off_by, chain),
+    )
+
+
+SINGULAR = Family(
+    name="six joints, singular everywhere",
+    reason="the Jacobian of these six joints loses rank at every joint vector",
+    steps="Newton's method on the URDF as written from fixed starts: samples of the continuum that a pose leaves",
+    branches=tuple(f"sample {k}" for k in range(1, 17)),
+    by_quadratics=False,
+    by_elimination=True,
+    matches=lambda structure, chain: chain.n == 6 and is_redundant(chain),
+    prepare=_prepare_singular,
+)
+
+
+# Most boxes of joint vectors that are looked at to prove that no solution is missing: they decide how long a pose may
+# take, and how often it stays open. Fewer of arms that are at least so far off [rad, share of size], whose boxes hardly
+# shrink.
+_BOXES, _COARSE_BOXES, _COARSE = 8000, 64, 5e-4
+# Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
+# they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and
+# 4e-3 such exchanges were too rare to rely on.
+_NEAR = 4e-3
+
+
+def beside(plan: FamilyMember, chain: Chain) -> FamilyMember:
+    """The plan of the ideal arm that is nearest to six turning joints, made to hold for the arm as written."""
+    further = tuple(f"further {k}" for k in range(1, 17 - len(plan.branches)))
+    return replace(
+        plan,
+        method=f"{plan.method}; near singularities by elimination too",
+        branches=(*plan.branches, *further),
+        solver=Solver(_imperfect(plan.solver.arm, chain)),
+    )
+
+
+def without_boxes(arm: Any) -> Any:
+    """The numbers of a solver; of an arm near a family, those of one that proves a pose at once or leaves it open.
+
+    For arms that are asked at many values of a redundancy parameter.
+    """
+    return arm.but(boxes=0) if arm.kind == "imperfect" else arm
+
+
+def _imperfect(family: Any, chain: Chain) -> Numbers:
+    ideal = family.ideal
+    base, tool = np.eye(4), np.eye(4)
+    base[:3, :3], base[:3, 3] = ideal.base_rotation.T, ideal.base_origin
+    tool[:3, :3], tool[:3, 3] = ideal.tool_rotation.T, -ideal.tool_rotation.T @ ideal.tool_point
+    inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)])
+    inner[0], inner[-1] = np.linalg.inv(base) @ inner[0], inner[-1] @ np.linalg.inv(tool)
+    # Both take the ideal arm's angles.
+    back = np.array([rotation_z(-offset)[:3, :3] for offset in (*ideal.offset, 0.0)])
+    inner, steps = np.ascontiguousarray(inner[:, :3]), ideal.steps.copy()
+    inner[:, :, :3], steps[:, :, :3] = inner[:, :, :3] @ back, steps[:, :, :3] @ back
+    return Numbers(
+        kind="imperfect",
+        family=family,
+        elimination=elimination_arm(chain, near=bool(ideal.imperfection < _NEAR)),
+        inner_steps=inner,
+        ideal_steps=steps,
+        boxes=_BOXES if ideal.imperfection < _COARSE else _COARSE_BOXES,
     )

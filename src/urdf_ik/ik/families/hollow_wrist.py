@@ -6,8 +6,7 @@ both. The point is known from the target and the joint's value, and so are joint
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families import spherical_wrist
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.written import Driven, driven
+from urdf_ik.ik.families.parts.written import Numbers, driven
 from urdf_ik.kinematics.chain import Chain, CoupledChain
 from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support.text import quoted
@@ -29,34 +28,6 @@ _SAMPLES, _MOST_TURNS = 128, 4
 _ALIGNED = 1e-3
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _HollowWristArm:
-    """A 6R arm with a hollow wrist: ``HollowWristArm`` of the core.
-
-    Attributes:
-        written: the arm as its URDF has it.
-        position: axes 1 to 4 with a wrist that turns about a point of axis 4.
-        samples: s, values of the wrist's joint, evenly round its whole period.
-        value: (s,) rad, these values.
-        cosine: (s,) of the angle between axes 4 and 7.
-        along_4: (s,) m, where the two axes meet, along axis 4 from where they meet at the first value.
-        along_7: (s,) m, the same along axis 7 from its point.
-        flange: (3,) m, the point of axis 7, in the tip.
-        direction: (3,) of axis 7, in the tip.
-    """
-
-    kind: ClassVar = "hollow wrist"
-    written: Driven
-    position: spherical_wrist.SphericalWristArm
-    samples: int
-    value: Array
-    cosine: Array
-    along_4: Array
-    along_7: Array
-    flange: Array
-    direction: Array
-
-
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm for which ``why_not`` has no reason."""
     assert isinstance(chain, CoupledChain)
@@ -67,11 +38,10 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         return None
     tip = axes.points[6]
     home = axes.P.sum(axis=0)
-    wrist = position.solver.arm
-    assert isinstance(wrist, spherical_wrist.SphericalWristArm)
-    arm = _HollowWristArm(
+    arm = Numbers(
+        kind="hollow wrist",
         written=driven(chain, np.ones(6)),
-        position=wrist,
+        position=position.solver.arm,
         samples=len(values),
         value=values,
         cosine=cosine,
@@ -90,7 +60,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         "the URDF as written",
         branches=family.branches,
         imperfection=(0.0, float(apart)),
-        explain=lambda T: _out_of_reach(chain, T[:3, 3]),
+        why=lambda T: _out_of_reach(chain, T[:3, 3]),
         solver=Solver(arm),
     )
 
@@ -206,9 +176,7 @@ def _with_centre(axes: Chain, along: float) -> tuple[Structure, Chain]:
 def _out_of_reach(chain: CoupledChain, point: Array) -> str:
     """Why a target at ``point`` (3,) [m] has no solution."""
     far = float(np.linalg.norm(point - chain.points[0]))
-    if far > chain.size:
-        return beyond_links("the tip", far, chain.size)
-    return (
+    return beyond_links("the tip", far, chain.size) or (
         f"no angles of {', '.join(chain.joint_names[:3])} bring the wrist to where {', '.join(chain.joint_names[3:])} "
         "can give the tip its turn"
     )

@@ -3,53 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families import sampled
-from urdf_ik.ik.families.imperfect import without_boxes
-from urdf_ik.ik.families.parts.explanations import given_in_words
-from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
-from urdf_ik.ik.families.parts.written import FreeArm, written
-from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of, typical_stretch
-from urdf_ik.kinematics.chain import sampled as sampled_vectors
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.general import SINGULAR, without_boxes
+from urdf_ik.ik.families.parts.explanations import off_by
+from urdf_ik.ik.families.parts.family import FamilyMember, columns, self_motion
+from urdf_ik.ik.families.parts.written import Numbers, written
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of, sampled, typical_stretch
 from urdf_ik.kinematics.chain.free_axis import turning
-from urdf_ik.kinematics.chain.redundancy import locked_joint
+from urdf_ik.kinematics.chain.redundancy import Redundancy, locked_joint
 from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _OneGiven:
-    """An arm with one joint given; its value moves the target: ``GivenJoint`` of the core.
-
-    Attributes:
-        motion: (3, 3, 4) the joint's motion back is their sum times (1, cos, sin) of its value; where it slides, the
-            first one plus the value times the second one.
-        turns: whether the joint turns.
-        last: whether it is the last joint.
-        value: its value where no other is given [rad, m].
-        solver: the arm of the other joints: the dataclass of its solver.
-        before: index of the joint if it shares its axis with the next one, which then takes its value back; -1: it is
-            an end joint.
-        opposite: whether the next joint turns the other way.
-    """
-
-    kind: ClassVar = "one joint given"
-    motion: Array
-    turns: bool
-    last: bool
-    value: float
-    solver: Any
-    before: int = -1
-    opposite: bool = False
-
 
 Choose = Callable[[Structure, Chain], FamilyMember | None]
 
@@ -58,7 +30,7 @@ Choose = Callable[[Structure, Chain], FamilyMember | None]
 _POOR, _BETTER = 1e-3, 30.0
 
 
-def prepare_degenerate(chain: Chain, six: Sequence[Choose]) -> RedundantMember | None:
+def prepare_degenerate(chain: Chain, six: Sequence[Choose]) -> FamilyMember | None:
     """The plan of seven joints that holds one in the middle; None where an end joint will do.
 
     Args:
@@ -77,12 +49,12 @@ def prepare_degenerate(chain: Chain, six: Sequence[Choose]) -> RedundantMember |
     k = freest(chain)
     if ends >= DEFAULT.singular and typical_stretch(_locked_at_zero(chain, k)) < _BETTER * ends:
         return None
-    return sampled.prepare_held(chain, k)
+    return _prepare_sampled(chain, k)
 
 
 def freest(chain: Chain) -> int:
     """The joint without which the six others move the tip best, in as many ways as the seven do."""
-    J = chain.jacobian(sampled_vectors(chain))
+    J = chain.jacobian(sampled(chain))
     J[:, :3] /= chain.size
     J[:, :, chain.prismatic] *= chain.size
     rank = int((np.median(np.linalg.svd(J, compute_uv=False), axis=0) > DEFAULT.singular).sum())
@@ -104,12 +76,13 @@ def _is_shared(chain: Chain, k: int) -> bool:
     return bool(chain.prismatic[k] or apart <= DEFAULT.exact_structure * chain.size)
 
 
-def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
+def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> FamilyMember:
     """The plan that gives joint ``k``, by that of the others with it at zero."""
-    parameter, twin = locked_joint(chain, k), chain.joint_names[k + 1]
+    parameter = locked_joint(chain, k)
     still = np.zeros((3, 3, 4))
     still[0, :, :3] = np.eye(3)
-    arm = _OneGiven(
+    arm = Numbers(
+        kind="one joint given",
         motion=still,
         turns=not bool(chain.prismatic[k]),
         last=False,
@@ -118,25 +91,49 @@ def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
         before=k,
         opposite=bool(chain.H[k] @ chain.H[k + 1] < 0.0),
     )
-
-    def explain_at(T: Array, at: Array) -> str:
-        return f"{given_in_words(parameter, at[0])}, or at any other: {plan.explain(T)}"
-
-    return RedundantMember(
-        family=plan.family,
+    after = chain.joint_names[k + 1]
+    return replace(
+        plan,
         name=f"{kinds_of(chain)}, joint {k + 1} given: {plan.name}",
         reason=f"joints {k + 1} and {k + 2} have one axis; with joint {k + 1} given, of the six others {plan.reason}",
-        method=f"Joint {k + 1} ({parameter.joint}) is given, {twin} takes its value back. {plan.method}",
-        branches=plan.branches,
-        imperfection=plan.imperfection,
-        error=plan.error,
+        method=f"Joint {k + 1} ({parameter.joint}) is given, {after} takes its value back. {plan.method}",
         solver=Solver(arm),
         parameters=(parameter,),
-        self_motion=SelfMotion(FreeArm(written=written(chain), given=k)),
+        self_motion=self_motion(chain, k),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
-        explain=lambda T: explain_at(T, np.array([parameter.default])),
-        explain_at=explain_at,
+        why=lambda T, values: f"{_with(parameter, values)}, or at any other: {plan.why(T)}",
     )
+
+
+def _prepare_sampled(chain: Chain, k: int) -> FamilyMember:
+    """The plan of seven joints that become singular everywhere when either end joint is given: ``k`` is.
+
+    The six others are then a different arm for every value, so nothing can be prepared for them.
+    """
+    parameter = locked_joint(chain, k)
+    arm = Numbers(kind="sampled with one held", written=written(chain), held=k, value=parameter.default)
+
+    def why(T: Array, values: Array) -> str:
+        return f"{_with(parameter, values)}: {off_by(chain.lock({parameter.joint: float(values[0])}), T)}"
+
+    return FamilyMember(
+        family=SINGULAR,
+        name=f"{kinds_of(chain)}, joint {k + 1} given: by search",
+        reason="whichever of the first and the last joint is given, the six others are singular everywhere",
+        method=f"Joint {k + 1} ({parameter.joint}) is given; Newton's method on the URDF as written from fixed starts: "
+        "what the six others leave, samples where that is a continuum",
+        branches=SINGULAR.branches,
+        solver=Solver(arm),
+        parameters=(parameter,),
+        self_motion=None if is_redundant(chain) else self_motion(chain, k),
+        value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
+        why=why,
+    )
+
+
+def _with(parameter: Redundancy, values: Array) -> str:
+    """The beginning of an explanation: which joint is given, and where."""
+    return f"with {quoted(parameter.joint)} at {values[0]:.6g} {parameter.unit}"
 
 
 KEPT = 1024
@@ -147,7 +144,7 @@ _SAMPLES = (0.137, 0.411, 0.659, 0.893)
 
 def prepare_middle(
     chain: Chain, k: int, number: int, plan_of: Callable[[Chain], FamilyMember | None]
-) -> RedundantMember | None:
+) -> FamilyMember | None:
     """The plan that holds joint ``k``; None where the other joints have no solver.
 
     Args:
@@ -171,19 +168,15 @@ def prepare_middle(
     first = plans[0]
     same = all(plan.branches == first.branches for plan in plans)
     branches = first.branches if same else columns(max(len(plan.branches) for plan in plans))
-    inner = first.parameters if isinstance(first, RedundantMember) else ()
 
-    def explain_at(T: Array, at: Array) -> str:
-        plan = at_value(float(at[0]))
-        if plan is None:
-            why = "the other joints have no solver"
-        else:
-            why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(T)
-        return f"{given_in_words(parameter, at[0])}: {why}"
+    def why(T: Array, values: Array) -> str:
+        plan = at_value(float(values[0]))
+        rest = "the other joints have no solver" if plan is None else plan.explain(T, values[1:])
+        return f"{_with(parameter, values)}: {rest}"
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])
-        if not isinstance(first, RedundantMember):
+        if not first.parameters:
             return own
         rows = []
         for q, pose in zip(Q, T, strict=True):
@@ -191,23 +184,20 @@ def prepare_middle(
             rows.append(plan.value_of(np.delete(q, k)[None], pose[None])[0])
         return np.hstack([own, np.array(rows).reshape(len(Q), -1)])
 
-    parameters = (parameter, *inner)
-    defaults = np.array([each.default for each in parameters])
-    solver: Any = _SolverAtEach(at_value, k, chain.n, len(branches), defaults)
-    return RedundantMember(
-        family=first.family,
+    parameters = (parameter, *first.parameters)
+    solver: Any = _SolverAtEach(at_value, k, chain.n, len(branches), parameters)
+    return replace(
+        first,
         name=f"joint {number} given: {first.name}",
         reason=f"with joint {number} given, as asked, almost every value makes an arm of which {first.reason}",
         method=f"Joint {number} ({name}) is given, and the arm of the others is prepared for its value. {first.method}",
         branches=branches,
-        imperfection=first.imperfection,
-        error=first.error,
         solver=solver,
         parameters=parameters,
-        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
+        self_motion=None if first.parameters else self_motion(chain, k),
         value_of=value_of,
-        explain=lambda T: explain_at(T, defaults),
-        explain_at=explain_at,
+        why=why,
+        swivel=None,
     )
 
 
@@ -217,20 +207,17 @@ class _SolverAtEach:
     numbers = 16
 
     def __init__(
-        self, at_value: Callable[[float], FamilyMember | None], k: int, joints: int, branches: int, defaults: Array
+        self,
+        at_value: Callable[[float], FamilyMember | None],
+        k: int,
+        joints: int,
+        branches: int,
+        parameters: Sequence[Redundancy],
     ) -> None:
-        """Take the plans.
-
-        Args:
-            at_value: a value of the joint to the plan of the others.
-            k: the joint's place.
-            joints: how many there are with it.
-            branches: columns of an answer.
-            defaults: (parameters,) values where none are given, the joint's first.
-        """
+        """Take the plans of the other joints by the value of joint ``k``, and the parameters, the joint's first."""
         self._at_value, self._k = at_value, k
-        self.joints, self.branches, self.parameters = joints, branches, len(defaults)
-        self._defaults = defaults
+        self.joints, self.branches, self.parameters = joints, branches, len(parameters)
+        self._defaults = np.array([each.default for each in parameters])
 
     def one(self, *_: Any) -> None:
         """None: single poses are solved by ``solve``."""
@@ -311,7 +298,7 @@ class Ways(NamedTuple):
     six: Sequence[Choose]
 
 
-def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantMember | None:
+def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> FamilyMember | None:
     """The plan that holds all joints but six; None where no six joints have a solver.
 
     Args:
@@ -324,7 +311,7 @@ def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantM
         return in_the_middle
     for six in ways.six:
         plan = _prepared(chain, ways.seven, six, given, tuple(range(1, chain.n + 1)))
-        if isinstance(plan, RedundantMember):
+        if plan is not None:
             return plan
     if given:
         return None
@@ -387,54 +374,45 @@ def cost(plan: FamilyMember) -> int:
     return int(not plan.family.by_quadratics) if plan.is_exact else 2
 
 
-def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> RedundantMember:
+def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> FamilyMember:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
-    arm = _OneGiven(
-        motion=motion, turns=turns, last=last, value=parameter.default, solver=without_boxes(plan.solver.arm)
+    arm = Numbers(
+        kind="one joint given",
+        motion=motion,
+        turns=turns,
+        last=last,
+        value=parameter.default,
+        solver=without_boxes(plan.solver.arm),
+        before=-1,  # an end joint
+        opposite=False,
     )
-    inner = plan if isinstance(plan, RedundantMember) else None
 
     def value_of(Q: Array, T: Array) -> Array:
-        own = parameter.wrapped(Q[:, k : k + 1])
-        return own if inner is None else np.hstack([own, inner.value_of(np.delete(Q, k, axis=1), T)])
+        return np.hstack([parameter.wrapped(Q[:, k : k + 1]), plan.value_of(np.delete(Q, k, axis=1), T)])
 
-    def explain_at(T: Array, at: Array) -> str:
-        value = float(at[0])
+    def why_at(T: Array, values: Array) -> str:
+        value = float(values[0])
         back = np.eye(4)
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
-        moved = T @ back if last else back @ T
-        reason = plan.explain(moved) if inner is None else inner.explain_at(moved, at[1:])
-        return f"{given_in_words(parameter, value)}: {reason}"
+        return f"{_with(parameter, values)}: {plan.explain(T @ back if last else back @ T, values[1:])}"
 
-    parameters = (parameter, *(() if inner is None else inner.parameters))
-    defaults = np.array([each.default for each in parameters])
-    return RedundantMember(
-        family=plan.family,
-        name=named(chain, k, number, plan),
-        reason=f"with joint {number} given, {why}: {plan.reason}",
-        method=f"Joint {number} ({parameter.joint}) is given, {_others(chain.n - 1)} are solved. {plan.method}",
-        branches=plan.branches,
-        imperfection=plan.imperfection,
-        error=plan.error,
-        solver=Solver(arm),
-        parameters=parameters,
-        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
-        value_of=value_of,
-        explain=lambda T: explain_at(T, defaults),
-        explain_at=explain_at,
-    )
-
-
-def named(chain: Chain, k: int, number: int, plan: FamilyMember) -> str:
-    """The name of the plan of a chain whose joint ``k`` is given."""
+    kinds = kinds_of(chain)
     if chain.prismatic[k]:
-        return f"{kinds_of(chain.lock({chain.joint_names[k]: 0.0}))} on a slide: {plan.name}"
-    return f"{kinds_of(chain)}, joint {number} given: {plan.name}"
-
-
-def _others(count: int) -> str:
-    return f"the {('six', 'seven', 'eight')[count - 6]} others"
+        kinds = f"{kinds_of(chain.lock({chain.joint_names[k]: 0.0}))} on a slide"
+    others = ("six", "seven", "eight")[chain.n - 7]
+    return replace(
+        plan,
+        name=f"{kinds}: {plan.name}" if chain.prismatic[k] else f"{kinds}, joint {number} given: {plan.name}",
+        reason=f"with joint {number} given, {why}: {plan.reason}",
+        method=f"Joint {number} ({parameter.joint}) is given, the {others} others are solved. {plan.method}",
+        solver=Solver(arm),
+        parameters=(parameter, *plan.parameters),
+        self_motion=None if plan.parameters else self_motion(chain, k),
+        value_of=value_of,
+        why=why_at,
+        swivel=None,
+    )
 
 
 def _motion_back(chain: Chain, k: int) -> Array:

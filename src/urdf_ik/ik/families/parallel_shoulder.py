@@ -2,49 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import closed_form, compared, distances_of, links_beyond_reach, too_far
+from urdf_ik.ik.families.parts.explanations import distances_of, links_beyond_reach, outside
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
-from urdf_ik.ik.families.parts.ideal import (
-    ClosedFormArm,
-    IdealFrames,
-    ideal_arm,
-    ideal_frames,
-    imperfection,
-    straightened,
-)
-from urdf_ik.ik.families.parts.written import written
+from urdf_ik.ik.families.parts.ideal import POSITIONS, Variant, closed_form, eight, families
+from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.typing import Array
 
-_NAMES = tuple(
-    f"wrist {front}, elbow {up}, {flip}"
-    for front in ("front", "back")
-    for up in ("up", "down")
-    for flip in ("noflip", "flip")
-)
 # Distance of axes 4 and 5 [of the arm's size] that can be divided by.
 _CLEAR = 1e-4
-_PLANAR = "the rest is a planar arm"
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _ParallelShoulderArm(ClosedFormArm):
-    """An arm whose axes 1, 2 and 3 are parallel: ``ParallelShoulderArm`` of the core.
-
-    Attributes:
-        variant: how the wrist's axes lie: '5x6', '5||6', '4x5', '4||5' or 'general'.
-    """
-
-    kind: ClassVar = "parallel shoulder"
 
 
 def _matches(structure: Structure) -> bool:
@@ -68,92 +40,86 @@ def _has_offset(structure: Structure, chain: Chain) -> bool:
     return not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """Parameters of the nearest arm with a parallel shoulder and this wrist."""
-    wrist = family.variant
-    directions, parallel = straightened(structure, chain.H)
-    meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
-    frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
-    ideal = ideal_arm(frames, error, chain)
-    arm = _ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain))
-    pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
-    off = imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds])
-    return closed_form(family, chain, arm, error, off, partial(_explain, ideal))
+    meet = {"4x5": [4], "5x6": [5]}.get(family.variant, [])
+
+    def numbers(ideal: Numbers) -> dict[str, Any]:
+        return {}
+
+    return closed_form(family, structure, chain, "parallel shoulder", (1, "parallel"), meet, numbers, _explain)
 
 
-def _with_wrist(wrist: str, relation: str, steps: str, holds: Callable[[Structure], bool]) -> Family:
-    """The family of these arms whose wrist has a relation that makes every step a quadratic."""
-    return Family(
-        name=f"6R 1||2||3 and {wrist}",
-        reason=f"axes {{1, 2, 3}} are parallel, and {relation}",
-        steps=f"{steps}, {_PLANAR}",
-        branches=_NAMES,
-        by_quadratics=True,
-        matches=lambda structure, chain: _matches(structure) and holds(structure),
-        prepare=_prepare,
-        variant=wrist,
-    )
-
-
-WITH_WRIST = (
-    _with_wrist(
-        "5x6",
-        "axes {5, 6} meet",
-        "joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them",
-        lambda structure: structure.is_intersecting(5),
-    ),
-    _with_wrist(
-        "5||6",
-        "axes {5, 6} are parallel",
-        "joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these",
-        lambda structure: structure.is_parallel(5),
-    ),
-    _with_wrist(
-        "4x5",
-        "axes {4, 5} meet",
-        "joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them",
-        lambda structure: structure.is_intersecting(4),
-    ),
-    _with_wrist(
-        "4||5",
-        "axes {4, 5} are parallel",
-        "joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these",
-        lambda structure: structure.is_parallel(4),
-    ),
-)
-GENERAL = Family(
-    name="6R 1||2||3",
-    reason="axes {1, 2, 3} are parallel",
-    steps=f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
-    branches=tuple(
-        f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
-    ),
-    by_quadratics=False,
-    matches=lambda structure, chain: _matches(structure) and _has_offset(structure, chain),
-    prepare=_prepare,
-    variant="general",
+_PLANAR = "the rest is a planar arm"
+_NAMES = eight("wrist {}, elbow {}, {}")
+FAMILIES = families(
+    "6R 1||2||3",
+    "axes {1, 2, 3} are parallel",
+    _matches,
+    _prepare,
+    [
+        Variant(
+            "5x6",
+            " and 5x6",
+            ", and axes {5, 6} meet",
+            f"joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them, {_PLANAR}",
+            lambda structure, chain: structure.is_intersecting(5),
+            _NAMES,
+        ),
+        Variant(
+            "5||6",
+            " and 5||6",
+            ", and axes {5, 6} are parallel",
+            f"joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these, {_PLANAR}",
+            lambda structure, chain: structure.is_parallel(5),
+            _NAMES,
+        ),
+        Variant(
+            "4x5",
+            " and 4x5",
+            ", and axes {4, 5} meet",
+            f"joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them, {_PLANAR}",
+            lambda structure, chain: structure.is_intersecting(4),
+            _NAMES,
+        ),
+        Variant(
+            "4||5",
+            " and 4||5",
+            ", and axes {4, 5} are parallel",
+            f"joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these, {_PLANAR}",
+            lambda structure, chain: structure.is_parallel(4),
+            _NAMES,
+        ),
+        Variant(
+            "general",
+            "",
+            "",
+            f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
+            _has_offset,
+            POSITIONS,
+            by_quadratics=False,
+        ),
+    ],
 )
 
 
-def _explain(ideal: IdealFrames, solver: Solver, rotation: Array, point: Array) -> str:
+def _explain(arm: Numbers, solver: Solver, rotation: Array, point: Array) -> str:
+    ideal = arm.ideal
     a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
     shortest, longest = abs(a[0] - a[1]), a[0] + a[1]
     # Height of the last axis above axis 4's foot, along axis 3.
     level = ca[0] * ca[1] * point[2] - d[1] - ca[2] * d[2]
     across = float(np.hypot(rotation[2, 0], rotation[2, 1]))
-    links = abs(a[3] * sa[2]) + abs(d[3]) + a[4] * across
-    if abs(level) > links:
-        far, reach = compared(abs(level), links)
-        return (
-            f"along axes 1 to 3, axis 6 would have to be {far} m from axis 4, and the links between them reach no "
-            f"further than {reach} m in the wanted direction{too_far(abs(level), 0.0, links)}"
-        )
-    distances = distances_of(solver, rotation, point)
-    if why := links_beyond_reach(("axis 3", "axis 1"), distances, shortest, longest):
+    far = (
+        "along axes 1 to 3, axis 6 would have to be {at} m from axis 4, and the links between them reach no further "
+        "than {high} m in the wanted direction"
+    )
+    if why := outside(far, abs(level), -np.inf, abs(a[3] * sa[2]) + abs(d[3]) + a[4] * across):
         return why
-    if len(distances):
-        return (
-            f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "
-            f"reach {shortest:.6g} to {longest:.6g} m"
-        )
-    return ""
+    distances = distances_of(solver, rotation, point)
+    if not len(distances):
+        return ""
+    return links_beyond_reach("axis 3", "axis 1", distances, shortest, longest) or (
+        f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "
+        f"reach {shortest:.6g} to {longest:.6g} m"
+    )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families import few_joints
 from urdf_ik.ik.families.parts.explanations import beyond_reach, seen_in_frame_1
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
-from urdf_ik.ik.families.parts.written import Ends, Written
+from urdf_ik.ik.families.parts.written import Numbers, ends
 from urdf_ik.kinematics.chain import Chain, kinds_of
 from urdf_ik.kinematics.chain.plane import axes_across
 from urdf_ik.kinematics.structure import Structure
@@ -24,53 +24,13 @@ _ELBOW = ("elbow left", "elbow right")
 _SHORT = 1e-3
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _PlanarPoints:
-    """Two or three parallel turning joints and at most one slide along them, for points: ``PlanarArm`` of the core.
-
-    Attributes:
-        written: the arm as its URDF has it.
-        way: how it is solved where the pose is singular, as an arm of few joints.
-        spare: another such way; None: there is no other.
-        ideal: the plane's frame on axis 1, at the height of the end of the links at zero.
-        links: (2,) m, their lengths.
-        angles: (2,) rad, their directions in the plane at zero.
-        bend: rad, the difference of these directions.
-        signs: (4,) of joints 1, 2, 3 and the slide, against the plane's normal.
-        joints: (4,) their places in the chain; -1: there is no such joint.
-    """
-
-    kind: ClassVar = "planar points"
-    written: Written
-    way: few_joints.FewJointsWay
-    spare: few_joints.FewJointsWay | None
-    ideal: Ends
-    links: Array
-    angles: Array
-    bend: float
-    signs: Array
-    joints: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _PlanarArm(_PlanarPoints):
-    """The same for poses.
-
-    Attributes:
-        number: of joints.
-    """
-
-    kind: ClassVar = "planar"
-    number: int
-
-
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan for poses; None where a link is too short."""
     plan = few_joints.FAMILY.plan(structure, chain)
     plane = _plane(chain)
     if plan is None or plane is None:
         return None
-    arm = _PlanarArm(number=chain.n, **_ways(plan), **plane)
+    arm = Numbers(kind="planar", **_ways(plan), **plane, number=chain.n)
     slide = "height by the slide, " if chain.prismatic.any() else ""
     last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
     return replace(
@@ -81,7 +41,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         method=f"Closed form: {slide}elbow by the law of cosines{last}",
         branches=_ELBOW,
         solver=Solver(arm),
-        explain=seen_in_frame_1(chain, arm.ideal, lambda rotation, point: _explain(chain, arm, rotation, point)),
+        why=seen_in_frame_1(chain, arm.ideal, lambda rotation, point: _explain(chain, arm, rotation, point)),
     )
 
 
@@ -103,13 +63,13 @@ def for_points(chain: Chain, plan: FamilyMember) -> FamilyMember:
     plane = _plane(chain)
     if plane is None:
         return plan
-    arm = _PlanarPoints(**_ways(plan), **plane)
+    arm = Numbers(kind="planar points", **_ways(plan), **plane)
     return replace(
         plan,
         method="Closed form: elbow by the law of cosines",
         branches=_ELBOW,
         solver=Solver(arm),
-        explain=lambda T: _explain(chain, arm, None, _in_frame(arm.ideal, T[:3, 3])),
+        why=lambda T: _explain(chain, arm, None, _in_frame(arm.ideal, T[:3, 3])),
     )
 
 
@@ -124,9 +84,7 @@ def _matches(chain: Chain) -> bool:
 
 def _ways(plan: FamilyMember) -> dict[str, Any]:
     """The fields that the arm shares with an arm of few joints."""
-    arm = plan.solver.arm
-    assert isinstance(arm, few_joints.FewJointsArm)
-    return {name: getattr(arm, name) for name in ("written", "way", "spare")}
+    return {name: getattr(plan.solver.arm, name) for name in ("written", "way", "spare")}
 
 
 def _plane(chain: Chain) -> dict[str, Any] | None:
@@ -146,15 +104,10 @@ def _plane(chain: Chain) -> dict[str, Any] | None:
     slides = np.flatnonzero(chain.prismatic)
     for k, joint in [*enumerate(turning), *((3, joint) for joint in slides)]:
         signs[k], column[k] = np.sign(chain.H[joint] @ B[2]), joint
-    ideal = Ends(
-        base_rotation=B,
-        # Heights are measured from where the end of the links is at q = 0.
-        base_origin=joints[0] + ((end - joints[0]) @ B[2]) * B[2],
-        tool_rotation=np.ascontiguousarray(chain.R_tip.T @ B.T),
-        tool_point=chain.R_tip.T @ (end - tip),
-    )
+    # Heights are measured from where the end of the links is at q = 0.
+    origin = joints[0] + ((end - joints[0]) @ B[2]) * B[2]
     return {
-        "ideal": ideal,
+        "ideal": ends(B, origin, chain.R_tip.T @ B.T, chain.R_tip.T @ (end - tip)),
         "links": lengths,
         "angles": angles,
         "bend": math.remainder(angles[1] - angles[0], 2.0 * math.pi),
@@ -163,12 +116,12 @@ def _plane(chain: Chain) -> dict[str, Any] | None:
     }
 
 
-def _in_frame(ends: Ends, point: Array) -> Array:
-    out: Array = ends.base_rotation @ (point - ends.base_origin)
+def _in_frame(frame: Numbers, point: Array) -> Array:
+    out: Array = frame.base_rotation @ (point - frame.base_origin)
     return out
 
 
-def _explain(chain: Chain, arm: _PlanarPoints, rotation: Array | None, point: Array) -> str:
+def _explain(chain: Chain, arm: Numbers, rotation: Array | None, point: Array) -> str:
     """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
     tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
     if tilt > DEFAULT.reach:
@@ -178,7 +131,7 @@ def _explain(chain: Chain, arm: _PlanarPoints, rotation: Array | None, point: Ar
     a, b = arm.links
     far = math.hypot(point[0], point[1])
     end = "axis 3" if arm.joints[2] >= 0.0 else "the tip"
-    if why := beyond_reach(f"{end} is {{}} m from axis 1", np.array([far]), abs(a - b), a + b):
+    if why := beyond_reach(f"{end} is {{at}} m from axis 1", np.array([far]), abs(a - b), a + b):
         return why
     # Two joints: whichever way the elbow bends, the tip is turned as they have it.
     turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])

@@ -14,45 +14,34 @@ from urdf_ik.ik.families import (
     few_joints,
     general,
     hollow_wrist,
-    imperfect,
     joint_given,
     parallel_shoulder,
     planar,
-    sampled,
     slides,
     spherical_middle,
     spherical_wrist,
     srs,
     three_parallel,
 )
-from urdf_ik.ik.families.parts.branches import geometric
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, mirrored
+from urdf_ik.ik.families.parts.ideal import geometric
 from urdf_ik.kinematics.chain import Chain, typical_stretch
 from urdf_ik.kinematics.structure import Structure, analyse
 
 FEW_JOINTS: list[Family] = [planar.FAMILY, few_joints.FAMILY]
 """Families of one to five joints."""
 
-SIX_TURNING: list[Family] = [
-    spherical_wrist.TWO_PARALLEL,
-    spherical_wrist.FIRST_PARALLEL,
-    spherical_wrist.CROSSING,
-    three_parallel.CROSSING,
-    *parallel_shoulder.WITH_WRIST,
-    spherical_middle.CROSSING,
-    spherical_middle.PARALLEL,
-    # By a quartic.
-    spherical_wrist.GENERAL,
-    three_parallel.GENERAL,
-    parallel_shoulder.GENERAL,
-    spherical_middle.GENERAL,
-]
+_CLOSED_FORMS = (spherical_wrist, three_parallel, parallel_shoulder, spherical_middle)
+# Quartics last.
+SIX_TURNING: list[Family] = sorted(
+    (family for module in _CLOSED_FORMS for family in module.FAMILIES), key=lambda family: not family.by_quadratics
+)
 """Closed forms of six turning joints, which are tried from either end."""
 
 SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
 """Closed forms of six joints with slides, which are tried from either end."""
 
-SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
+SINGULAR_EVERYWHERE: list[Family] = [general.SINGULAR]
 """Six joints with a continuum of solutions for every pose that they reach."""
 
 BY_ELIMINATION: list[Family] = [general.TURNING, general.WITH_SLIDES]
@@ -152,7 +141,7 @@ def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:
     plan, seen = min(near, key=lambda entry: (not entry[0].family.by_quadratics, entry[0].error))
     if not _is_guide(plan, seen):
         return None
-    plan = imperfect.prepare(plan, seen)
+    plan = general.beside(plan, seen)
     return mirrored(plan) if seen is back else _named(plan, chain)
 
 

@@ -5,62 +5,20 @@ The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.few_joints import Joint, PositionStep, position_step
+from urdf_ik.ik.families.few_joints import Joint, position_step
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
-from urdf_ik.ik.families.parts.written import Written, written
+from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _SlidesArm:
-    """Six joints with slides, three turns of which make the orientation: ``SlidesArm`` of the core.
-
-    Attributes:
-        written: the arm as its URDF has it.
-        columns: of a pose's solutions.
-        step: how the first three joints place the wrist's centre; None: the other three joints slide.
-        in_tip: (3,) the wrist's centre in the tip [share of size]; None: there is no wrist.
-        turns: (3,) the joints that make the orientation.
-        first: (3, 3) frame on the first of their axes at zero.
-        last: (3, 3) frame on the last of their axes at zero.
-        home: (3, 3) the tip's rotation at zero.
-        clamp: how far below zero a margin may fall before its branch is given up.
-        imperfection: how far the wrist's axes are from meeting in a point [share of size]; 0: exact.
-        ca: cosine of the angle from the first to the middle one of the three axes.
-        sa: its sine.
-        cb: cosine of the angle from the middle to the last one.
-        sb: its sine.
-        bend: rad, the angle of the middle one at zero.
-    """
-
-    kind: ClassVar = "slides"
-    written: Written
-    columns: int
-    step: PositionStep | None
-    in_tip: Array | None
-    turns: Array
-    first: Array
-    last: Array
-    home: Array
-    clamp: float
-    imperfection: float
-    ca: float
-    sa: float
-    cb: float
-    sb: float
-    bend: float
 
 
 def _has_wrist(structure: Structure) -> bool:
@@ -100,7 +58,7 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMem
         branches=columns(most),
         imperfection=(0.0, off),
         error=0.0 if exact else error,
-        explain=partial(off_by, chain),
+        why=partial(off_by, chain),
         solver=Solver(arm),
     )
 
@@ -116,7 +74,7 @@ def _prepare_three(family: Family, structure: Structure, chain: Chain) -> Family
         reason=family.why(),
         method=f"Closed form: {family.steps}",
         branches=family.branches,
-        explain=partial(off_by, chain),
+        why=partial(off_by, chain),
         solver=Solver(arm),
     )
 
@@ -148,9 +106,9 @@ def _arm(
     turns: NDArray[np.intp],
     most: int,
     error: float,
-    step: PositionStep | None = None,
+    step: Numbers | None = None,
     in_tip: Array | None = None,
-) -> _SlidesArm | None:
+) -> Numbers | None:
     """The arm for the compiled solver; None where two of its turns are parallel.
 
     Args:
@@ -167,7 +125,8 @@ def _arm(
     if min(sa, sb) < 1e-6:
         return None
     side, side_too = side / sa, side_too / sb
-    return _SlidesArm(
+    return Numbers(
+        kind="slides",
         written=written(chain),
         columns=most,
         step=step,

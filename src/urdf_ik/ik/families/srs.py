@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 
-from urdf_ik._core import SelfMotion, Solver
+from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.explanations import beyond_reach
-from urdf_ik.ik.families.parts.family import Family, RedundantMember, in_words
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words, self_motion
 from urdf_ik.ik.families.parts.ideal import snapped
-from urdf_ik.ik.families.parts.written import Ends, FreeArm, Written, written
+from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import swivel_of
 from urdf_ik.kinematics.structure import Structure
@@ -33,72 +32,13 @@ _CLAMP = 50.0
 _ON_AXIS = 1e-7
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _MeetingAxes:
-    """Three axes that meet in a point: the two twists between them.
-
-    Attributes:
-        cos_alpha: of the angle between the first and the second axis.
-        sin_alpha: of the same.
-        cos_beta: of the angle between the second and the third axis.
-        sin_beta: of the same.
-        shift: rad, added to the middle joint's value.
-        square: whether both twists are right angles.
-    """
-
-    cos_alpha: float
-    sin_alpha: float
-    cos_beta: float
-    sin_beta: float
-    shift: float
-    square: bool
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SrsArm:
-    """An S-R-S arm: ``SrsArm`` of the core.
-
-    Attributes:
-        ideal: frame 1 in the shoulder, and the wrist's point in the tip.
-        written: the arm as its URDF has it.
-        shoulder: axes 1 to 3.
-        wrist: axes 5 to 7.
-        to_frame_3: (3, 3) rotation from the elbow's frame at zero to frame 3.
-        from_frame_5: (3, 3) rotation from frame 5 to the elbow's frame at zero.
-        upper: m, distance of the shoulder from axis 4.
-        fore: m, distance of the wrist from axis 4.
-        along: m, from the shoulder to the wrist along axis 4.
-        zero_4: rad, the angle between the links at zero.
-        clamp: how far below zero a margin may fall before its branch is given up.
-        imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
-        off: (7, 3) m, from each axis of the arm as written to this arm's, in the joint's frame at zero.
-        value: rad, the swivel angle where no other is given.
-    """
-
-    kind: ClassVar = "S-R-S"
-    ideal: Ends
-    written: Written
-    shoulder: _MeetingAxes
-    wrist: _MeetingAxes
-    to_frame_3: Array
-    from_frame_5: Array
-    upper: float
-    fore: float
-    along: float
-    zero_4: float
-    clamp: float
-    imperfection: float
-    off: Array
-    value: float
-
-
 def _matches(structure: Structure) -> bool:
     """Whether seven joints turn, and the first three axes meet in a point, the last three in another."""
     meeting = structure.triple(1, "meet") is not None and structure.triple(5, "meet") is not None
     return meeting and structure.joint_types.count("prismatic") == 0 and len(structure.joint_types) == 7
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMember | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of such an arm; None where the elbow is too near to shoulder or wrist."""
     shoulder, wrist = structure.triple(1, "meet"), structure.triple(5, "meet")
     if shoulder is None or wrist is None:
@@ -116,14 +56,10 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMem
     elbow = np.column_stack([to_axis / a, np.cross(h, to_axis / a), h])
     first, third, twists = _triple(chain.H[:3])
     fifth, seventh, wrist_twists = _triple(chain.H[4:])
-    ends = Ends(
-        base_rotation=np.ascontiguousarray(first.T),
-        base_origin=S.copy(),
-        tool_rotation=np.ascontiguousarray(chain.R_tip.T @ seventh),
-        tool_point=chain.R_tip.T @ (W - chain.P.sum(axis=0)),
-    )
-    arm = SrsArm(
-        ideal=ends,
+    frames = ends(first.T, S, chain.R_tip.T @ seventh, chain.R_tip.T @ (W - chain.P.sum(axis=0)))
+    arm = Numbers(
+        kind="S-R-S",
+        ideal=frames,
         written=written(chain),
         shoulder=_meeting(twists),
         wrist=_meeting(wrist_twists),
@@ -138,18 +74,17 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMem
         off=_off(chain, S, W),
         value=0.0,
     )
-    return RedundantMember(
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches if exact else family.branches + tuple(f"further {k}" for k in range(1, 9)),
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
         error=error,
         solver=Solver(arm),
         parameters=(swivel_of(chain.joint_names[3]),),
-        self_motion=SelfMotion(FreeArm(written=arm.written, given=-1, ends=ends)),
-        value_of=lambda Q, T: _swivels(chain, ends, Q)[:, None],
-        explain=lambda T: _explain(arm, T, 0.0),
-        explain_at=lambda T, value: _explain(arm, T, float(value[0])),
-        swivel=ends,
+        self_motion=self_motion(chain, -1, frames),
+        value_of=lambda Q, T: _swivels(chain, frames, Q)[:, None],
+        why=lambda T, values: _explain(arm, T, float(values[0])),
+        swivel=frames,
     )
 
 
@@ -164,24 +99,18 @@ FAMILY = Family(
 )
 
 
-def _meeting(twists: Array) -> _MeetingAxes:
-    """Three meeting axes, by the numbers of ``_triple``."""
-    cos_alpha, sin_alpha, cos_beta, sin_beta, shift = twists.tolist()
-    return _MeetingAxes(
-        cos_alpha=cos_alpha,
-        sin_alpha=sin_alpha,
-        cos_beta=cos_beta,
-        sin_beta=sin_beta,
-        shift=shift,
-        square=cos_alpha == 0.0 and cos_beta == 0.0,
-    )
+def _meeting(twists: Array) -> Numbers:
+    """``MeetingAxes`` of the core, by the numbers of ``_triple``."""
+    names = ("cos_alpha", "sin_alpha", "cos_beta", "sin_beta", "shift")
+    square = twists[0] == 0.0 and twists[2] == 0.0  # both twists are right angles
+    return Numbers(**dict(zip(names, twists.tolist(), strict=True)), square=bool(square))
 
 
-def _swivels(chain: Chain, ends: Ends, Q: Array) -> Array:
+def _swivels(chain: Chain, frames: Numbers, Q: Array) -> Array:
     """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them (swivel.hpp of the core)."""
     T = chain.fk(Q)
-    W = (T[:, :3, :3] @ ends.tool_point + T[:, :3, 3] - ends.base_origin) @ ends.base_rotation.T
-    axis = chain.jacobian(Q)[:, 3:, 3] @ ends.base_rotation.T
+    W = (T[:, :3, :3] @ frames.tool_point + T[:, :3, 3] - frames.base_origin) @ frames.base_rotation.T
+    axis = chain.jacobian(Q)[:, 3:, 3] @ frames.base_rotation.T
     length, aside = np.linalg.norm(W, axis=1), np.hypot(W[:, 0], W[:, 1])
     on_axis = aside <= _ON_AXIS * length
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -232,10 +161,10 @@ def _triple(H: Array) -> tuple[Array, Array, Array]:
     return frames[0], frames[1], np.array([*snapped(np.array([H[0] @ H[1], sa, H[1] @ H[2], sb])), shift])
 
 
-def _explain(arm: SrsArm, T: Array, value: float) -> str:
+def _explain(arm: Numbers, T: Array, value: float) -> str:
     far = float(np.linalg.norm(T[:3, :3] @ arm.ideal.tool_point + T[:3, 3] - arm.ideal.base_origin))
     a, b, c = arm.upper, arm.fore, arm.along
-    what = "wrist centre {} m from the shoulder"
+    what = "wrist centre {at} m from the shoulder"
     why = beyond_reach(what, np.array([far]), math.hypot(a - b, c), math.hypot(a + b, c))
     return (
         why or f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik import _core
-from urdf_ik.ik.families.parts.family import RedundantMember
-from urdf_ik.ik.families.srs import SrsArm
+from urdf_ik.ik.families.parts.family import FamilyMember
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.curves import End, Found, joined
 from urdf_ik.ik.solver import Solver
@@ -48,15 +48,15 @@ _AT_ONCE = 128
 _NARROWEST = 1e-13
 
 
-def is_closed(plan: RedundantMember) -> bool:
+def is_closed(plan: FamilyMember) -> bool:
     """Whether the intervals of an arm have this closed form."""
-    if plan.parameter.kind != SWIVEL or not plan.is_exact:
+    if plan.parameters[0].kind != SWIVEL or not plan.is_exact:
         return False
-    arm = plan.solver.arm
-    return isinstance(arm, SrsArm) and arm.shoulder.square and arm.wrist.square
+    arm: Any = plan.solver.arm
+    return bool(arm.shoulder.square and arm.wrist.square)
 
 
-def swivel_intervals(solver: Solver, plan: RedundantMember, T: Array, limits: Array) -> tuple[Found, Columns]:
+def swivel_intervals(solver: Solver, plan: FamilyMember, T: Array, limits: Array) -> tuple[Found, Columns]:
     """The intervals of poses (m, 4, 4) inside limits (7, 2), without samples; and the poses that it does not decide.
 
     These are poses near a singularity of a triple at one of the three values, or at the edge of the elbow's reach.
@@ -70,7 +70,7 @@ def swivel_intervals(solver: Solver, plan: RedundantMember, T: Array, limits: Ar
     return joined(parts), np.concatenate(undecided)
 
 
-def _some(solver: Solver, plan: RedundantMember, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
+def _some(solver: Solver, plan: FamilyMember, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
     """:func:`intervals` of few poses."""
     solutions = solve(solver, T[:, None], redundancy=np.broadcast_to(_AT, (len(T), 3)))
     q, valid = solutions.q.reshape(len(T), 3, 2, 2, 2, 7), solutions.valid.all(axis=(1, 2))
@@ -245,7 +245,7 @@ def _paired(row: Columns, k: Columns, row_end: Columns, k_end: Columns) -> Colum
     return ends
 
 
-def sense(solver: Solver, plan: RedundantMember) -> float:
+def sense(solver: Solver, plan: FamilyMember) -> float:
     """1 or -1: how the last joint turns with the tip; 0 where the free axis is not the last joint's, or there is none.
 
     Arms whose branches have no names are left to the search: their columns change along the value.

@@ -151,7 +151,7 @@ class Curves:
                 "others, that have several parameters, or whose joints do not move the tip in every way; "
                 "ik(T, redundancy=values) solves at values"
             )
-        return cls(member.self_motion, member.parameter, solver.dof < 7, ~solver.chain.prismatic)
+        return cls(member.self_motion, member.parameters[0], solver.dof < 7, ~solver.chain.prismatic)
 
     def seven(self, q: Array, values: Array) -> Array:
         """Joint vectors (..., n) with the parameter's values (...) behind them where it is none of the joints."""

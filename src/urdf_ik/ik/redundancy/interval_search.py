@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik import _core
-from urdf_ik.ik.families.parts.family import RedundantMember
+from urdf_ik.ik.families.parts.family import FamilyMember
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import closed_form
 from urdf_ik.ik.redundancy.curves import Curves, End, Found, joined
@@ -165,9 +165,9 @@ def _nothing(solver: Solver) -> Found:
     )  # fmt: skip
 
 
-def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
+def _found(solver: Solver, plan: FamilyMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
     """The intervals of a few poses, their curves followed."""
-    parameter = plan.parameter
+    parameter = plan.parameters[0]
     # Where another plan serves every value, there are no branches beyond their ends either.
     general = plan.family.by_elimination or not isinstance(plan.solver, _core.Solver)
     low, high = span(solver, parameter, T)
@@ -280,9 +280,9 @@ def _followed(solver: Solver, curves: Curves, T: Array, given: _Given) -> tuple[
     return np.concatenate(parts), np.concatenate(tables)
 
 
-def _beyond(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, grid: Array) -> Array:
+def _beyond(solver: Solver, plan: FamilyMember, curves: Curves, T: Array, grid: Array) -> Array:
     """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
-    poses, values = plan.parameter.spread(T[:, None], grid)
+    poses, values = plan.parameters[0].spread(T[:, None], grid)
     branches = len(plan.branches)
     q = np.full((*values.shape, branches, solver.dof), np.nan)
     rows = q.reshape(-1, branches, solver.dof)
@@ -290,8 +290,8 @@ def _beyond(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, gri
         poses.reshape(-1, 4, 4), None, rows, np.zeros(rows.shape[:2], np.uint8), values.reshape(-1), 1, beyond=True
     )
     out = curves.seven(q, np.broadcast_to(values[..., None], q.shape[:-1])) if curves.appended else q
-    if plan.parameter.kind != SWIVEL:
-        given = 6 if curves.appended else solver.joint_names.index(plan.parameter.joint)
+    if plan.parameters[0].kind != SWIVEL:
+        given = 6 if curves.appended else solver.joint_names.index(plan.parameters[0].joint)
         out[..., given] = values[..., None]  # branches that are no solution have no value yet
     return out
 

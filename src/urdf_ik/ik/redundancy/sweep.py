@@ -92,7 +92,7 @@ def sweep(
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; sweep takes a single pose (4, 4)")
     n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
-    parameter = plan.parameter
+    parameter = plan.parameters[0]
     low, high = span(solver, parameter, target[None])
     if plan.self_motion is None and len(plan.parameters) == 1:
         found = _on_a_grid(solver, parameter, target, (low, high), within_limits)
@@ -106,14 +106,14 @@ def sweep(
 def explanation(solver: Solver, T: Array, value: ArrayLike | None) -> str:
     """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
     plan = solver.redundant_member
-    parameter = plan.parameter
+    parameter = plan.parameters[0]
     given = parameter.check(parameter.default if value is None else value)
     if given.ndim:
         raise ArgumentError(f"redundancy of shape {given.shape} given; explain takes a single value")
     at = float(given)
     found = sweep(solver, T, 1).intervals
     places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
-    why = plan.explain_at(T, np.array([at]))
+    why = plan.explain(T, np.array([at]))
     return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
 
 

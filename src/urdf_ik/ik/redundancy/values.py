@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.ik.families import RedundantMember
+from urdf_ik.ik.families import FamilyMember
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.serial import filled
@@ -74,7 +74,7 @@ def nearest_values(solver: Solver, q: Array, T: Array) -> Array:
     return solver.redundant_member.value_of(q, np.broadcast_to(T, (len(q), 4, 4)))
 
 
-def only_parameter(solver: Solver, what: str) -> RedundantMember:
+def only_parameter(solver: Solver, what: str) -> FamilyMember:
     """The member of a family with one redundancy parameter.
 
     Raises:

@@ -11,15 +11,14 @@ continuation from a pose whose solutions are all known takes over (continuation.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik._core import known_poses, try_elimination
-from urdf_ik.ik.families.parts.inexact import UNKNOWN, PreciseFactors, inexact
-from urdf_ik.ik.families.parts.written import Written, written
+from urdf_ik.ik.families.parts.inexact import UNKNOWN, inexact
+from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.typing import Array
 
@@ -37,94 +36,7 @@ _ROWS, _COLUMNS = 168, 32
 _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Variants:
-    """_Variants of the elimination, v of them; see ``EliminationVariant`` of the core.
-
-    Attributes:
-        first: (v,) the joint behind which the loop is cut, from 0.
-        reversed: (v,) whether it is the chain from tip to base.
-        left: (v, 15, 168) left factors of the equations' coefficients, transposed.
-        right: (v, 15, 32) right factors.
-        left_inverse: (v, 9, 15) from a line to the products of (1, cos, sin) of two joints.
-        axes: (v, 6, 3) directions.
-        points: (v, 6, 3) points on the axes, scaled.
-        across: (v, 3) unit vectors across the axis that the loop is cut at.
-        slides: (v, 6) which joints slide.
-        inexact: (v, 3) see ``inexact``; ``UNKNOWN`` where nothing is known.
-    """
-
-    first: Array
-    reversed: Array
-    left: Array
-    right: Array
-    left_inverse: Array
-    axes: Array
-    points: Array
-    across: Array
-    slides: Array
-    inexact: Array
-
-    def at(self, rows: NDArray[np.intp]) -> _Variants:
-        """Some of the variants, by their places."""
-        return _Variants(**{each.name: np.ascontiguousarray(getattr(self, each.name)[rows]) for each in fields(self)})
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _KnownPoses:
-    """Poses whose complex solutions are all known, up to 16; see ``KnownPose`` of the core.
-
-    Attributes:
-        solutions: how many each pose has.
-        poses: k, how many poses there are.
-        turn: (k, 4) rotations, as quaternions.
-        point: (k, 3) positions, scaled.
-        solution: (k, 16, 6, 2) real and imaginary parts of the solutions.
-    """
-
-    solutions: int
-    poses: int
-    turn: Array
-    point: Array
-    solution: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _EliminationSetup:
-    """An arm of six joints, before a variant is chosen.
-
-    Attributes:
-        written: the arm as its URDF has it.
-        home_inverse: (3, 4) inverse of the tip's pose at zero, moved to the middle of the axes [m].
-        centre: (3,) m, the middle of the axes.
-        scale: 1/m, one over the mean distance of the axes from their middle.
-        known: poses that continuation starts from.
-    """
-
-    written: Written
-    home_inverse: Array
-    centre: Array
-    scale: float
-    known: _KnownPoses
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class EliminationArm(_EliminationSetup):
-    """An arm of six joints for the elimination and the continuation behind it.
-
-    Attributes:
-        variant: the one that proposes solutions.
-        counter: the one whose determinant's zeros are counted.
-        counter_rest: what rounding leaves out of its factors.
-    """
-
-    kind: ClassVar = "elimination"
-    variant: _Variants
-    counter: _Variants
-    counter_rest: PreciseFactors
-
-
-def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
+def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
     """The arm for the compiled elimination.
 
     It has the variant that is certain of most poses, and poses whose solutions are all known.
@@ -142,61 +54,65 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN_WITH_SLIDES if chain.prismatic.any() else _KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / math.pi
     as_written = written(chain)
-    setup = _EliminationSetup(
+    setup = Numbers(
         written=as_written,
         home_inverse=np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
         centre=centre,
         scale=scale,
-        known=_KnownPoses(**known_poses(as_written, Q, near)),
+        known=Numbers(**known_poses(as_written, Q, near)),
     )
     targets = chain.fk(Q[:_KNOWN])
     every = _all_variants(H, points, chain.prismatic, rng)
     best = _best(setup, _best(setup, every, targets[:_FIRST], _FEW), targets, 1)
-    common = {each.name: getattr(setup, each.name) for each in fields(setup)}
     counter, rest = _counter(setup, every, targets)
-    return EliminationArm(**common, variant=_with_bounds(best, setup)[0], counter=counter, counter_rest=rest)
+    variant = _with_bounds(best, setup)[0]
+    return Numbers(kind="elimination", **vars(setup), variant=variant, counter=counter, counter_rest=rest)
 
 
-def _with_bounds(variant: _Variants, setup: _EliminationSetup) -> tuple[_Variants, PreciseFactors]:
+def _with_bounds(variant: Numbers, setup: Numbers) -> tuple[Numbers, Numbers]:
     """One variant with bounds on how far it is from the arm, if all joints turn, and what its factors lack."""
     left, right = variant.left[0], variant.right[0]
     if variant.slides.any():
-        unknown = PreciseFactors(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
+        unknown = Numbers(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
         return variant, unknown
     cut = int(variant.first[0]), bool(variant.reversed[0])
     bound, rest = inexact(setup.written.steps, setup.centre, setup.scale, cut, left, right)
-    return replace(variant, inexact=bound[None]), rest
+    return variant.but(inexact=bound[None]), rest
 
 
-def _counter(setup: _EliminationSetup, variants: _Variants, targets: Array) -> tuple[_Variants, PreciseFactors]:
+def _counter(setup: Numbers, variants: Numbers, targets: Array) -> tuple[Numbers, Numbers]:
     """The variant of the axes as they are whose determinant's zeros prove most of the poses (m, 4, 4) complete."""
-    unmoved = variants.at(np.arange(len(variants.first) // len(_SHIFTS)))
+    unmoved = _at(variants, range(len(variants.first) // len(_SHIFTS)))
     if unmoved.slides.any():
-        return _with_bounds(unmoved.at(np.array([0])), setup)
+        return _with_bounds(_at(unmoved, [0]), setup)
 
-    def proven(of: _Variants) -> NDArray[np.int64]:
+    def proven(of: Numbers) -> NDArray[np.int64]:
         out: NDArray[np.int64] = np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
         return out
 
     # What these would prove, were they as exact as rounding lets them be.
-    guessed = proven(replace(unmoved, inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
-    few = [_with_bounds(unmoved.at(np.array([k])), setup) for k in np.argsort(guessed, kind="stable")[-2:]]
+    guessed = proven(unmoved.but(inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
+    few = [_with_bounds(_at(unmoved, [k]), setup) for k in np.argsort(guessed, kind="stable")[-2:]]
     return max(few, key=lambda each: int(proven(each[0])[0]))
 
 
-def _best(setup: _EliminationSetup, variants: _Variants, targets: Array, count: int) -> _Variants:
+def _best(setup: Numbers, variants: Numbers, targets: Array, count: int) -> Numbers:
     """The ``count`` variants that are rightly certain of most of the poses (m, 4, 4); the best one last."""
     counts, found = _tried(setup, variants, targets)
     certain = found & 1
     # A variant that is certain of fewer solutions than another one finds: its determinant lacks some of them as roots.
     wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
     order = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))
-    return variants.at(order[-count:])
+    return _at(variants, order[-count:])
 
 
-def _tried(
-    setup: _EliminationSetup, variants: _Variants, targets: Array
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+def _at(variants: Numbers, rows: Sequence[int] | NDArray[np.intp]) -> Numbers:
+    """Some of the variants, by their places."""
+    kept = np.asarray(rows)
+    return Numbers(**{name: np.ascontiguousarray(values[kept]) for name, values in vars(variants).items()})
+
+
+def _tried(setup: Numbers, variants: Numbers, targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Try each variant alone on the poses (m, 4, 4).
 
     Returns:
@@ -219,8 +135,11 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     return chain.H, points * scale, centre, scale
 
 
-def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> _Variants:
-    """Every variant, on the axes as they are and on axes moved a little."""
+def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> Numbers:
+    """Every variant, v of them, on the axes as they are and on axes moved a little.
+
+    Each array (v, ...) has a row a variant: ``EliminationVariant`` of the core; ``inexact`` is ``UNKNOWN``.
+    """
     shifts = np.array(_SHIFTS)[:, None, None]
     turned = np.empty((len(_SHIFTS), 6, 3))
     moved = np.empty_like(turned)
@@ -249,9 +168,9 @@ def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.ra
                 part["first"] = np.full(len(_SHIFTS), float(first))
                 part["reversed"] = np.full(len(_SHIFTS), float(reverse))
                 parts.append(part)
-    rows = _Variants(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    rows = Numbers(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
     # Ordered by shift: among equals the unmoved axes are preferred.
-    return rows.at(np.argsort(np.tile(np.arange(len(_SHIFTS)), len(parts)), kind="stable"))
+    return _at(rows, np.argsort(np.tile(np.arange(len(_SHIFTS)), len(parts)), kind="stable"))
 
 
 def _factors(motions: Array, line: Array, slides: NDArray[np.bool_], first: int) -> dict[str, Array]:

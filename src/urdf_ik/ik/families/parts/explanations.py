@@ -1,4 +1,4 @@
-"""What explanations of unreachable poses share: lengths in words."""
+"""Explanations of unreachable poses: lengths in words, and the error of the nearest pose."""
 
 from __future__ import annotations
 
@@ -7,63 +7,48 @@ from collections.abc import Callable
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
-from urdf_ik.ik.families.parts.ideal import ClosedFormArm
-from urdf_ik.ik.families.parts.written import WHOLE_POSE, Aim, Ends
+from urdf_ik.ik.families.parts.written import WHOLE_POSE, Aim, Numbers
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 
-def compared(*lengths: float) -> tuple[str, ...]:
-    """Lengths in words, with six digits or as many as show that they differ."""
-    different = len(set(lengths))
-    texts = (tuple(f"{length:.{digits}g}" for length in lengths) for digits in range(6, 18))
-    return next(each for each in texts if len(set(each)) == different)
+def outside(text: str, length: float, low: float, high: float = np.inf) -> str:
+    """Why a length is outside a range [m]: the text with {at}, {low} and {high}, and how far; '' where it is inside.
 
-
-def too_far(actual: float, least: float, most: float) -> str:
-    """How far a length is outside a range, in words to stand behind both."""
-    return f": {actual - most:.3g} m too far" if actual > most else f": {least - actual:.3g} m too near"
+    The numbers have six digits, or as many as show that they differ.
+    """
+    if low <= length <= high:
+        return ""
+    numbers = (length, low, high)
+    texts = (tuple(f"{number:.{digits}g}" for number in numbers) for digits in range(6, 18))
+    at, least, most = next(each for each in texts if len(set(each)) == len(set(numbers)))
+    off = f"{length - high:.3g} m too far" if length > high else f"{low - length:.3g} m too near"
+    return f"{text.format(at=at, low=least, high=most)}: {off}"
 
 
 def beyond_reach(what: str, lengths: Array, shortest: float, longest: float) -> str:
     """Why no length (k,) is from ``shortest`` to ``longest`` [m], in words; '' where they are not all on one side.
 
-    ``what`` has a place for the length, as in 'axis 3 is {} m from axis 1'.
+    ``what`` has a place for the length, as in 'axis 3 is {at} m from axis 1'.
     """
-    if lengths.min() > longest:
-        far, most = compared(float(lengths.min()), longest)
-        return f"{what.format(far)}, reach {most} m{too_far(lengths.min(), shortest, longest)}"
-    if lengths.max() < shortest:
-        near, folded = compared(float(lengths.max()), shortest)
-        off = too_far(lengths.max(), shortest, longest)
-        return f"{what.format(near)}, closer than the folded arm's {folded} m{off}"
-    return ""
+    return outside(f"{what}, reach {{high}} m", lengths.min(), -np.inf, longest) or outside(
+        f"{what}, closer than the folded arm's {{low}} m", lengths.max(), shortest
+    )
 
 
-def links_beyond_reach(axes: tuple[str, str], lengths: Array, shortest: float, longest: float) -> str:
-    """Why two links cannot join ``axes`` at any of the distances (k,) [m] that a pose requires; '' where they can."""
-    if len(lengths) and lengths.min() > longest:
-        far, reach = compared(lengths.min(), longest)
-        off = too_far(lengths.min(), shortest, longest)
-        return f"{axes[0]} would have to be {far} m or more from {axes[1]}, reach {reach} m{off}"
-    if len(lengths) and lengths.max() < shortest:
-        near, folded = compared(lengths.max(), shortest)
-        off = too_far(lengths.max(), shortest, longest)
-        return f"{axes[0]} would be {near} m or less from {axes[1]}, the folded links' {folded} m away{off}"
-    return ""
-
-
-def given_in_words(parameter: Redundancy, value: float) -> str:
-    """The beginning of an explanation: which joint is given, and where."""
-    return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}"
+def links_beyond_reach(first: str, last: str, lengths: Array, shortest: float, longest: float) -> str:
+    """Why two links cannot join two axes at any of the distances (k,) [m] that a pose requires; '' where they can."""
+    if not len(lengths):
+        return ""
+    far = f"{first} would have to be {{at}} m or more from {last}, reach {{high}} m"
+    near = f"{first} would be {{at}} m or less from {last}, the folded links' {{low}} m away"
+    return outside(far, lengths.min(), -np.inf, longest) or outside(near, lengths.max(), shortest)
 
 
 def beyond_links(what: str, far: float, size: float) -> str:
-    """The text for what is further from axis 1 than the links reach, stretched out."""
-    return f"{what} is {far:.6g} m from axis 1, and all links together measure {size:.6g} m{too_far(far, 0.0, size)}"
+    """The text for what is further from axis 1 than the links reach, stretched out; '' where it is not."""
+    return outside(f"{what} is {{at}} m from axis 1, and all links together measure {{high}} m", far, -np.inf, size)
 
 
 def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
@@ -81,37 +66,8 @@ _AXES = "xyz"
 _SILENT = 1e-6
 
 
-def closed_form(
-    family: Family,
-    chain: Chain,
-    arm: ClosedFormArm,
-    error: float,
-    imperfection: tuple[float, float],
-    explain: Callable[[Solver, Array, Array], str],
-) -> FamilyMember:
-    """The member of a family of six turning joints that is solved in closed form.
-
-    Args:
-        family: of the arm.
-        chain: the arm as written.
-        arm: what the compiled solver is made from.
-        error: of :func:`ideal_frames`.
-        imperfection: (rad, m) of the relations that the family rests on.
-        explain: (solver, rotation (3, 3) and solved point (3,) in the ideal frame 1) -> which length does not fit.
-    """
-    solver = Solver(arm)
-    return FamilyMember(
-        **in_words(family, error),
-        branches=family.branches,
-        imperfection=imperfection,
-        error=error,
-        solver=solver,
-        explain=seen_in_frame_1(chain, arm.ideal, lambda rotation, point: explain(solver, rotation, point)),
-    )
-
-
-def seen_in_frame_1(chain: Chain, ends: Ends, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
-    """``FamilyMember.explain`` for a function of the rotation (3, 3) and solved point (3,) in the ideal frame 1.
+def seen_in_frame_1(chain: Chain, ends: Numbers, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
+    """``FamilyMember.why`` for a function of the rotation (3, 3) and solved point (3,) in the ideal frame 1.
 
     Where that names no length, the text is the error of the nearest pose.
     """
@@ -127,8 +83,8 @@ def seen_in_frame_1(chain: Chain, ends: Ends, explain: Callable[[Array, Array], 
 def off_by(chain: Chain, target: Array, aim: Aim = WHOLE_POSE) -> str:
     """The error, in words, of the nearest pose to a target (4, 4) that a search finds; ``aim``: what is controlled."""
     far = float(np.linalg.norm(target[:3, 3] - chain.points[0]))
-    if far > chain.size and not chain.prismatic.any():
-        return beyond_links("the tip", far, chain.size)
+    if not chain.prismatic.any() and (why := beyond_links("the tip", far, chain.size)):
+        return why
     e = _least(chain, aim, target)
     worst = np.abs(e).max()
     parts = [
@@ -164,7 +120,7 @@ def _least(chain: Chain, aim: Aim, target: Array) -> Array:
 
 
 def _error(chain: Chain, aim: Aim, target: Array, T: Array) -> Array:
-    """What is off (m, 6) of poses ``T`` (m, 4, 4) in what is asked for, lengths as shares of the size."""
+    """Error (m, 6) of poses T (m, 4, 4) in the controlled components; lengths divided by the arm's size."""
     e = np.zeros((len(T), 6))
     e[:, :3] = (target[:3, 3] - T[:, :3, 3]) / chain.size
     if aim.kind == 0:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.written import Ends
+from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.kinematics.structure import Structure
@@ -63,6 +63,10 @@ class Family:
         return _AXES.sub(numbers, self.reason)
 
 
+def _nothing(Q: Array, T: Array) -> Array:
+    return np.empty((len(Q), 0))
+
+
 @dataclass(frozen=True, kw_only=True)
 class FamilyMember:
     """An arm as a member of its family: how it is solved.
@@ -77,7 +81,13 @@ class FamilyMember:
         error: greatest difference between the poses of the ideal arm and of the arm as written, over sampled
             joint vectors [rad, share of size].
         solver: the compiled solver.
-        explain: (pose (4, 4) without a solution) -> why there is none.
+        why: (pose (4, 4) without a solution) -> why it has none; with redundancy parameters it takes their values,
+            (parameters,), too.
+        parameters: redundancy parameters, in the order of the solver's values; the one that was added last comes first.
+        self_motion: follows the curves of joint vectors that hold a pose; None unless there is one parameter, and where
+            joints mimic others.
+        value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> values (m, parameters).
+        swivel: the frames that a swivel angle is measured in: ``ends``; None for an arm without.
     """
 
     family: Family
@@ -88,7 +98,11 @@ class FamilyMember:
     imperfection: tuple[float, float] = (0.0, 0.0)
     error: float = 0.0
     solver: Solver
-    explain: Callable[[Array], str]
+    why: Callable[..., str]
+    parameters: tuple[Redundancy, ...] = ()
+    self_motion: SelfMotion | None = None
+    value_of: Callable[[Array, Array], Array] = _nothing
+    swivel: Numbers | None = None
 
     @property
     def is_exact(self) -> bool:
@@ -100,52 +114,37 @@ class FamilyMember:
         """Whether each joint follows from the root of a quadratic, of the arm as written too."""
         return self.is_exact and self.family.by_quadratics
 
-
-@dataclass(frozen=True, kw_only=True)
-class RedundantMember(FamilyMember):
-    """How a redundant arm is solved for given values of its redundancy parameters.
-
-    Attributes:
-        parameters: in the order of the solver's values; the parameter that was added last comes first.
-        self_motion: follows the curves of joint vectors that hold a pose; None if there are several parameters, or
-            joints that mimic others.
-        value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
-        explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
-        swivel: what a swivel angle is measured from; None for an arm without.
-    """
-
-    parameters: tuple[Redundancy, ...]
-    self_motion: SelfMotion | None
-    value_of: Callable[[Array, Array], Array]
-    explain_at: Callable[[Array, Array], str]
-    swivel: Ends | None = None
-
-    @property
-    def parameter(self) -> Redundancy:
-        """The first parameter."""
-        return self.parameters[0]
-
     @property
     def defaults(self) -> Array:
-        """(parameters,) the values where none are given."""
+        """(parameters,) the values of the redundancy parameters that are solved for by default."""
         return np.array([parameter.default for parameter in self.parameters])
 
+    def explain(self, T: Array, values: Array) -> str:
+        """Why a pose (4, 4) has no solution at values (parameters,)."""
+        return self.why(T, values) if self.parameters else self.why(T)
 
-def in_words(family: Family, error: float, steps: str = "") -> dict[str, Any]:
-    """Name, reason and method of a plan, for an arm that is off its family by ``error``."""
+
+def self_motion(chain: Chain, joint: int, frames: Numbers | None = None) -> SelfMotion:
+    """What follows the curves of seven joints that hold a pose.
+
+    Args:
+        chain: the joints.
+        joint: the one whose value is the redundancy parameter; -1: it is a swivel angle.
+        frames: ``ends`` that the swivel angle is measured in.
+    """
+    return SelfMotion(Numbers(written=written(chain), given=joint, ends=frames))
+
+
+def in_words(family: Family, error: float) -> dict[str, Any]:
+    """Family, name, reason and method of a plan, for an arm that is off its family by ``error``."""
     exact = error <= DEFAULT.exact_structure
+    near = f"Nearest ideal arm in closed form ({family.steps}), refined by Newton's method on the URDF as written"
     return {
         "family": family,
         "name": family.name,
         "reason": family.why() if exact else f"{family.why()}, exactly or nearly",
-        "method": _method(steps or family.steps, error),
+        "method": f"Closed form: {family.steps}" if exact else near,
     }
-
-
-def _method(steps: str, error: float) -> str:
-    if error <= DEFAULT.exact_structure:
-        return f"Closed form: {steps}"
-    return f"Nearest ideal arm in closed form ({steps}), refined by Newton's method on the URDF as written"
 
 
 def columns(count: int) -> tuple[str, ...]:
@@ -156,24 +155,8 @@ def columns(count: int) -> tuple[str, ...]:
 _OTHER_END = {"shoulder": "wrist", "wrist": "shoulder"}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reversed:
-    """An arm that is solved on the chain from tip to base.
-
-    Attributes:
-        solver: the reversed chain's arm: the dataclass of its solver.
-    """
-
-    kind: ClassVar = "reversed"
-    solver: Any
-
-
 def mirrored(plan: FamilyMember) -> FamilyMember:
     """The plan for an arm whose reversed chain ``plan`` was made for."""
-
-    def explain(T: Array) -> str:
-        return f"seen from the tip, {plan.explain(np.asarray(np.linalg.inv(T), dtype=np.float64))}"
-
     why = plan.family.why(from_tip=True)
     return replace(
         plan,
@@ -181,8 +164,8 @@ def mirrored(plan: FamilyMember) -> FamilyMember:
         reason=why if plan.is_exact else f"{why}, exactly or nearly",
         method=f"{plan.method}; on the chain from tip to base",
         branches=tuple(_renamed(name) for name in plan.branches),
-        explain=explain,
-        solver=Solver(Reversed(solver=plan.solver.arm)),
+        why=lambda T: f"seen from the tip, {plan.why(np.asarray(np.linalg.inv(T), dtype=np.float64))}",
+        solver=Solver(Numbers(kind="reversed", solver=plan.solver.arm)),
     )
 
 

@@ -1,37 +1,45 @@
-"""The names of the branches that most six-joint families share, and the signs of their roots."""
+"""The nearest arm that has its family's structure exactly, and the closed form of six turning joints by it."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.written import Ends, Written
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.explanations import seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh.frames import DHFrames, denavit_hartenberg
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
-# The eight branches of shoulder, elbow and wrist: the signs of their roots (3, 8), and their names in the same order.
-SIGNS = np.array(list(itertools.product((1.0, -1.0), repeat=3))).T.copy()
-NAMES = tuple(
-    f"shoulder {front}, elbow {up}, wrist {flip}"
-    for front in ("front", "back")
-    for up in ("up", "down")
-    for flip in ("noflip", "flip")
-)
 
+def eight(pattern: str) -> tuple[str, ...]:
+    """Names of the eight branches of three square roots, in the order of ``SIGNS``."""
+    words = ("front", "back"), ("up", "down"), ("noflip", "flip")
+    return tuple(pattern.format(*each) for each in itertools.product(*words))
+
+
+# The signs of the roots of shoulder, elbow and wrist (3, 8), and the names of the branches in the same order.
+SIGNS = np.array(list(itertools.product((1.0, -1.0), repeat=3))).T.copy()
+NAMES = eight("shoulder {}, elbow {}, wrist {}")
+POSITIONS = tuple(
+    f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
+)
+"""Names of the branches of a quartic's roots, each with an elbow."""
 
 # Rounding of one step's numbers here, about sixteen operations with an error of 2^-53 each.
 _STEP_ROUNDING = 2e-15
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Displacement:
-    """Bounds on the motion between the tips of two arms at the same joint vector, by the steps that remain.
+def _displacement(frames: DHFrames, chain: Chain) -> Numbers:
+    """Bounds on the motion between the tips of two arms at the same joint vector: ``Displacement`` of the core.
 
     An arm is a chain of seven constant steps with a turn between two of them: A0 turn A1 turn ... A6 for the ideal arm,
     B0 ... B6 for the arm as written, whose frames are slid along its axes and turned about them so that they are near
@@ -40,19 +48,14 @@ class _Displacement:
     the later steps' lengths. The triangle inequality adds these up, whatever the turns are. Entry k is for steps k to
     6: entry 0 for the whole arm, entry k for what joint k moves.
 
-    Attributes:
-        turn: (7,) rad, sum of t_i.
-        shift: (7,) m, sum of |a_i - b_i| + t_i (|b_i+1| + ... + |b_6|).
-        length: (7,) m, sum of |b_i|.
+    Args:
+        frames: of the ideal arm.
+        chain: six turning joints, which the ideal arm replaces.
+
+    Returns:
+        turn (7,) rad, sum of t_i; shift (7,) m, sum of |a_i - b_i| + t_i (|b_i+1| + ... + |b_6|); length (7,) m, sum of
+        |b_i|.
     """
-
-    turn: Array
-    shift: Array
-    length: Array
-
-
-def displacement(frames: DHFrames, chain: Chain) -> _Displacement:
-    """Bounds for an ideal arm's frames and the chain that they replace, of six turning joints."""
     ideal = frames.steps()
     written = [np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)]
     # Both arms' frames at q = 0, from frame 1's base to the solved point.
@@ -69,7 +72,7 @@ def displacement(frames: DHFrames, chain: Chain) -> _Displacement:
     offs = np.array([np.linalg.norm(a[:3, 3] - b[:3, 3]) for a, b in zip(ideal, steps, strict=True)])
     offs += _STEP_ROUNDING * (chain.size + np.abs(frames.base[:3, 3]).max())
     left = _sums(lengths)
-    return _Displacement(turn=_sums(turns), shift=_sums(offs + turns * (left - lengths)), length=left)
+    return Numbers(turn=_sums(turns), shift=_sums(offs + turns * (left - lengths)), length=left)
 
 
 def _sums(values: Array) -> Array:
@@ -95,62 +98,10 @@ LITTLE = 3e-3
 _ROUNDING = 2e-15
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class IdealFrames(Ends):
-    """The nearest arm that has its family's structure exactly, by Craig's Denavit-Hartenberg parameters.
-
-    T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
-
-    Attributes:
-        cos_alpha: (5,) of the twists.
-        sin_alpha: (5,) of the twists.
-        a: (5,) m, lengths of the links.
-        d: (4,) m, offsets along axes 2 to 5.
-        offset: (6,) rad, added to the joint values.
-        steps: (7, 3, 4) the motions between the frames with every t at zero, base and tool included [m].
-        size: m, the length that tolerances are shares of.
-        clamp: how far below zero a margin may fall before its branch is given up.
-        imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
-        signs: (3, 8) of the roots of shoulder, elbow and wrist, by branch.
-        displacement: bounds on the motion between its tip and that of the arm as written.
-    """
-
-    cos_alpha: Array
-    sin_alpha: Array
-    a: Array
-    d: Array
-    offset: Array
-    steps: Array
-    size: float
-    clamp: float
-    imperfection: float
-    signs: Array
-    displacement: _Displacement
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ClosedFormArm:
-    """An arm of six turning joints for the closed form of its family.
-
-    Attributes:
-        variant: which of the family's solvers it is for; each family says which there are.
-        ideal: the nearest arm with the family's structure.
-        written: the arm as its URDF has it.
-    """
-
-    variant: str
-    ideal: IdealFrames
-    written: Written
-
-
-def ideal_frames(
-    chain: Chain,
-    directions: Array,
-    points: Array,
-    parallel: Sequence[bool],
-    meet: Sequence[bool],
+def _ideal_frames(
+    chain: Chain, directions: Array, points: Array, parallel: Sequence[bool], meet: Sequence[bool]
 ) -> tuple[DHFrames, float]:
-    """DH frames of the ideal arm, and how far its poses are from those of the arm as written."""
+    """DH frames of the ideal arm, and how far its poses are from those of the arm as written [rad, share of size]."""
     # Measured from the first axis: how far from its base the arm is mounted has no part in its structure.
     mount = chain.P[0]
     local = replace(chain, P=np.vstack([np.zeros(3), chain.P[1:]]))
@@ -164,21 +115,15 @@ def ideal_frames(
     return frames, float(np.abs(apart).max())
 
 
-def ideal_arm(frames: DHFrames, error: float, chain: Chain) -> IdealFrames:
-    """The ideal arm for its family's solver.
+def _ideal_arm(frames: DHFrames, error: float, chain: Chain) -> Numbers:
+    """The ideal arm by Craig's Denavit-Hartenberg parameters: ``IdealFrames`` of the core.
 
-    Args:
-        frames: its DH frames.
-        error: how far its poses are from those of the arm as written [rad, share of size].
-        chain: the arm as written.
+    T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
     """
     base, tool = frames.base, frames.tool
     exact = error <= DEFAULT.exact_structure
-    return IdealFrames(
-        base_rotation=np.ascontiguousarray(base[:3, :3].T),
-        base_origin=base[:3, 3].copy(),
-        tool_rotation=np.ascontiguousarray(tool[:3, :3].T),
-        tool_point=-tool[:3, :3].T @ tool[:3, 3],
+    return Numbers(
+        **vars(ends(base[:3, :3].T, base[:3, 3], tool[:3, :3].T, -tool[:3, :3].T @ tool[:3, 3])),
         cos_alpha=snapped(np.cos(frames.alpha)),
         sin_alpha=snapped(np.sin(frames.alpha)),
         a=np.array(frames.a, dtype=np.float64),
@@ -189,7 +134,7 @@ def ideal_arm(frames: DHFrames, error: float, chain: Chain) -> IdealFrames:
         clamp=100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         imperfection=0.0 if exact else error,
         signs=SIGNS,
-        displacement=displacement(frames, chain),
+        displacement=_displacement(frames, chain),
     )
 
 
@@ -199,28 +144,182 @@ def snapped(values: Array) -> Array:
     return np.where(np.abs(values - nearest) < _ROUNDING, nearest, values)
 
 
-def imperfection(structure: Structure, parallel: Sequence[int], meet: Sequence[int]) -> tuple[float, float]:
-    """Greatest angle [rad] and distance [m] by which these pairs, named by their first axis, are off."""
-    angles = [structure.pairs[i - 1].off_angle for i in parallel]
+class Variant(NamedTuple):
+    """What one family of a file has beside the others.
+
+    Attributes:
+        variant: its name in the core.
+        name: the end of the family's name.
+        reason: the end of the reason.
+        steps: how it is solved.
+        holds: whether an arm, given its structure, has this family's relation.
+        branches: names of the columns.
+        by_quadratics: see ``Family``.
+    """
+
+    variant: str
+    name: str
+    reason: str
+    steps: str
+    holds: Callable[[Structure, Chain], bool]
+    branches: tuple[str, ...] = NAMES
+    by_quadratics: bool = True
+
+
+def families(
+    name: str,
+    reason: str,
+    matches: Callable[[Structure], bool],
+    prepare: Callable[[Family, Structure, Chain], FamilyMember | None],
+    variants: Sequence[Variant],
+) -> tuple[Family, ...]:
+    """The families of a file, which share the beginnings of name and reason, and a relation of their axes."""
+
+    def family(own: Variant) -> Family:
+        return Family(
+            name=name + own.name,
+            reason=reason + own.reason,
+            steps=own.steps,
+            branches=own.branches,
+            by_quadratics=own.by_quadratics,
+            matches=lambda structure, chain: matches(structure) and own.holds(structure, chain),
+            prepare=prepare,
+            variant=own.variant,
+        )
+
+    return tuple(map(family, variants))
+
+
+def closed_form(
+    family: Family,
+    structure: Structure,
+    chain: Chain,
+    kind: str,
+    triple: tuple[int, str],
+    meet: Sequence[int],
+    numbers: Callable[[Numbers], dict[str, Any] | None],
+    explain: Callable[[Numbers, Solver, Array, Array], str],
+) -> FamilyMember | None:
+    """The member of a family of six turning joints that is solved in closed form.
+
+    Its ideal arm has the structure's parallel neighbours exactly parallel, and the triple and ``meet`` exactly meeting.
+
+    Args:
+        family: of the arm.
+        structure: of the arm.
+        chain: the arm as written.
+        kind: of the solver.
+        triple: first axis, from 1, and relation of the three axes that the family rests on.
+        meet: first axes of pairs that meet too.
+        numbers: the ideal arm -> what its solver takes beside it; None where the arm has no such solution.
+        explain: (arm, solver, rotation (3, 3) and solved point (3,) in the ideal frame 1) -> which length does not fit.
+    """
+    first, relation = triple
+    three = structure.triple(first, relation)
+    assert three is not None
+    parallel = [structure.is_parallel(i) for i in range(1, 6)]
+    together = {*meet, first, first + 1} if relation == "meet" else set(meet)
+    points = chain.points.copy()
+    if three.point is not None:
+        points[first - 1 : first + 2] = three.point
+    frames, error = _ideal_frames(
+        chain, straightened(chain.H, parallel), points, parallel, [i in together for i in range(1, 6)]
+    )
+    ideal = _ideal_arm(frames, error, chain)
+    more = numbers(ideal)
+    if more is None:
+        return None
+    arm = Numbers(kind=kind, variant=family.variant, ideal=ideal, written=written(chain), **more)
+    solver = Solver(arm)
+    inside = (first, first + 1) if relation == "parallel" else ()
+    angles = [pair.off_angle for pair in structure.pairs if parallel[pair.first - 1] and pair.first not in inside]
     distances = [structure.pairs[i - 1].off_distance for i in meet]
-    return max(angles, default=0.0), max(distances, default=0.0)
+    (distances if relation == "meet" else angles).append(three.imperfection)
+    return FamilyMember(
+        **in_words(family, error),
+        branches=family.branches,
+        imperfection=(max(angles, default=0.0), max(distances, default=0.0)),
+        error=error,
+        solver=solver,
+        why=seen_in_frame_1(chain, ideal, lambda rotation, point: explain(arm, solver, rotation, point)),
+    )
 
 
-def mean_direction(directions: Array) -> Array:
-    """Directions (k, 3) replaced by their common one, each with its own sign."""
-    signs = np.where(directions @ directions[0] < 0.0, -1.0, 1.0)
-    mean = (signs[:, None] * directions).sum(axis=0)
-    common: Array = signs[:, None] * (mean / np.linalg.norm(mean))
-    return common
-
-
-def straightened(structure: Structure, directions: Array) -> tuple[Array, list[bool]]:
-    """Directions (n, 3) with neighbours that are parallel, or nearly, made exactly so; and which those are."""
-    parallel = [structure.is_parallel(i) for i in range(1, len(directions))]
+def straightened(directions: Array, parallel: Sequence[bool]) -> Array:
+    """Directions (n, 3) with the neighbours that are to be parallel (n - 1,) made exactly so, each with its own sign."""
     straight = directions.copy()
     start = 0
     for end in range(1, len(directions) + 1):
-        if end == len(directions) or not parallel[end - 1]:
-            straight[start:end] = mean_direction(directions[start:end])
-            start = end
-    return straight, parallel
+        if end < len(directions) and parallel[end - 1]:
+            continue
+        row = directions[start:end]
+        if len(row) > 1:
+            signs = np.where(row @ row[0] < 0.0, -1.0, 1.0)
+            mean = (signs[:, None] * row).sum(axis=0)
+            straight[start:end] = signs[:, None] * (mean / np.linalg.norm(mean))
+        start = end
+    return straight
+
+
+_SAMPLES = 8
+"""Number of random poses whose solutions show what the signs of the roots mean on an arm."""
+_BESIDE = 0.02
+"""Share of the arm's size: a wrist that is nearer to the shoulder's axis is neither in front nor behind."""
+
+
+def geometric(branches: tuple[str, ...], solver: Any, chain: Chain, wrist: tuple[int, int]) -> tuple[str, ...]:
+    """The names of an arm's columns, shoulder and elbow by geometry; ``branches`` where a column has no clear side.
+
+    The forward side of link 1 is where the shoulder's offset puts axis 2; without an offset, where the wrist is at
+    q = 0; if that is above the shoulder, along the base's x or y. *Front*: the wrist is on that
+    side of axis 1. *Up*: the elbow (axis 3) is above the line from the shoulder (axis 2) to the wrist, as long as the
+    wrist is on the side of the shoulder that its name says. Above is along axis 1, upwards in the base.
+
+    Args:
+        branches: the names by the signs of the roots, the first eight ``NAMES``.
+        solver: the compiled solver.
+        chain: six turning joints, axes 2 and 3 parallel.
+        wrist: the two axes, counted from 0, that meet in the point that joint 1 puts in place: (3, 4), or
+            (4, 5) where axis 4 is parallel to axes 2 and 3.
+    """
+    up = chain.H[0] * (1.0 if chain.H[0][2] > -0.1 else -1.0)
+    across = np.cross(chain.H[1], up)
+    home = _axes(chain, np.zeros(6))
+    sides = (
+        (chain.points[1] - chain.points[0]) @ across / chain.size,
+        (_meeting(*home, *wrist) - chain.points[0]) @ across / chain.size,
+        0.01 * across[0],
+        0.01 * across[1],
+    )
+    side = next((np.sign(side) for side in sides if abs(side) > LITTLE), 1.0)
+    T = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, 6)))
+    q = np.full((_SAMPLES, len(branches), 6), np.nan)
+    solver.solve(T, None, q, np.zeros(q.shape[:2], np.uint8), None, 1)
+    H, points = _axes(chain, q[:, :8])
+    ahead = side * np.cross(H[..., 1, :], up)
+    far = ((_meeting(H, points, *wrist) - points[..., 0, :]) * ahead).sum(-1)
+    end = points[..., 3, :] if wrist == (4, 5) else _meeting(H, points, *wrist)
+    to_wrist, to_elbow = end - points[..., 1, :], points[..., 2, :] - points[..., 1, :]
+    x = (to_wrist * ahead).sum(-1)
+    above = x * (x * (to_elbow @ up) - (to_wrist @ up) * (to_elbow * ahead).sum(-1))
+    above[~((np.abs(x) > _BESIDE * chain.size) & (x * far > 0.0))] = 0.0
+    is_front, is_up = np.nansum(np.sign(far), axis=0) > 0.0, np.nansum(np.sign(above), axis=0) > 0.0
+    named = tuple(
+        f"shoulder {'front' if front else 'back'}, elbow {'up' if raised else 'down'}, {name.rpartition(', ')[2]}"
+        for front, raised, name in zip(is_front, is_up, branches[:8], strict=True)
+    )
+    return (*named, *branches[8:]) if sorted(named) == sorted(NAMES) else branches
+
+
+def _axes(chain: Chain, q: Array) -> tuple[Array, Array]:
+    """Directions (..., 6, 3) of the axes at joint vectors (..., 6), and their points (..., 6, 3) next to the tip."""
+    J = np.moveaxis(chain.jacobian(q), -1, -2)
+    H = J[..., 3:]
+    return H, chain.fk(q)[..., None, :3, 3] + np.cross(H, J[..., :3])
+
+
+def _meeting(H: Array, points: Array, i: int, j: int) -> Array:
+    """The point (..., 3) of axis i that is nearest to axis j."""
+    normal = np.cross(H[..., j, :], np.cross(H[..., i, :], H[..., j, :]))
+    along = ((points[..., j, :] - points[..., i, :]) * normal).sum(-1) / (H[..., i, :] * normal).sum(-1)
+    return np.asarray(points[..., i, :] + H[..., i, :] * along[..., None])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.typing import Array
 
 Fixed = NDArray[np.object_]  # integers, in units of 2^-_DIGITS
@@ -24,24 +24,9 @@ UNKNOWN = 1e300
 """A bound where nothing is known: files of numbers hold no infinity."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PreciseFactors:
-    """What rounding leaves out of a variant's factors; see ``PreciseFactors`` of the core.
-
-    Attributes:
-        left: (15, 168) for the left factor, padded with zeros.
-        right: (15, 32) for the right one.
-        inexact: (3,) bound on the error of the matrix with both; see ``inexact``.
-    """
-
-    left: Array
-    right: Array
-    inexact: Array
-
-
 def inexact(
     steps: Array, centre: Array, scale: float, cut: tuple[int, bool], left: Array, right: Array
-) -> tuple[Array, PreciseFactors]:
+) -> tuple[Array, Numbers]:
     """A bound on the Frobenius norm of the error of the elimination's matrix at any angle of the hidden joint.
 
     The equations are set up anew from the arm's steps, with the rotations nearest to the stored ones, to 160 binary
@@ -60,11 +45,12 @@ def inexact(
         right: (15, 32) right factor that is used, padded with zeros.
 
     Returns:
-        (3,) coefficients of 1, t, t^2, with the length t of the loop's motion, and what the factors lack.
+        (3,) coefficients of 1, t, t^2, with the length t of the loop's motion; and ``PreciseFactors`` of the core, what
+        rounding leaves out of the factors: left (15, 168), right (15, 32), inexact (3,), the bound with both.
     """
     first, back = cut
     rows, columns = 6 * 3**first, 3 ** (3 - first)
-    rest = PreciseFactors(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
+    rest = Numbers(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
     axes = _axes(steps, centre, scale)
     if back:
         axes = [(-h, p) for h, p in reversed(axes)]
