@@ -246,7 +246,7 @@ def closed_form(
 
 
 def straightened(directions: Array, parallel: Sequence[bool]) -> Array:
-    """Directions (n, 3) with the neighbours that are to be parallel (n - 1,) made exactly so, each with its own sign."""
+    """Directions (n, 3) with the neighbours that are to be parallel (n - 1,) made exactly so, with their signs."""
     straight = directions.copy()
     start = 0
     for end in range(1, len(directions) + 1):
