@@ -14,8 +14,7 @@ import numpy as np
 
 from urdf_ik.interop.differentiable import Answers, Differentiable
 from urdf_ik.kinematics.chain.free_axis import turning
-from urdf_ik.kinematics.derivatives import WrittenChain
-from urdf_ik.kinematics.derivatives.swivel import ELBOW, SHOULDER, WRIST, Points
+from urdf_ik.kinematics.derivatives import ELBOW, SHOULDER, WRIST, Points, WrittenChain
 
 Lines = dict[int, tuple[Any, Any]]
 

@@ -280,34 +280,3 @@ def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
         joint = chain.joint_names[bad]
         raise ArgumentError(f"{name}: {array[bad]} for joint {joint!r}; a number {inputs.USABLE} is needed")
     return array
-
-
-def curvature(chain: Chain, q: Array, along: Array, moving: Array) -> Array:
-    """The rate of the twist ``J(q) along`` when the joints move with the velocities ``moving``: (dJ/dq moving) along.
-
-    With joint i before joint k on the way to the tip, column k of the Jacobian is (v_k, z_k), and
-    dv_k/dq_i = z_i x v_k, dv_i/dq_k = z_i x v_k, dz_k/dq_i = z_i x z_k, dz_i/dq_k = 0 (Hourtash, "The kinematic Hessian
-    and higher derivatives", IEEE CIRA 2005). With ``along`` = ``moving`` it is the term that joint velocities add to
-    the tip's acceleration.
-
-    Args:
-        chain: the arm.
-        q: (..., n) rad or m, finite.
-        along: (..., n) rad/s or m/s.
-        moving: (..., n) rad/s or m/s; the leading dimensions broadcast.
-
-    Returns:
-        (..., 6) m/s^2 and rad/s^2 at the tip, in base axes.
-    """
-    axes = chain.axes
-    if axes is not chain:
-        gain: Array = chain.gain  # type: ignore[attr-defined]  # where axes differ from joints, the chain is coupled
-        q, along, moving = (each @ gain.T for each in (q, along, moving))
-    J = axes.jacobian(q)
-    v, z = J[..., :3, :], np.where(axes.prismatic, 0.0, J[..., 3:, :])
-    a, b = along[..., None, :], moving[..., None, :]
-    # Sums over the joints before each one.
-    before_a, before_b = (np.cumsum(z * each, axis=-1) - z * each for each in (a, b))
-    linear = np.cross(before_a, v * b, axis=-2) + np.cross(before_b, v * a, axis=-2) + np.cross(z * a, v * b, axis=-2)
-    angular = np.cross(before_b, z * a, axis=-2)
-    return np.concatenate([linear.sum(axis=-1), angular.sum(axis=-1)], axis=-1)

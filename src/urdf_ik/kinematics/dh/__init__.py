@@ -8,7 +8,7 @@ One step from frame to frame is, with theta + q for a revolute joint and d + q f
 
 from __future__ import annotations
 
-from urdf_ik.kinematics.dh.fields import CONVENTIONS
+from urdf_ik.kinematics.dh.files import CONVENTIONS
 from urdf_ik.kinematics.dh.table import DHTable
 
 __all__ = [

@@ -10,14 +10,14 @@ import csv
 import io
 import json
 import os
+from collections.abc import Callable
 from functools import reduce
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from urdf_ik.errors import PoseError
-from urdf_ik.kinematics.dh.fields import COLUMNS, CONVENTIONS, TableFields, table_error
+from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.kinematics.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.support import files
@@ -25,11 +25,25 @@ from urdf_ik.support.tables import csv_rows
 from urdf_ik.support.text import aligned
 from urdf_ik.typing import Array
 
+CONVENTIONS = ("standard", "modified")
+COLUMNS = ("alpha", "a", "d", "theta")
 KEYS = ("name", "convention", "angles", "base", "tool")
 OPTIONAL = ("name", "type", "offset", "lower", "upper")
 _UNITS = {"rad": False, "deg": True}
 _ALL = f"columns: {', '.join(COLUMNS)}, and where needed {', '.join(OPTIONAL)}"
 _FRAME_FORM = "x y z roll pitch yaw: three numbers in m, three angles"
+
+
+def table_error(problem: str, *, row: int | None = None, column: str | None = None) -> UrdfError:
+    """The error for a table that makes no arm; rows count from 1."""
+    where = [f"row {row}"] * (row is not None) + [f"column {column!r}"] * (column is not None)
+    return UrdfError(problem, element=", ".join(where) or None)
+
+
+def check_convention(convention: Any, error: Callable[[str], Exception] = ArgumentError) -> None:
+    """Refuse what is not one of :data:`CONVENTIONS`."""
+    if convention not in CONVENTIONS:
+        raise error(f"unknown convention {convention!r}; there are {' and '.join(CONVENTIONS)} (Craig's)")
 
 
 def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) -> dict[str, Any]:
@@ -50,8 +64,8 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
     chosen = whole.get("convention") or convention
     if chosen is None:
         raise table_error("the convention is not said; add 'convention: standard' or 'modified', or name it")
-    if whole.get("convention") is not None and chosen not in CONVENTIONS:
-        raise table_error(f"unknown convention {chosen!r}; there are {' and '.join(CONVENTIONS)} (Craig's)")
+    if whole.get("convention") is not None:
+        check_convention(chosen, table_error)
     unit = whole.get("angles", "deg" if degrees else "rad")
     if unit not in _UNITS:
         raise table_error(f"angles in {unit!r}; there are rad and deg")
@@ -77,7 +91,7 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
     }
 
 
-def as_csv(table: TableFields, degrees: bool) -> str:
+def as_csv(table: Any, degrees: bool) -> str:
     """CSV text with every digit."""
     out = io.StringIO()
     for key, value in _whole(table, degrees).items():
@@ -90,21 +104,21 @@ def as_csv(table: TableFields, degrees: bool) -> str:
     return out.getvalue()
 
 
-def as_json(table: TableFields, degrees: bool) -> str:
+def as_json(table: Any, degrees: bool) -> str:
     """JSON text with every digit, a line for every joint."""
     whole = [f"  {json.dumps(key)}: {json.dumps(value)}," for key, value in _whole(table, degrees).items()]
     joints = ",\n".join(f"    {json.dumps(joint)}" for joint in _joints(table, degrees))
     return "\n".join(["{", *whole, '  "joints": [', joints, "  ]", "}", ""])
 
 
-def as_text(table: TableFields) -> str:
+def as_text(table: Any) -> str:
     """A table for people, in rad and m."""
     header, rows = cells(table, degrees=False)
     lines = aligned([header, *rows])
     return "\n".join([f"{table.name}: {table.convention} Denavit-Hartenberg table", *lines, *frames(table, False)])
 
 
-def cells(table: TableFields, degrees: bool) -> tuple[list[str], list[list[str]]]:
+def cells(table: Any, degrees: bool) -> tuple[list[str], list[list[str]]]:
     """Header and rows of texts; the joint's variable stands where it acts."""
     unit = "deg" if degrees else "rad"
     header = ["#", "joint", "type", f"alpha [{unit}]", "a [m]", "d [m]", f"theta [{unit}]", "lower", "upper"]
@@ -118,7 +132,7 @@ def cells(table: TableFields, degrees: bool) -> tuple[list[str], list[list[str]]
     return header, rows
 
 
-def frames(table: TableFields, degrees: bool) -> list[str]:
+def frames(table: Any, degrees: bool) -> list[str]:
     """A line for base and tool each, where they are not the identity."""
     whole = _whole(table, degrees)
     unit = whole["angles"]
@@ -130,7 +144,7 @@ def frames(table: TableFields, degrees: bool) -> list[str]:
     return lines
 
 
-def _whole(table: TableFields, degrees: bool) -> dict[str, Any]:
+def _whole(table: Any, degrees: bool) -> dict[str, Any]:
     out: dict[str, Any] = {"name": table.name, "convention": table.convention, "angles": "deg" if degrees else "rad"}
     for key in ("base", "tool"):
         T = getattr(table, key)
@@ -140,7 +154,7 @@ def _whole(table: TableFields, degrees: bool) -> dict[str, Any]:
     return out
 
 
-def _joints(table: TableFields, degrees: bool) -> list[dict[str, Any]]:
+def _joints(table: Any, degrees: bool) -> list[dict[str, Any]]:
     """One dictionary a row, keys in the order of the columns; a limit that is not there is None."""
 
     def angle(value: float) -> float:

@@ -8,12 +8,13 @@ only the last one collides.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
 from urdf_ik.kinematics.dh import files
-from urdf_ik.kinematics.dh.fields import TableFields, table_error
+from urdf_ik.kinematics.dh.files import table_error
 from urdf_ik.kinematics.dh.frames import slide_z
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.support.text import aligned, quoted
@@ -50,7 +51,7 @@ class Body:
     collides: bool = True
 
 
-def bodies(table: TableFields) -> list[list[Body]]:
+def bodies(table: Any) -> list[list[Body]]:
     """Primitives of the base link and of each joint's link."""
     origins = table.origins()
     ends = np.linalg.norm(origins[:, :3, 3], axis=1)
@@ -83,7 +84,7 @@ def _hub(slides: bool, radius: float, collides: bool) -> Body:
     return Body("cylinder", (radius, 2.0 * _HALF_HUB * radius), np.eye(4), "orange", collides=collides)
 
 
-def _legs(table: TableFields, link: int, to: Array, radius: float, extent: float) -> list[Body]:
+def _legs(table: Any, link: int, to: Array, radius: float, extent: float) -> list[Body]:
     """Legs from the origin of a link's frame along x and z, as the convention has it, to the next joint."""
     end = to[:3, 3]
     corner = np.array([0.0, 0.0, end[2]])
@@ -121,7 +122,7 @@ _COLOURS = {"graphite": "0.18 0.19 0.21", "silver": "0.78 0.80 0.83", "orange": 
 _EFFORT, _VELOCITY = 100, {"revolute": 3, "continuous": 3, "prismatic": 1}
 
 
-def write(table: TableFields, base_link: str, tip_link: str) -> str:
+def write(table: Any, base_link: str, tip_link: str) -> str:
     """URDF text with the links ``base_link``, ``link_1`` ... ``link_n`` and ``tip_link``.
 
     Raises:
@@ -154,7 +155,7 @@ def write(table: TableFields, base_link: str, tip_link: str) -> str:
     return "\n".join(lines)
 
 
-def _remark(table: TableFields) -> list[str]:
+def _remark(table: Any) -> list[str]:
     step = "Rz(theta) Tz(d) Tx(a) Rx(alpha)" if table.convention == "standard" else "Rx(alpha) Tx(a) Rz(theta) Tz(d)"
     header, rows = files.cells(table, degrees=True)
     wanted = [header.index(name) for name in ("joint", "alpha [deg]", "a [m]", "d [m]", "theta [deg]")]
@@ -171,7 +172,7 @@ def _remark(table: TableFields) -> list[str]:
     return ["<!--", *(f"  {escape(line)}".rstrip().replace("--", "- -") for line in text), "-->"]
 
 
-def _joint(table: TableFields, i: int, parent: str, child: str, origin: Array) -> list[str]:
+def _joint(table: Any, i: int, parent: str, child: str, origin: Array) -> list[str]:
     kind = table.joint_types[i]
     lower, upper = table.limits[i]
     bounds = "" if kind == "continuous" else f'lower="{number(lower)}" upper="{number(upper)}" '
