@@ -27,7 +27,8 @@ from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT as TOLERANCES
 from urdf_ik.typing import Array
-from urdf_ik.verify.description import described, parameters_of
+from urdf_ik.verify.alignment import Alignment, aligned
+from urdf_ik.verify.description import described, matrix, parameters_of
 from urdf_ik.verify.differences import (
     DEFAULT,
     Difference,
@@ -36,6 +37,7 @@ from urdf_ik.verify.differences import (
     apart,
     differences,
     ignored,
+    moved,
     same_limit,
     summed,
 )
@@ -57,6 +59,7 @@ def compare(
     tolerance_mm: float | None = None,
     tolerance_deg: float | None = None,
     ignore: str | Iterable[str] = (),
+    align: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Comparison:
     """Compare two arms.
@@ -74,6 +77,8 @@ def compare(
         tolerance_mm: greatest difference of lengths that is ignored [mm]; default: 1e-6.
         tolerance_deg: greatest difference of angles that is ignored [deg]; default: 6e-8.
         ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
+        align: whether base frame, tip frame, joint zeros and signs of B are fitted to A first, as for models of one arm
+            by two authors; names do not count then. ``alignment`` says what was fitted.
         progress: called with (steps done, steps).
 
     Returns:
@@ -95,6 +100,10 @@ def compare(
     notes: list[str] = []
     tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
     own = None if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
+    written, alignment = b, None
+    if align:
+        b, alignment = aligned(a, b)
+        skipped |= {"names"}
     order, reason = _order(a, b)
     if reason:
         notes.append(f"axes, limits, joint differences and the tool error: {reason}")
@@ -117,11 +126,11 @@ def compare(
     tried = answers[0].a.q[answers[0].a.valid] if answers else vectors
     axes = () if order is None else _axes(a, b, order)
     signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
-    differing = differences(described(a), described(b), tolerance)
+    differing = differences(described(a), described(b), tolerance, frames=not align)
     return Comparison(
         differences=tuple(difference for difference in differing if difference.kind not in skipped),
         a=_side(a),
-        b=_side(b),
+        b=_side(written),
         n=n,
         seed=seed,
         structure=_structure(a, b),
@@ -133,6 +142,7 @@ def compare(
         branches=answers[0].branches(order, signs) if solved and order is not None else (),
         tool=None if order is None else _tool_error(a.cell.reference, b.cell.reference, tried, order),
         notes=tuple(notes),
+        alignment=alignment,
     )
 
 
@@ -501,6 +511,7 @@ class Comparison(Report):
         branches: joint values, branch by branch; empty where they cannot be compared.
         tool: what happens when A's joint vectors are used on B; None where they cannot be.
         notes: what was not compared, and why.
+        alignment: what was fitted first; None where nothing was. All else is about B after it.
     """
 
     differences: tuple[Difference, ...]
@@ -517,6 +528,7 @@ class Comparison(Report):
     branches: tuple[BranchChange, ...]
     tool: ToolError | None
     notes: tuple[str, ...]
+    alignment: Alignment | None = None
 
     @property
     def same(self) -> bool:
@@ -532,6 +544,8 @@ class Comparison(Report):
         """The comparison as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'."""
         content = super().to_dict()
         del content["passed"]
+        if self.alignment is None:
+            del content["alignment"]
         return {"same": self.same, "units": {"length": "m", "angle": "rad"}, **content}
 
     def title(self) -> str:
@@ -555,11 +569,31 @@ class Comparison(Report):
     def summary(self) -> str:
         """The number of differences."""
         count = len(self.differences)
-        return f"{count} difference{'' if count == 1 else 's'}" if count else "same to rounding"
+        words = f"{count} difference{'' if count == 1 else 's'}" if count else "same to rounding"
+        if self.alignment is None or self.tool is None:
+            return words
+        apart = f"{_mm(self.tool.position[2])} mm and {_deg(self.tool.rotation[2])} deg apart"
+        return f"after aligning, the tips are at most {apart}; {words}"
 
     def verdict(self) -> str:
         """In a line, whether they differ."""
         return self.summary()
+
+
+def _alignment_table(comparison: Comparison) -> Section | None:
+    found = comparison.alignment
+    if found is None:
+        return None
+    ends = (("base", found.base), ("tip", found.tip))
+    lines = tuple(f"{what}: {moved(*apart(np.eye(4), matrix(row)))}" for what, row in ends)
+    sides = zip(comparison.a.joint_names, comparison.b.joint_names, comparison.a.prismatic, strict=True)
+    rows = tuple(
+        (_pair(a, b), "negated" if sign < 0.0 else "", _value(zero, slides), "mm" if slides else "deg")
+        for (a, b, slides), sign, zero in zip(sides, found.signs, found.zeros, strict=True)
+    )
+    return Section(
+        "aligned first: B in the conventions of A", ("joint", "sign", "zero", "unit"), rows, lines, ("joint",)
+    )
 
 
 def _structure_table(comparison: Comparison) -> Section:

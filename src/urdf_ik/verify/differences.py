@@ -140,11 +140,16 @@ def angle_between(u: Array, v: Array) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
 
 
-def differences(a: Description, b: Description, tolerance: Tolerance = DEFAULT) -> tuple[Difference, ...]:
-    """The differences of ``b`` from ``a``, in ``a``'s names; empty if both are the same arm within the tolerance."""
+def differences(
+    a: Description, b: Description, tolerance: Tolerance = DEFAULT, *, frames: bool = True
+) -> tuple[Difference, ...]:
+    """The differences of ``b`` from ``a``, in ``a``'s names; empty if both are the same arm within the tolerance.
+
+    ``frames``: whether a moved axis is said as the origins of the joints' frames, which two authors place differently.
+    """
     out = [*_names(a, b), *_joints(a, b)]
     if a.sliding == b.sliding:
-        out += _kinematics(a, b, tolerance)
+        out += _kinematics(a, b, tolerance, frames)
     if a.dof == b.dof:
         out += _limits(a, b, tolerance)
     out += _shapes(a, b, tolerance)
@@ -217,12 +222,21 @@ def _joints(a: Description, b: Description) -> list[Difference]:
     return out
 
 
-def _kinematics(a: Description, b: Description, tolerance: Tolerance) -> list[Difference]:
+def _kinematics(a: Description, b: Description, tolerance: Tolerance, frames: bool) -> list[Difference]:
     """Changed joints; none where every axis and the tip are where they were, however the file says it."""
     lines = [_line(a, b, k) for k in range(len(a.moving))]
     tip = apart(matrix(a.home), matrix(b.home))
     if all(within(each, tolerance) for each in (*lines, tip)):
         return []
+    if not frames:
+        places = [*zip(a.moving, lines, strict=True), (a.tip, tip)]
+        return [
+            Difference(
+                "kinematics", name, f"{'the tip frame' if change is tip else 'its axis'} {moved(*change)}", *change
+            )
+            for name, change in places
+            if not within(change, tolerance)
+        ]
     out = []
     for ours, theirs, name in _segments(a, b):
         origin, (turned, slid) = _origin(ours, theirs), _axis(ours, theirs)
@@ -292,7 +306,7 @@ def _at_value(step: Step) -> Array:
             T[:3, 3] = step.held * axis
         else:
             K = np.cross(np.eye(3), axis)
-            T[:3, :3] += math.sin(step.held) * -K + (1.0 - math.cos(step.held)) * K @ K
+            T[:3, :3] += math.sin(step.held) * K + (1.0 - math.cos(step.held)) * K @ K
     return T
 
 

@@ -93,6 +93,7 @@ def compare(
     tolerance_mm: float | None = None,
     tolerance_deg: float | None = None,
     ignore: str | None = None,
+    align: bool = False,
     exit_code: bool = False,
     time_limit: float | None = None,
     printed_as: ReportFormat = ReportFormat.TABLE,
@@ -110,8 +111,10 @@ def compare(
         urdf-ik compare zyyzyz_6r my_arm.urdf --exit-code --tolerance-mm 0.5
         urdf-ik compare zyyzyz_6r my_arm.urdf --tip B=tool0 -n 100
         urdf-ik compare ur5 ur10 puma_560 -n 20
+        urdf-ik compare my_arm.urdf my_arm.xml --align --ignore visuals,collisions
 
     Options:
+        align: Fit base, tip, joint zeros and signs of the others first; names do not count then.
         exit_code: End with status 1 where arms differ.
         time_limit (S): How long the table of the typed poses may take.
     """
@@ -125,6 +128,7 @@ def compare(
     target = targets.given(loaded[0], typed, angles_of(loaded[0], False))
     own = None if target is None else target.poses
     tolerances: dict[str, Any] = {"tolerance_mm": tolerance_mm, "tolerance_deg": tolerance_deg, "ignore": ignore or ()}
+    tolerances["align"] = align
     with Progress("comparing") as progress:
         found = [
             comparison.compare(loaded[0], other, n=n, seed=seed, poses=own, **tolerances, progress=progress.tick)
