@@ -262,4 +262,5 @@ def test_weights_and_steps_of_each_joint_are_those_of_follow(file: str) -> None:
     for degrees in ((), ("--degrees",)):
         given = ("--max-step", repr(float(np.rad2deg(step)) if degrees else step))
         text = succeed("path", ARM, "-p", file, *typed, *given, *degrees)
-        assert f"cost              {plan.cost:.6g} (sum of dq^2)" in text
+        cost = plan.cost * (np.rad2deg(1.0) ** 2 if degrees else 1.0)
+        assert f"cost              {cost:.6g} (sum of dq^2)" in text

@@ -43,6 +43,7 @@ class CheckedSolutions:
         metric: name and unit of the distance from the joint vector that the solutions were chosen by; '' without one.
         distance: (N, B) that distance, as shown.
         difference: (N, B, n) of each joint from it, as shown.
+        configurations: (N, B) as a maker's controller writes them.
     """
 
     arm: Arm
@@ -59,6 +60,7 @@ class CheckedSolutions:
     metric: tuple[str, str] = ("", "")
     distance: Array | None = None
     difference: Array | None = None
+    configurations: NDArray[np.str_] | None = None
 
     @property
     def counts(self) -> NDArray[np.intp]:
@@ -132,6 +134,8 @@ class CheckedSolutions:
             out |= {"collision_free": checks["collision_free"], "collisions": self.hits.get((i, int(b)), ())}
         if self.errors is not None:
             out["error"] = {"position": checks["position_error"], "rotation": checks["rotation_error"]}
+        if self.configurations is not None:
+            out["configuration"] = self.configurations[i, b]
         if self.difference is not None:
             out |= {"distance": checks["distance"], "difference": self.difference[i, b]}
         return out
@@ -141,14 +145,16 @@ class CheckedSolutions:
         count = len(self.arm.solver.parameters)
         within, *checks = self.columns
         parameters = ["redundancy"] * count if count < 2 else [f"redundancy_{k}" for k in range(1, count + 1)]
-        yield ["pose", *self.arm.joint_names, within, *parameters, *checks, "singular", "branch"]
+        last = ["singular", "branch", *(["configuration"] if self.configurations is not None else [])]
+        yield ["pose", *self.arm.joint_names, within, *parameters, *checks, *last]
         q, values = self.angles.shown(self.solutions.q), self.redundancy
         for i, b in np.argwhere(self.solutions.valid).tolist():
             found = [column[i, b].item() for column in self.columns.values()]
             own = [] if values is None else np.atleast_1d(values[i]).tolist()
             row = [int(value) if isinstance(value, bool) else value for value in (found[0], *own, *found[1:])]
             words = " ".join(flags(self.solutions.singular[i, b]))
-            yield [i, *q[i, b].tolist(), *row, words, self.solutions.names[i, b]]
+            own_words = [] if self.configurations is None else [self.configurations[i, b]]
+            yield [i, *q[i, b].tolist(), *row, words, self.solutions.names[i, b], *own_words]
 
     def arrays(self) -> dict[str, Any]:
         """The arrays as the package lays them out: NaN rows of ``q`` where a branch has no solution."""
@@ -162,6 +168,7 @@ class CheckedSolutions:
             "angle_unit": np.array(self.angles.unit),
             "redundancy": self.redundancy,
             "difference": self.difference,
+            "configurations": self.configurations,
         }
         return {name: values for name, values in out.items() if values is not None} | self.columns
 
@@ -207,7 +214,7 @@ def solve(
             else:
                 position[i, b], rotation[i, b] = arm.solver.control.errors(reference.pose(q[i, b]), targets[i])
             tick(start + len(i), len(todo))
-    if collisions:
+    if collisions and len(todo):  # no shapes are made where nothing is to be checked
         body = arm.cell.collisions.in_world(world)
         unchecked = body.missing
         if body.has_geometry:
@@ -286,7 +293,8 @@ def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
 
 def _checks(answer: CheckedSolutions, pose: int, b: int) -> dict[str, str]:
     """The checks of a solution by the heads of their columns."""
-    row = {"in limits": "yes" if answer.within[pose, b] else "by turns" if answer.turned[pose, b] else "no"}
+    row = {} if answer.configurations is None else {"configuration": str(answer.configurations[pose, b])}
+    row |= {"in limits": "yes" if answer.within[pose, b] else "by turns" if answer.turned[pose, b] else "no"}
     if answer.free is not None:
         row["collision"] = "free" if answer.free[pose, b] else "hits"
     row["singular"] = ", ".join(flags(answer.solutions.singular[pose, b])) or "-"

@@ -19,6 +19,7 @@ import typer
 from typer import Argument, Option
 from typer.models import ArgumentInfo
 
+from urdf_ik.support.angles import shown_in_degrees
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
 
 Format = StrEnum("Format", ["TABLE", "JSON", "CSV", "NPZ"])
@@ -86,6 +87,11 @@ class PoseOptions(Record):
         quat_xyzw (X,Y,Z,W): Orientation, scalar last.
         quat_wxyz (W,X,Y,Z): Orientation, scalar first.
         rotvec (X,Y,Z): Rotation axis times angle [rad].
+        abb (Q1,Q2,Q3,Q4): Orientation as ABB writes it: the scalar first.
+        fanuc (W,P,R): Orientation as FANUC writes it [rad].
+        kuka (A,B,C): Orientation as KUKA writes it [rad].
+        motoman (RX,RY,RZ): Orientation as Yaskawa writes it [rad].
+        staubli (RX,RY,RZ): Orientation as Staubli writes it [rad].
         q (Q1,Q2,...|FILE): The tip at joint vectors: typed, of a file, or -; repeatable.
         poses (-p FILE): csv (x,y,z and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz), json, npy, npz, or -.
     """
@@ -96,6 +102,11 @@ class PoseOptions(Record):
     quat_xyzw: list[str] | None = None
     quat_wxyz: list[str] | None = None
     rotvec: list[str] | None = None
+    abb: list[str] | None = None
+    fanuc: list[str] | None = None
+    kuka: list[str] | None = None
+    motoman: list[str] | None = None
+    staubli: list[str] | None = None
     q: list[str] | None = None
     poses: str | None = None
 
@@ -179,7 +190,8 @@ def expanded(command: Callable[..., None]) -> Callable[..., None]:
             kind = hints["printed_as"]
             values["printed_as"] = (get_args(kind) or (kind,))[0]("json")
         made = {name: record.read({each: values.pop(each) for each in inner[name]}) for name, record in records.items()}
-        command(**values, **made)
+        with shown_in_degrees(bool(values.get("degrees"))):
+            command(**values, **made)
 
     every = sorted(parameters(command, command), key=lambda each: each.name in hints or not is_argument(each))
     run.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]

@@ -20,6 +20,11 @@ ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
     "--quat-xyzw": ("x", "y", "z", "w"),
     "--quat-wxyz": ("w", "x", "y", "z"),
     "--rotvec": ("rx", "ry", "rz"),
+    "--abb": ("q1", "q2", "q3", "q4"),
+    "--fanuc": ("w", "p", "r"),
+    "--kuka": ("a", "b", "c"),
+    "--motoman": ("rx", "ry", "rz"),
+    "--staubli": ("rx", "ry", "rz"),
 }
 EXACT = 1e-9
 """Distance from a planar arm's plane up to which a point lies in it [m]."""
@@ -164,7 +169,7 @@ def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles
     values = np.array([console.numbers(text, option, ORIENTATIONS[option]) for text in _typed_as(typed, option)])
     if len(values) not in (1, count):
         raise console.usage(f"{len(values)} orientations for {count} positions; give one for all, or one each", option)
-    in_degrees = angles.degrees and not option.startswith("--quat")
+    in_degrees = angles.degrees and len(ORIENTATIONS[option]) == 3
     if in_degrees:
         values = np.deg2rad(values)
     values = np.broadcast_to(values, (count, values.shape[1]))
@@ -178,7 +183,7 @@ def _unit(option: str, values: Array, in_degrees: bool) -> str:
     if in_degrees:
         return f", {option} in degrees"
     most = float(np.abs(values).max())
-    if option.startswith("--quat") or most <= 2.0 * np.pi:
+    if len(ORIENTATIONS[option]) == 4 or most <= 2.0 * np.pi:
         return ""
     return f", {option} in rad, of which {most:g} are {most / (2.0 * np.pi):.1f} turns; --degrees reads degrees"
 

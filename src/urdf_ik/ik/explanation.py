@@ -14,6 +14,7 @@ from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import spread
 from urdf_ik.model.poses import check_poses
+from urdf_ik.typing import Array
 
 
 def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
@@ -59,10 +60,26 @@ def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str
         target = solver.targets.read(T)
         if target.ndim != 1:
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
-        return member.why(solver.targets.poses(target[None])[0])
+        whole = solver.targets.poses(target[None])[0]
+        return member.why(whole) + _in_mm(solver, whole)
     target = check_poses(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
+    return _why_none(solver, target, redundancy) + _in_mm(solver, target)
+
+
+def _in_mm(solver: Solver, T: Array) -> str:
+    """A question, where a pose is out of reach in m and not in mm."""
+    away = float(np.linalg.norm(T[:3, 3] - solver.chain.points[0]))
+    if not 10.0 * solver.chain.size < away <= 1000.0 * solver.chain.size:
+        return ""
+    x, y, z = T[:3, 3] / 1000.0
+    return f"; are these mm? Positions are in m, so these would be {x:g}, {y:g}, {z:g}"
+
+
+def _why_none(solver: Solver, target: Array, redundancy: ArrayLike | None) -> str:
+    """Why one pose (4, 4) has no solution."""
+    member = solver.require_member()
     if redundancy is None and not member.parameters:
         return member.why(target)
     redundant = solver.redundant_member

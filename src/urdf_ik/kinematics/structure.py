@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
+from urdf_ik.support.angles import amount
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT
@@ -45,7 +46,7 @@ class AxisPair:
     def __str__(self) -> str:
         apart = f", {self.distance:.6g} m apart" if self.relation in ("parallel", "skew") else ""
         at = "" if self.relation in ("parallel", "coincident") else f" at {np.degrees(self.angle):.6g} deg"
-        off = [f"{self.off_angle:.2g} rad"] * (self.off_angle > _ROUNDING)
+        off = [amount(self.off_angle, form=".2g")] * (self.off_angle > _ROUNDING)
         off += [f"{self.off_distance:.2g} m"] * (self.off_distance > _ROUNDING)
         but = f" but for {' and '.join(off)}" if off else ""
         return f"axes {self.first} and {self.first + 1} are {self.relation}{at}{apart}{but}"
@@ -166,7 +167,7 @@ class Structure:
         if self.is_exact:
             return "none: the URDF as written is of this family, exact to rounding"
         angle, distance = self.imperfection
-        off = f"the URDF as written is {angle:.2g} rad and {distance:.2g} m off this family"
+        off = f"the URDF as written is {amount(angle, form='.2g')} and {distance:.2g} m off this family"
         if max(angle, distance) == 0.0:
             off = f"the URDF as written is off this family by {self.error:.1g} of its size"
         return f"{off}; the ideal arm gives starting points only, and solutions are verified on the URDF as written"

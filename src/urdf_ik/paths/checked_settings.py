@@ -17,7 +17,7 @@ from urdf_ik.paths.path_settings import PathSettings, per_joint, velocities
 from urdf_ik.paths.planner.nodes import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import largest_apart
+from urdf_ik.support.angles import amount, largest_apart
 from urdf_ik.support.text import quoted
 from urdf_ik.support.watch import Watch
 from urdf_ik.typing import Array
@@ -172,10 +172,10 @@ def _at_pose(solver: Solver, name: str, value: Any, T: Array, waypoint: int) -> 
         distance, angle = (float(off) for off in solver.free_axis.apart(reached, T))
     if max(distance, angle) > END_TOLERANCE:
         nearest = nearest_solution(solver, T, q).q.reshape(-1, solver.dof)
-        hint = "" if np.isnan(nearest).any() else f"; its nearest solution is {largest_apart(nearest[0], q):.4g} off"
-        raise ArgumentError(
-            f"{name} is no solution of waypoint {waypoint}: its pose is {distance:.3g} m and {angle:.3g} rad off{hint}"
-        )
+        far = amount(largest_apart(nearest[0], q))
+        hint = "" if np.isnan(nearest).any() else f"; its nearest solution is {far} off"
+        off = f"{distance:.3g} m and {amount(angle, form='.3g')}"
+        raise ArgumentError(f"{name} is no solution of waypoint {waypoint}: its pose is {off} off{hint}")
     low, high = solver.limits.T
     for joint, x, a, b in zip(solver.joint_names, q, low, high, strict=True):
         if not a - 1e-9 <= x <= b + 1e-9:

@@ -1,6 +1,11 @@
-"""Angles modulo a turn."""
+"""Angles modulo a turn, and the unit in which messages show them."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,3 +31,31 @@ def largest_apart(a: Array, b: Array) -> Array:
     """Largest difference (...) [rad] between the angles of joint vectors (..., n)."""
     largest: Array = np.abs(shortest(a - b)).max(axis=-1, initial=0.0)
     return largest
+
+
+_IN_DEGREES = ContextVar("in_degrees", default=False)
+
+
+@contextmanager
+def shown_in_degrees(wanted: bool = True) -> Iterator[None]:
+    """Messages that are made inside show angles in degrees."""
+    token = _IN_DEGREES.set(wanted)
+    try:
+        yield
+    finally:
+        _IN_DEGREES.reset(token)
+
+
+def shown(value: Any, unit: str = "rad") -> Any:
+    """A value in the unit that :func:`unit_of` gives."""
+    return np.rad2deg(value) if unit == "rad" and _IN_DEGREES.get() else value
+
+
+def unit_of(unit: str = "rad") -> str:
+    """The unit in which messages show a value of ``unit``: 'deg' for 'rad' inside :func:`shown_in_degrees`."""
+    return "deg" if unit == "rad" and _IN_DEGREES.get() else unit
+
+
+def amount(value: Any, unit: str = "rad", form: str = ".4g") -> str:
+    """A value with its unit, as messages show it."""
+    return f"{shown(value, unit) + 0.0:{form}} {unit_of(unit)}"

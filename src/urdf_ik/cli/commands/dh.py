@@ -57,7 +57,7 @@ def dh(
         base, tip = arm.base, arm.tip
         table = DHTable.from_chain(arm.chain, convention or "standard", snap=snap, name=arm.name)
         off = table.deviation(arm.chain)
-        notes.append(f"{base} to {tip}; poses differ from the URDF's by {off:.1e} (rad, share of the arm's size)")
+        notes.append(f"{base} to {tip}; poses differ from the URDF's by {off:.1e} of the arm's size, or in its angles")
     suffix = "" if output is None else output.suffix.lstrip(".").lower()
     kind = printed_as or (DHFormat(suffix) if suffix in tuple(DHFormat) else DHFormat.TABLE)
     if kind is DHFormat.URDF:

@@ -38,6 +38,8 @@ class Choice(options.Record):
         metric: Distance of --nearest: all joints, the largest one, or time.
         max_step (V|V1,V2,...): Drop those with a joint further from --nearest.
         best: Keep the one farthest from limits, singularity or contact.
+        configuration (MAKER[ TEXT]): Show each as a controller writes it: abb, fanuc, kuka, motoman, staubli; with
+            text, as in 'fanuc NUT 0 0 0', keep those.
     """
 
     GROUP = "Solutions"
@@ -48,6 +50,12 @@ class Choice(options.Record):
     metric: Metric = "l2"
     max_step: str | None = None
     best: Quality | None = None
+    configuration: str | None = None
+
+    @property
+    def maker(self) -> str:
+        """The maker of --configuration; '' without one."""
+        return (self.configuration or "").partition(" ")[0]
 
     def reference(self, arm: Arm, angles: Angles) -> Array | None:
         """(n,) rad or m, the joint vector of --nearest.
@@ -93,6 +101,8 @@ class Choice(options.Record):
             solutions = solutions.within_limits() if self.within_limits else solutions
             solutions = solutions.collision_free(world) if self.collision_free else solutions
             solutions = solutions.turns() if self.turns else solutions
+            if wanted := (self.configuration or "").partition(" ")[2].strip():
+                solutions = solutions.with_configuration(wanted, self.maker)
             if self.best is not None:
                 around = world if self.best == "clearance" else None
                 solutions = solutions.best(self.best, world=around)
@@ -131,6 +141,7 @@ def ik(
         urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --collision-free --world cell.urdf
         urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --max-step 0.5
         urdf-ik ik ur5 --random 1000 --output solutions.npz
+        urdf-ik ik puma_560 --q 0.1,-1,1,0.2,0.3,0 --configuration fanuc
         urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
 
     Options (Poses):
@@ -170,6 +181,8 @@ def ik(
         )
     if (reference := choice.reference(arm, angles)) is not None:
         answer = answer.from_reference(reference, choice.metric)
+    if choice.maker:
+        answer = replace(answer, configurations=answer.solutions.configuration(choice.maker))
     counts, table = answer.counts.tolist(), chosen_format is Format.TABLE
     total = f"{sum(counts)} solution{'s' * (sum(counts) != 1)} of {len(counts)} pose{'s' * (len(counts) != 1)}"
     console.emit(

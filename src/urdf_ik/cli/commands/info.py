@@ -11,8 +11,10 @@ from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.errors import UrdfIkError, listed
+from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.model.urdf.chains import Limb
+from urdf_ik.support.angles import shown, unit_of
 
 _NUMBER = "a number, which orders the solutions of one pose and says nothing about another one"
 _SIGN = "the sign of the Jacobian's determinant, which changes only across a singularity"
@@ -71,6 +73,7 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
     structure = arm.structure
     angle, distance = structure.imperfection
     limits = angles.shown(arm.limits.T).T
+    slides = {joint.name for joint in arm.model.joints if joint.type == "prismatic"}
     return {
         "robot": arm.name,
         "source": arm.model.source,
@@ -78,7 +81,7 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
         "base": arm.base,
         "tip": arm.tip,
         "units": {"angle": angles.unit, "length": "m"},
-        "locked": dict(arm.chain.locked),
+        "locked": {name: value if name in slides else angles.angle(value) for name, value in arm.chain.locked},
         "joints": [
             {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
             for name, kind, axis, (lower, upper) in zip(
@@ -112,7 +115,7 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
         },
         "solver": {
             "supported": bool(structure.family),
-            "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
+            "redundancy": None if arm.redundancy is None else _redundancy(arm.redundancy),
             "family": structure.family or None,
             "task": arm.task,
             "method": structure.method or None,
@@ -122,6 +125,11 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
             "branches": structure.branches,
         },
     }
+
+
+def _redundancy(parameter: Redundancy) -> dict[str, Any]:
+    low, high, default = (shown(value, parameter.unit) for value in (*parameter.range, parameter.default))
+    return asdict(parameter) | {"range": (low, high), "default": default, "unit": unit_of(parameter.unit)}
 
 
 def as_text(arm: Arm, angles: Angles) -> str:

@@ -220,7 +220,11 @@ def _text(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[
         lines += ["", *tables.grid(header, rows, left=header[1:])]
     if others:
         header = ["start branch", "end branch", "cost", "clearance [m]"]
-        rows = [[o.branches[0], o.branches[-1], f"{o.cost:.6g}", tables.number(_clearance(o))] for o in others]
+        costs = [f"{_cost(found, each, angles):.6g}" for each in others]
+        rows = [
+            [o.branches[0], o.branches[-1], cost, tables.number(_clearance(o))]
+            for o, cost in zip(others, costs, strict=True)
+        ]
         lines += ["", *tables.grid(header, rows, left=header[:2])]
     return tables.render(lines)
 
@@ -233,7 +237,10 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[tuple
     low, high = plan.solver.limits.T
     room = np.minimum(plan.q - low, high - plan.q)
     facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
-    facts += [("cost", f"{plan.cost:.6g} ({kinds[found.cost]})"), ("reconfigurations", str(len(plan.changes)))]
+    facts += [
+        ("cost", f"{_cost(found, plan, angles):.6g} ({kinds[found.cost]})"),
+        ("reconfigurations", str(len(plan.changes))),
+    ]
     if between := len(plan.motion) - len(plan.q):
         facts.append(("waypoints added", f"{between}, so that the tip keeps to the straight segments"))
     strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
@@ -254,6 +261,13 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[tuple
     return facts
 
 
+def _cost(found: Followed, plan: Plan, angles: Angles) -> float:
+    """The cost as shown: of an arm that turns only, in the unit of its angles."""
+    if found.cost == "time" or not angles.turning.all():
+        return plan.cost
+    return float(angles.angle(angles.angle(plan.cost) if found.cost == "l2" else plan.cost))
+
+
 def _clearance(plan: Plan) -> float:
     """The least clearance at the waypoints [m], NaN where there is none."""
     clearance = plan.margins.clearance
@@ -263,12 +277,13 @@ def _clearance(plan: Plan) -> float:
 def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> dict[str, Any]:
     """The plan with its margins, or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
+    turned = angles.degrees and angles.turning.all() and found.cost != "time"
     data: dict[str, Any] = {
         "robot": arm.name,
         "base": arm.base,
         "tip": arm.tip,
         "joints": arm.joint_names,
-        "units": {"angle": angles.unit, "length": "m", "cost": "rad, m, s"},
+        "units": {"angle": angles.unit, "length": "m", "cost": "deg" if turned else "rad, m, s"},
         "waypoints": len(plan.poses),
         "seconds": found.seconds,
         "found": plan.found,
@@ -277,16 +292,24 @@ def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[
         "stops": [stop._asdict() for stop in plan.stops],
     }
     if plan.found:
-        margins = plan.margins
+        margins = {name: getattr(plan.margins, name) for name in ("limits", "clearance", "manipulability")}
+        low, high = plan.solver.limits.T
+        room = np.minimum(plan.q - low, high - plan.q)
+        least = np.argmin(room, axis=1)[:, None]
         data |= {
-            "cost": plan.cost,
+            "cost": _cost(found, plan, angles),
             "branches": plan.branches,
             "changes": [change._asdict() for change in plan.changes],
             "q": angles.shown(plan.q),
-            "margins": {name: getattr(margins, name) for name in ("limits", "clearance", "manipulability")},
+            "margins": margins | {"limits": np.take_along_axis(angles.shown(room), least, axis=1)[:, 0]},
             "duration": None if in_time is None else in_time.duration,
             "alternatives": [
-                {"first": each.branches[0], "last": each.branches[-1], "cost": each.cost, "q": angles.shown(each.q)}
+                {
+                    "first": each.branches[0],
+                    "last": each.branches[-1],
+                    "cost": _cost(found, each, angles),
+                    "q": angles.shown(each.q),
+                }
                 for each in others
             ],
         }

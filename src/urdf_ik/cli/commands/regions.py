@@ -132,7 +132,7 @@ def workspace(
     wants_map = bool(asked) or output is not None or work.store is not None
     if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not wants_map:
         region = workspaces.planar(arm)
-        console.emit(printed_as, _region_data(region), lambda: _region_text(region, angles))
+        console.emit(printed_as, _region_data(region, angles), lambda: _region_text(region, angles))
         return
     with work.client() as client, Progress("solving poses") as progress:
         if work.store is not None:
@@ -175,17 +175,22 @@ def _parts(region: workspaces.PlanarWorkspace) -> dict[str, workspaces.Region]:
     return {"either elbow": region.boundary, **region.regions, "both, two solutions": region.overlap}
 
 
-def _region_data(region: workspaces.PlanarWorkspace) -> dict[str, Any]:
+def _region_data(region: workspaces.PlanarWorkspace, angles: Angles) -> dict[str, Any]:
     return {
         "robot": region.name,
         "lengths": region.lengths,
         "axes": region.plane.axes,
-        "units": {"angle": "rad", "length": "m"},
+        "units": {"angle": angles.unit, "length": "m"},
         "regions": {
             name: {
                 "area": part.area,
                 "arcs": [
-                    {"centre": arc.centre, "radius": arc.radius, "start": arc.start, "sweep": arc.sweep}
+                    {
+                        "centre": arc.centre,
+                        "radius": arc.radius,
+                        "start": angles.angle(arc.start),
+                        "sweep": angles.angle(arc.sweep),
+                    }
                     for arc in part.arcs
                 ],
             }

@@ -20,6 +20,7 @@ from urdf_ik.kinematics.chain import Chain, is_redundant
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import free_axis
 from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.support.angles import amount
 from urdf_ik.typing import Array
 
 Choose = Callable[[Structure, Chain], FamilyMember | None]
@@ -115,7 +116,7 @@ def prepare_free(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> FamilyMemb
 
     def why(T: Array, values: Array) -> str:
         turned = plan.explain(T @ axis.rotation(values[0]), values[1:])
-        return f"turned by {values[0]:.6g} rad about {axis}: {turned}"
+        return f"turned by {amount(values[0], form='.6g')} about {axis}: {turned}"
 
     # Curves of six joints and the rotation: a seventh joint behind the tip turns it back to the target.
     direction, point = (chain.R_tip @ np.array(each) for each in (axis.direction, axis.at))

@@ -19,6 +19,7 @@ from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of, sampled, typ
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.redundancy import Redundancy, locked_joint
 from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.support.angles import amount
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
@@ -133,7 +134,7 @@ def _prepare_sampled(chain: Chain, k: int) -> FamilyMember:
 
 def _with(parameter: Redundancy, values: Array) -> str:
     """The beginning of an explanation: which joint is given, and where."""
-    return f"with {quoted(parameter.joint)} at {values[0]:.6g} {parameter.unit}"
+    return f"with {quoted(parameter.joint)} at {amount(values[0], parameter.unit, '.6g')}"
 
 
 KEPT = 1024

@@ -16,6 +16,7 @@ from urdf_ik.ik.families.parts.written import Numbers, ends
 from urdf_ik.kinematics.chain import Chain, kinds_of
 from urdf_ik.kinematics.chain.plane import axes_across
 from urdf_ik.kinematics.structure import Structure
+from urdf_ik.support.angles import amount
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
@@ -125,7 +126,7 @@ def _explain(chain: Chain, arm: Numbers, rotation: Array | None, point: Array) -
     """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
     tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
     if tilt > DEFAULT.reach:
-        return f"the tip is tilted by {tilt:.3g} rad, and its joints turn it only about axis 1"
+        return f"the tip is tilted by {amount(tilt, form='.3g')}, and its joints turn it only about axis 1"
     if rotation is not None and arm.joints[3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
         return f"the tip is {abs(point[2]):.6g} m {'above' if point[2] > 0.0 else 'below'} the plane that it moves in"
     a, b = arm.links
@@ -142,4 +143,5 @@ def _explain(chain: Chain, arm: Numbers, rotation: Array | None, point: Array) -
     # The second link's direction is the line's to the point, and what is left of the bend on either side of it.
     off = [turn + at_zero - (ahead + sign * (bend - inner)) for sign in (1.0, -1.0)]
     least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)
-    return f"with the tip there its turn about axis 1 is {least:.3g} rad off, and no joint is left to change that"
+    off_by = amount(least, form=".3g")
+    return f"with the tip there its turn about axis 1 is {off_by} off, and no joint is left to change that"

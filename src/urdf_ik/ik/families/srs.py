@@ -15,6 +15,7 @@ from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import swivel_of
 from urdf_ik.kinematics.structure import Structure
+from urdf_ik.support.angles import amount
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
@@ -166,6 +167,5 @@ def _explain(arm: Numbers, T: Array, value: float) -> str:
     a, b, c = arm.upper, arm.fore, arm.along
     what = "wrist centre {at} m from the shoulder"
     why = beyond_reach(what, np.array([far]), math.hypot(a - b, c), math.hypot(a + b, c))
-    return (
-        why or f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"
-    )
+    at = amount(value, form=".6g")
+    return why or f"at a swivel angle of {at} shoulder or wrist would have to bend more than their axes allow"

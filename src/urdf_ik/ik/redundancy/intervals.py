@@ -20,7 +20,7 @@ from urdf_ik.ik.solutions.solution import picked, place_of
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import TURN
+from urdf_ik.support.angles import TURN, shown, unit_of
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section, aligned, quoted
 from urdf_ik.typing import Array
@@ -36,6 +36,7 @@ class Interval:
         high: rad or m, the greatest value; beyond pi where the interval passes half a turn. The whole circle is
             (-pi, pi).
         ends: why it ends at ``low`` and at ``high``.
+        unit: 'rad' or 'm'.
 
     Example:
         >>> import urdf_ik
@@ -49,6 +50,7 @@ class Interval:
     low: float
     high: float
     ends: tuple[End, End]
+    unit: str = "rad"
 
     @property
     def width(self) -> float:
@@ -61,7 +63,8 @@ class Interval:
         return bool(self.low <= number <= self.high or self.low <= turned <= self.high)
 
     def __str__(self) -> str:
-        return f"{self.branch}: {self.low:.6f} ({self.ends[0]}) to {self.high:.6f} ({self.ends[1]})"
+        low, high = (f"{shown(value, self.unit):.6f}" for value in (self.low, self.high))
+        return f"{self.branch}: {low} ({self.ends[0]}) to {high} ({self.ends[1]})"
 
 
 class Intervals:
@@ -243,10 +246,12 @@ class Intervals:
 
     def _rows(self) -> list[list[str]]:
         """The header, and a row an interval of a single pose."""
-        unit = self.parameter.unit
-        header = ["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]
-        own = () if self.shape else self
-        return [header, *([x.branch, f"{x.low:.6f}", str(x.ends[0]), f"{x.high:.6f}", str(x.ends[1])] for x in own)]
+        unit = unit_of(self.parameter.unit)
+        rows = [["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]]
+        for each in () if self.shape else self:
+            low, high = (f"{shown(value, each.unit):.6f}" for value in (each.low, each.high))
+            rows.append([each.branch, low, str(each.ends[0]), high, str(each.ends[1])])
+        return rows
 
     def __str__(self) -> str:
         return repr(self) if self.shape else self.table()
@@ -280,7 +285,7 @@ class Intervals:
     def _interval(self, k: int) -> Interval:
         found = self._found
         branch = self.solver.structure.branches[found.column[k]]
-        return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]))
+        return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]), self.parameter.unit)
 
     def _single(self, what: str) -> None:
         if self.shape:

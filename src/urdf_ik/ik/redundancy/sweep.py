@@ -20,7 +20,7 @@ from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import TURN
+from urdf_ik.support.angles import TURN, amount, shown
 from urdf_ik.typing import Array
 
 # Values that are tried where no curve can be followed.
@@ -48,8 +48,7 @@ class Sweep:
         return np.asarray(self.solutions.redundancy)
 
     def __str__(self) -> str:
-        unit = self.parameter.unit
-        where = ", ".join(f"{low:.4f} to {high:.4f} {unit}" for low, high in self.intervals) or "no value"
+        where = _places(self.parameter, self.intervals) or "no value"
         found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
         return f"{self.parameter}; solutions at {where}; {found}"
 
@@ -112,9 +111,16 @@ def explanation(solver: Solver, T: Array, value: ArrayLike | None) -> str:
         raise ArgumentError(f"redundancy of shape {given.shape} given; explain takes a single value")
     at = float(given)
     found = sweep(solver, T, 1).intervals
-    places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
+    places = _places(parameter, found)
     why = plan.explain(T, np.array([at]))
     return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
+
+
+def _places(parameter: Redundancy, intervals: Array) -> str:
+    """Intervals (k, 2) in words."""
+    return ", ".join(
+        f"{shown(low, parameter.unit):.4f} to {amount(high, parameter.unit, '.4f')}" for low, high in intervals
+    )
 
 
 def _on_a_grid(

@@ -13,6 +13,7 @@ from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.serial import filled
 from urdf_ik.model.poses import check_poses
+from urdf_ik.support.angles import amount
 from urdf_ik.typing import Array
 
 REACHED = 1e-6
@@ -99,5 +100,5 @@ def _require_reached(axis: FreeAxis, reached: Array, target: Array) -> None:
     if max(far[worst], turned[worst]) > REACHED:
         raise ArgumentError(
             f"joint vector{[int(k) for k in worst] or ''} does not reach the pose, whatever the rotation about "
-            f"{axis}: it is {far[worst]:.3g} m and {turned[worst]:.3g} rad off"
+            f"{axis}: it is {far[worst]:.3g} m and {amount(turned[worst], form='.3g')} off"
         )

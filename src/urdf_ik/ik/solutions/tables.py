@@ -14,6 +14,7 @@ from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Step
 from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import extras
+from urdf_ik.support.angles import amount, shown
 from urdf_ik.support.display import Markup
 from urdf_ik.support.display import table as html_table
 from urdf_ik.support.palette import colours
@@ -81,8 +82,8 @@ def parameters_in_words(solutions: KeptSolutions, degrees: bool = False) -> str:
     parts = []
     for parameter, value in zip(solutions.solver.parameters, np.atleast_1d(solutions.redundancy) + 0.0, strict=True):
         turned = degrees and parameter.unit == "rad"
-        shown = f"{np.rad2deg(value):.2f} deg" if turned else f"{value:.4f} {parameter.unit}"
-        parts.append(f"{parameter.label} = {shown}")
+        at = f"{np.rad2deg(value):.2f} deg" if turned else amount(value, parameter.unit, ".4f")
+        parts.append(f"{parameter.label} = {at}")
     return f" at {', '.join(parts)}"
 
 
@@ -102,10 +103,10 @@ def _too_far(step: Step) -> str:
     solver, apart = step.parent.solver, np.abs(step.apart)
     best = int(np.nanargmin((apart - step.within).max(axis=-1)))
     i = int(np.argmax(apart[best] - step.within))
-    far, unit = f"{apart[best, i]:.4g}", "rad" if step.parent.rotary[i] else "m"
+    unit = "rad" if step.parent.rotary[i] else "m"
     return (
-        f"the closest, {step.parent.names[best]}, has {quoted(solver.joint_names[i])} {far} {unit} from it, where "
-        f"{step.within[i]:.4g} is allowed"
+        f"the closest, {step.parent.names[best]}, has {quoted(solver.joint_names[i])} {amount(apart[best, i], unit)} "
+        f"from it, where {shown(step.within[i], unit):.4g} is allowed"
     )
 
 
@@ -119,10 +120,10 @@ def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
     for i in np.flatnonzero(out[best]):
         unit = "rad" if solutions.rotary[i] else "m"
         side, limit = ("upper", solver.limits[i, 1]) if out[best, i] > 0.0 else ("lower", solver.limits[i, 0])
-        margin = f", with a margin of {-tol:g} {unit}" if tol < 0.0 else ""
+        margin = f", with a margin of {amount(-tol, unit, 'g')}" if tol < 0.0 else ""
         parts.append(
-            f"{quoted(solver.joint_names[i])} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond "
-            f"its {side} limit of {limit:.4f} {unit}{margin}"
+            f"{quoted(solver.joint_names[i])} at {amount(image[best, i], unit, '.4f')}, "
+            f"{amount(abs(out[best, i]), unit)} beyond its {side} limit of {amount(limit, unit, '.4f')}{margin}"
         )
     return f"the closest, {list(solutions)[best].branch}, has {' and '.join(parts)}"
 

@@ -13,7 +13,7 @@ from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import TURN, wrapped
+from urdf_ik.support.angles import TURN, amount, shown, wrapped
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
@@ -67,7 +67,8 @@ class Redundancy:
             SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r}",
             LOCKED_JOINT: f"value of joint {self.joint!r}",
         }.get(self.kind, self.label)
-        return f"{what}, {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
+        least, standard = (f"{shown(value, self.unit) + 0.0:.4f}" for value in (low, self.default))
+        return f"{what}, {least} to {amount(high, self.unit, '.4f')}, by default {standard}"
 
     def check(self, value: ArrayLike) -> Array:
         """``value`` as an array (...) of finite numbers.

@@ -9,6 +9,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.written import WHOLE_POSE, Aim, Numbers
 from urdf_ik.kinematics.chain import Chain
+from urdf_ik.support.angles import amount
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -88,8 +89,8 @@ def off_by(chain: Chain, target: Array, aim: Aim = WHOLE_POSE) -> str:
     e = _least(chain, aim, target)
     worst = np.abs(e).max()
     parts = [
-        f"{abs(part[k]) * unit:.3g} {name} {_AXES[k]}"
-        for part, unit, name in ((e[:3], chain.size, "m along"), (e[3:], 1.0, "rad about"))
+        f"{amount(abs(part[k]) * scale, unit, '.3g')} {name} {_AXES[k]}"
+        for part, scale, unit, name in ((e[:3], chain.size, "m", "along"), (e[3:], 1.0, "rad", "about"))
         if abs(part[k := int(np.argmax(np.abs(part)))]) > min(_SILENT, 0.5 * worst)
     ]
     joints = f"{chain.n} joint{'s' if chain.n > 1 else ''}"
