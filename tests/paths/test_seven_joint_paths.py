@@ -102,8 +102,8 @@ def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
     T = arm.fk(q)
     asked = checked_settings.checked(arm.solver, T, PathSettings(), None)
     whole = assembly.Refined(T, np.arange(40.0), np.ones(39), np.zeros((39, 6)))
-    value = np.unwrap(arm.redundancy_of(q))
-    better, moved = smoothing.smoothed(asked, whole, q, value)
+    better = smoothing.smoothed(asked, whole, q)
+    moved = arm.redundancy_of(better)
 
     def beside(step: float) -> np.ndarray:
         found = arm.ik(T, redundancy=moved + step).nearest(better).q[:, 0]

@@ -34,7 +34,7 @@ from urdf_ik.typing import Array
 if TYPE_CHECKING:
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import World
-    from urdf_ik.paths import Plan
+    from urdf_ik.paths.planned_motion import Plan
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,31 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from urdf_ik.support.lazy import attributes
-
-if TYPE_CHECKING:
-    from urdf_ik._core import Step
-    from urdf_ik.paths.path_settings import PathSettings
-    from urdf_ik.paths.planned_motion import Change, Margins, Plan, Stop
-    from urdf_ik.paths.target_tracker import Tracker
-    from urdf_ik.paths.waypoint_files import read_waypoints
-    from urdf_ik.paths.waypoints import arc, line, polyline
-
-__all__ = [
-    "Change",
-    "Margins",
-    "PathSettings",
-    "Plan",
-    "Step",
-    "Stop",
-    "Tracker",
-    "arc",
-    "line",
-    "polyline",
-    "read_waypoints",
-]
 
 _MODULE = {
     "Change": "planned_motion",
@@ -41,5 +17,7 @@ _MODULE = {
     "polyline": "waypoints",
     "read_waypoints": "waypoint_files",
 }
+
+__all__ = [*_MODULE]  # noqa: PLE0604
 
 __getattr__ = attributes(__name__, _MODULE)

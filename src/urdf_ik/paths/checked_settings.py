@@ -15,7 +15,6 @@ from urdf_ik.ik.solver import Solver
 from urdf_ik.paths import path_settings
 from urdf_ik.paths.path_settings import PathSettings, per_joint, velocities
 from urdf_ik.paths.planner.nodes import Joints
-from urdf_ik.paths.planner.straightness import Tolerance
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import amount, largest_apart
 from urdf_ik.support.text import quoted
@@ -76,7 +75,7 @@ class CheckedSettings:
         kind: index of the cost in ``COSTS``.
         weights: (n,) factor on |dq|, on dq^2 for 'l2'.
         max_step: (n,) largest step between two waypoints, infinite for no limit [rad or m].
-        tolerance: of the tip from the straight segments.
+        tolerance: (m, rad) of the tip from the straight segments.
         start: (n,) joint vector at the first waypoint, or None.
         end: (n,) joint vector at the last waypoint, or None.
         obstacles: bodies that must not touch, or None.
@@ -92,7 +91,7 @@ class CheckedSettings:
     kind: int
     weights: Array
     max_step: Array
-    tolerance: Tolerance
+    tolerance: tuple[float, float]
     start: Array | None
     end: Array | None
     obstacles: Obstacles | None
@@ -150,11 +149,11 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
     )
 
 
-def _tolerance(value: Any) -> Tolerance:
+def _tolerance(value: Any) -> tuple[float, float]:
     numbers = np.asarray((POSITION_TOLERANCE, ROTATION_TOLERANCE) if value is None else value, dtype=np.float64)
     if numbers.shape != (2,) or not inputs.usable(numbers).all():
         raise ArgumentError(f"tolerance is {quoted(value)}; two numbers {inputs.USABLE} are needed: (m, rad)")
-    return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
+    return float(numbers[0]), min(float(numbers[1]), 1.0)
 
 
 def _at_pose(solver: Solver, name: str, value: Any, T: Array, waypoint: int) -> Array | None:

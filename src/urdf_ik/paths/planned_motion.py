@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -20,9 +18,9 @@ from urdf_ik.ik.solutions.derivatives import joint_rates
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths.checked_settings import Obstacles
-from urdf_ik.paths.timing import Timed
+from urdf_ik.paths.timing import Timed, timed, write_rows
 from urdf_ik.support import files
-from urdf_ik.support.display import html_of, short
+from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section, json_text
 from urdf_ik.typing import Array
 
@@ -67,8 +65,7 @@ class Stop(NamedTuple):
         return f"{self.branch}: stops before waypoint {self.waypoint}: {self.reason}"
 
 
-@dataclass(frozen=True)
-class Margins:
+class Margins(NamedTuple):
     """The margins of a plan at each waypoint.
 
     Attributes:
@@ -82,8 +79,8 @@ class Margins:
     manipulability: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(Report):
     """Joint vectors along a path, or the reason why there is no plan.
 
     Attributes:
@@ -204,7 +201,7 @@ class Plan:
         Returns:
             '' where there is a plan.
         """
-        return "" if self.found else "\n".join(str(stop) for stop in self.stops)
+        return "" if self.found else "\n".join(self.lines())
 
     def timed(self, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
         """When the arm is where, as fast as the limits allow; see :func:`urdf_ik.paths.timing.timed`.
@@ -217,8 +214,6 @@ class Plan:
             >>> timed.duration > 0.0, bool(abs(timed.qd).max() < 1.001)
             (True, True)
         """
-        from urdf_ik.paths.timing import timed
-
         return timed(self, velocity, acceleration, dt=dt)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -236,12 +231,32 @@ class Plan:
             ArgumentError: there is no plan, or the file cannot be written.
         """
         self._require()
-        text = io.StringIO()
-        rows = csv.writer(text)
-        rows.writerow(["waypoint", "branch", *self.solver.joint_names])
-        for place, q in zip(self.place.tolist(), self.motion.tolist(), strict=True):
-            rows.writerow([f"{place:.17g}", self.branches[int(place)], *map(repr, q)])
-        files.write(path, text.getvalue().encode())
+        rows = zip(self.place.tolist(), self.motion.tolist(), strict=True)
+        write_rows(
+            path,
+            ["waypoint", "branch", *self.solver.joint_names],
+            ([f"{place:.17g}", self.branches[int(place)], *q] for place, q in rows),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan as plain lists, numbers and text; also of a path without a plan."""
+        return {
+            "arm": self.solver.name,
+            "base": self.solver.chain.base,
+            "tip": self.solver.chain.tip,
+            "joints": list(self.solver.joint_names),
+            "units": {"angle": "rad", "length": "m"},
+            "found": self.found,
+            "cost": self.cost if self.found else None,
+            "q": self.q.tolist(),
+            "motion": self.motion.tolist(),
+            "place": self.place.tolist(),
+            "branches": list(self.branches),
+            "changes": [change._asdict() for change in self.changes],
+            "stops": [stop._asdict() for stop in self.stops],
+            "contacts": f"not checked: {self.unchecked}" if self.unchecked else "checked",
+            "search": self.unlooked or "complete",
+        }
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """The plan as JSON, written to a file where one is given; also of a path without a plan.
@@ -249,25 +264,7 @@ class Plan:
         Raises:
             ArgumentError: the file cannot be written.
         """
-        text = json_text(
-            {
-                "arm": self.solver.name,
-                "base": self.solver.chain.base,
-                "tip": self.solver.chain.tip,
-                "joints": list(self.solver.joint_names),
-                "units": {"angle": "rad", "length": "m"},
-                "found": self.found,
-                "cost": self.cost if self.found else None,
-                "q": self.q.tolist(),
-                "motion": self.motion.tolist(),
-                "place": self.place.tolist(),
-                "branches": list(self.branches),
-                "changes": [change._asdict() for change in self.changes],
-                "stops": [stop._asdict() for stop in self.stops],
-                "contacts": f"not checked: {self.unchecked}" if self.unchecked else "checked",
-                "search": self.unlooked or "complete",
-            },
-        )
+        text = json_text(self.to_dict())
         if path is not None:
             files.write(path, text.encode())
         return text
@@ -283,64 +280,55 @@ class Plan:
         names = {"branches": np.array(self.branches), "joints": np.array(self.solver.joint_names)}
         files.write(path, lambda file: np.savez(file, allow_pickle=False, **arrays, **names))
 
-    def __str__(self) -> str:
-        note = f", contacts not checked: {self.unchecked}" if self.unchecked else ""
-        note += f", {self.unlooked}" if self.unlooked else ""
+    @property
+    def faulty(self) -> bool:
+        """Whether there is no plan."""
+        return not self.found
+
+    def title(self) -> str:
+        """The arm and the number of waypoints."""
+        return f"plan of {self.solver.name} along {len(self.poses)} waypoints"
+
+    def verdict(self) -> str:
+        """Whether there is a plan, and what was left out."""
+        unchecked = f"contacts not checked: {self.unchecked}" if self.unchecked else ""
+        return ", ".join(filter(None, ("found" if self.found else "no plan", unchecked, self.unlooked)))
+
+    def lines(self) -> tuple[str, ...]:
+        """Branches, cost and largest step; or the reason why each branch stops."""
         if not self.found:
-            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints{note}\n{self.explain()}"
-        changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
-        step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
-        return (
-            f"{len(self.q)} waypoints of {self.solver.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
-            f"cost {self.cost:.6g}, largest step {step:.4f}{note}"
-        )
-
-    def __repr__(self) -> str:
-        return short(self._title(), self._lines())
-
-    def _title(self) -> str:
-        title = f"Plan of {self.solver.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints"
-        title = f"{title}, contacts not checked: {self.unchecked}" if self.unchecked else title
-        return f"{title}, {self.unlooked}" if self.unlooked else title
-
-    def _lines(self) -> list[str]:
-        if not self.found:
-            return [str(stop) for stop in self.stops]
+            return tuple(map(str, self.stops))
         steps = np.abs(np.diff(self.q, axis=0)).max(axis=0, initial=0.0)
         joint = int(np.argmax(steps))
-        return [
+        return (
             " then ".join(dict.fromkeys(self.branches)),
             f"cost {self.cost:.6g}, {len(self.changes)} reconfigurations",
             f"largest step {steps[joint]:.4g} of {self.solver.joint_names[joint]}",
             f"{len(self.motion) - len(self.q)} waypoints added between those given",
-        ]
+        )
 
-    def _repr_html_(self) -> str:
-        """The lines, each joint's range and the margins; or the reason why each branch stops."""
+    def sections(self) -> tuple[Section, ...]:
+        """Each joint's range and the margins."""
         if not self.found:
-            stops = tuple((stop.branch, str(stop.waypoint), stop.cause, stop.reason) for stop in self.stops)
-            table = Section("", ("start branch", "before waypoint", "cause", "reason"), stops)
-            return html_of(self._title(), "no plan", False, [table])
-        joints = []
-        kinds = self.solver.chain.joint_types
-        for name, kind, q, limits_ in zip(self.solver.joint_names, kinds, self.q.T, self.solver.limits, strict=True):
-            numbers = (f"{value:.4f}" for value in (q[0], q[-1], q.min(), q.max()))
-            bounds = (f"{bound:.4f}" if np.isfinite(bound) else "none" for bound in limits_)
-            joints.append((name, "m" if kind == "prismatic" else "rad", *numbers, *bounds))
+            return ()
+        chain, q = self.solver.chain, self.q
+        units = ["m" if slides else "rad" for slides in chain.prismatic]
+        columns = np.stack([q[0], q[-1], q.min(axis=0), q.max(axis=0), *self.solver.limits.T], axis=1)
+        joints = tuple(
+            (name, unit, *(f"{x:.4f}" if np.isfinite(x) else "none" for x in row))
+            for name, unit, row in zip(chain.joint_names, units, columns, strict=True)
+        )
         names = ("room to a limit [rad or m]", "clearance [m]", "manipulability")
         margins = tuple(
             (name, f"{values.min():.4g}", str(int(np.argmin(values))))
-            for name, values in zip(names, vars(self.margins).values(), strict=True)
+            for name, values in zip(names, self.margins, strict=True)
             if not np.isnan(values).any()
         )
         header = ("joint", "unit", "first", "last", "least", "most", "lower limit", "upper limit")
-        sections = [
-            Section("", remarks=tuple(self._lines())),
-            Section("joints at the waypoints", header, tuple(joints)),
-            Section("margins", ("least", "value", "at waypoint"), margins),
-        ]
-        verdict = "found" if not self.unchecked else "found, contacts not checked"
-        return html_of(self._title(), verdict, True, sections)
+        return (
+            Section("joints at the waypoints", header, joints, left=header[:2]),
+            Section("margins", ("least", "value", "at waypoint"), margins, left=("least",)),
+        )
 
     def _require(self) -> None:
         if not self.found:

@@ -20,6 +20,7 @@ from urdf_ik.paths.planner import redundant, several_parameters
 from urdf_ik.paths.planner.assembly import cut, made, not_found, offer, priced
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.stops import stops_of
+from urdf_ik.paths.planner.straightness import scaled
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 from urdf_ik.support.watch import TimeIsUp
@@ -62,7 +63,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
         if not plan.found and path_settings.looser and any(stop.cause == "jump" for stop in plan.stops):
             # If there is no plan either, report its stops: the tolerance was not the cause.
             path_settings.watch.begin(f"looking for a plan within {LOOSER:g} times the tolerance")
-            looser = replace(path_settings, tolerance=path_settings.tolerance.times(LOOSER))
+            looser = replace(path_settings, tolerance=scaled(path_settings.tolerance, LOOSER))
             plan = _within_limits(looser, _plan(looser, path))
     except TimeIsUp:
         plan = _so_far(path_settings, path)

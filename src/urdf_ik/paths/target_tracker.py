@@ -11,7 +11,7 @@ proof: where singularities lie closer to each other than a piece is long, a fold
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -40,31 +40,6 @@ _KINDS = {
     "planar position": task.PLANAR_POSITION,
     "planar pose": task.PLANAR_POSE,
 }
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _TrackedArm:
-    """An arm that follows poses, for the compiled tracker: ``TrackedArm`` of the core.
-
-    Attributes:
-        joints: n, how many there are.
-        written: the arm as its URDF has it, with the task.
-        lower: (n,) limits [rad, m].
-        upper: (n,) limits [rad, m].
-        velocity: (n,) greatest velocities [rad/s, m/s].
-        acceleration: (n,) greatest accelerations [rad/s^2, m/s^2].
-        dt: s, a cycle.
-        recentring: 1/s, the rate at which seven joints leave the ends of their ranges.
-    """
-
-    joints: int
-    written: task.Numbers
-    lower: Array
-    upper: Array
-    velocity: Array
-    acceleration: Array
-    dt: float
-    recentring: float
 
 
 class Tracker:
@@ -155,7 +130,7 @@ class Tracker:
             )
         )
         self._core = CoreTracker(
-            _TrackedArm(
+            SimpleNamespace(  # fields of the core's TrackedArm
                 joints=chain.n,
                 written=task.written(chain, kind),
                 lower=chain.limits[:, 0].copy(),

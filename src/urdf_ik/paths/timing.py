@@ -6,6 +6,7 @@ import csv
 import io
 import logging
 import os
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
@@ -55,12 +56,8 @@ class Timed:
         Raises:
             ArgumentError: the file cannot be written.
         """
-        text = io.StringIO()
-        rows = csv.writer(text)
-        rows.writerow(["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)])
-        for row in np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist():
-            rows.writerow(map(repr, row))
-        files.write(path, text.getvalue().encode())
+        header = ["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)]
+        write_rows(path, header, np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist())
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """As JSON: joints, t, q, qd, qdd; written to a file where one is given.
@@ -86,6 +83,13 @@ class Timed:
 
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
+
+
+def write_rows(path: str | os.PathLike[str], header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a CSV; numbers read back exactly."""
+    text = io.StringIO()
+    csv.writer(text).writerows([header, *rows])
+    files.write(path, text.getvalue().encode())
 
 
 MOST_SAMPLES = 10_000_000

@@ -20,8 +20,9 @@ from urdf_ik.cli.console import Angles, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError
-from urdf_ik.paths import Plan, path_settings
+from urdf_ik.paths import path_settings
 from urdf_ik.paths.path_settings import PathSettings
+from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 

@@ -115,7 +115,7 @@ def made(
         tuple(changes),
         motion=motion,
         place=place,
-        tolerance=(settings.tolerance.position, settings.tolerance.rotation),
+        tolerance=settings.tolerance,
         obstacles=obstacles,
         others=None if alone else others,
     )

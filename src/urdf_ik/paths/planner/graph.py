@@ -138,7 +138,7 @@ class Graph:
         q, dq = self.motion(chosen)
         waypoint = np.searchsorted(layers.first, start, side="right") - 1
         turns = layers.twists[:, 3:]
-        straight = keeps_straight(self.joints.chain, q, dq, layers.T, waypoint, turns, tolerance, solver.free_axis)
+        straight = keeps_straight(solver, q, dq, layers.T, waypoint, turns, tolerance)
         bent = np.flatnonzero(~straight & (np.abs(dq).max(axis=1) <= WIDEST_STEP))
         if len(bent):
             value = np.column_stack([layers.value[start[bent]], layers.value[self.end[chosen[bent]]]])

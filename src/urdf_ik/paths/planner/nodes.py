@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from urdf_ik.typing import Array
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+R = TypeVar("R", bound=tuple[Any, ...])
 
 MOST_IMAGES = 5
 """A joint with more values 2 pi apart inside its limits than this is planned as if it had no limits."""
@@ -158,14 +159,6 @@ class Nodes(NamedTuple):
     value: Array
     singular: Mask
 
-    def __add__(self, other: Nodes) -> Nodes:  # type: ignore[override]
-        return joined((self, other))
-
-    def chosen(self, which: Mask | Ints) -> Nodes:
-        """The nodes that a mask or indices select."""
-        parts: list[Any] = [part[which] for part in self]
-        return Nodes(*parts)
-
     def layers(self, T: Array, twists: Array) -> Layers:
         """Sort the nodes by waypoint: poses T (m, 4, 4), with the twists (m - 1, 6) from each to the next."""
         order = np.argsort(self.waypoint, kind="stable")
@@ -173,10 +166,16 @@ class Nodes(NamedTuple):
         return Layers(T, twists, first, self.q[order], self.counts[order], self.column[order], self.value[order])
 
 
-def joined(parts: Sequence[Nodes]) -> Nodes:
-    """All nodes of several sets."""
-    columns: list[Any] = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return Nodes(*columns)
+def chosen(record: R, which: Any) -> R:
+    """The rows of a record of arrays that a mask or indices select."""
+    make: Any = type(record)
+    return make(*(column[which] for column in record))  # type: ignore[no-any-return]
+
+
+def joined(records: Sequence[R]) -> R:
+    """All rows of several records of arrays."""
+    make: Any = type(records[0])
+    return make(*(np.concatenate(columns) for columns in zip(*records, strict=True)))  # type: ignore[no-any-return]
 
 
 def solved(
@@ -218,6 +217,20 @@ def solved(
     return joined(parts)
 
 
+def nearest_solutions(solver: Solver, joints: Joints, T: Array, q: Array, values: Array | None) -> tuple[Array, Array]:
+    """The solutions (k, n) of poses T (k, 4, 4) nearest to joint vectors q (k, n), and their distances (k,).
+
+    ``values`` (k, v) are the redundancy parameters, None for an arm without one. The distance is the largest change of
+    a joint [rad or m], infinite where a pose has no solution.
+    """
+    one = values is not None and values.shape[1] == 1
+    solutions = solve(solver, T) if values is None else solve(solver, T, redundancy=values[:, 0] if one else values)
+    steps = joints.step(q[:, None], solutions.q)
+    distance = np.where(solutions.valid, np.abs(steps).max(axis=2), np.inf)
+    best = np.arange(len(q)), np.argmin(distance, axis=1)
+    return q + np.nan_to_num(steps[best]), distance[best]
+
+
 def with_ends(
     solver: Solver, joints: Joints, T: Array, nodes: Nodes, ends: Sequence[tuple[Array | None, float]]
 ) -> Nodes:
@@ -239,9 +252,8 @@ def with_ends(
         column = here.column[[np.argmin(distance)]] if len(distance) else np.zeros(1, np.int64)
         # The prescribed image is the only one.
         ones = np.ones((1, solver.dof), np.uint8)
-        nodes = nodes.chosen(nodes.waypoint != waypoint) + Nodes(
-            np.array([waypoint]), q[None].astype(np.float64), ones, column, np.array([value]), np.zeros(1, np.bool_)
-        )
+        given = Nodes(np.array([waypoint]), q[None] + 0.0, ones, column, np.array([value]), np.zeros(1, np.bool_))
+        nodes = joined((chosen(nodes, nodes.waypoint != waypoint), given))
     return nodes
 
 
@@ -256,7 +268,7 @@ def with_representatives(solver: Solver, joints: Joints, T: Array, nodes: Nodes)
         return nodes
     order = np.argsort(nodes.waypoint, kind="stable")
     cuts = np.searchsorted(nodes.waypoint[order], np.arange(1, len(T)))
-    layers = [[nodes.chosen(part)] for part in np.split(order, cuts)]
+    layers = [[chosen(nodes, part)] for part in np.split(order, cuts)]
     singular = np.unique(nodes.waypoint[nodes.singular])
     for stretch in np.split(singular, np.flatnonzero(np.diff(singular) > 1) + 1):
         first, last = int(stretch[0]), int(stretch[-1])
@@ -361,7 +373,7 @@ def in_narrow_windows(solver: Solver, joints: Joints, T: Array, everything: Node
         peak &= (here + slope > 0.0) | alone
     waypoint, column, k = np.nonzero(peak)
     if not len(waypoint):
-        return everything.chosen(np.zeros(0, dtype=np.intp))
+        return chosen(everything, np.zeros(0, dtype=np.intp))
     rows = np.arange(len(waypoint))
     value, best, width = grid[k], here[waypoint, column, k], step
     for _ in range(WINDOW_HALVINGS):
@@ -379,4 +391,4 @@ def in_narrow_windows(solver: Solver, joints: Joints, T: Array, everything: Node
     kept = solved(solver, joints, T, waypoint[order], value[order, None])
     wanted = set(zip(waypoint[order].tolist(), column[order].tolist(), strict=True))
     pairs = zip(kept.waypoint.tolist(), kept.column.tolist(), strict=True)
-    return kept.chosen(np.array([pair in wanted for pair in pairs], dtype=np.bool_))
+    return chosen(kept, np.array([pair in wanted for pair in pairs], dtype=np.bool_))

@@ -161,15 +161,12 @@ def improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | None
         return None
     dense = cut(settings, path, DENSE_TURN, DENSE_MOVE)
     sparse = _sparse(settings, dense)
-    place = sparse.place
-    right = np.clip(np.searchsorted(known.place, place), 1, max(len(known.place) - 1, 1))
-    share = (place - known.place[right - 1]) / (known.place[right] - known.place[right - 1])
-    q = known.motion[right - 1] + share[:, None] * (known.motion[right] - known.motion[right - 1])
     names, parameter = settings.solver.structure.branches, settings.solver.parameter
-    column = np.array([names.index(known.branches[k]) for k in np.round(place).astype(np.int64)])
-    value = nearest_values(settings.solver, q, sparse.T)[:, 0]
-    unchanged = np.zeros(len(q) - 1, dtype=np.bool_)
-    guide = _Guide(q, value, column, unchanged, np.inf, parameter is not None and parameter.round)
+    columns = np.array([names.index(known.branches[k]) for k in np.round(known.place).astype(np.int64)])
+    still, unknown = np.zeros(len(columns) - 1, dtype=np.bool_), np.zeros(len(columns))
+    guide = _Guide(known.motion, unknown, columns, still, np.inf, parameter is not None and parameter.round)
+    guide = guide.spread(known.place, sparse.place)
+    guide = guide._replace(value=nearest_values(settings.solver, guide.q, sparse.T)[:, 0])
     step = float(np.diff(_grid(settings, sparse, FEWEST_VALUES)[0, :2])[0])
     last = _finished(settings, dense, sparse, _refined(settings, sparse, guide, step), step / FINER**3)
     return None if last is None else made(settings, path, dense, *last, alone=True)
@@ -207,9 +204,9 @@ def _nodes(settings: CheckedSettings, refined: Refined, count: int, *, windows: 
     """The nodes on a grid of ``count`` values, and its step; with ``windows`` also those in narrow windows."""
     solver, joints, grid = settings.solver, settings.joints, _grid(settings, refined, count)
     everything = node_sets.solved(solver, joints, refined.T, np.arange(len(refined.T)), grid, outside=windows)
-    nodes = everything.chosen(np.flatnonzero(everything.counts.all(axis=1)))
+    nodes = node_sets.chosen(everything, everything.counts.all(axis=1))
     if windows:
-        nodes += node_sets.in_narrow_windows(solver, joints, refined.T, everything, grid[0])
+        nodes = node_sets.joined((nodes, node_sets.in_narrow_windows(solver, joints, refined.T, everything, grid[0])))
     return _with_ends(settings, refined, nodes), float(grid[0, 1] - grid[0, 0])
 
 
@@ -331,9 +328,10 @@ def _proven(settings: CheckedSettings, dense: Refined, guide: _Guide, step: floa
 def _smoothed(settings: CheckedSettings, refined: Refined, guide: _Guide) -> _Guide:
     if len(guide.q) < 2:
         return guide
-    q, value = smoothed(settings, refined, guide.q, guide.value)
+    q = smoothed(settings, refined, guide.q)
     steps = np.diff(q, axis=0)
     cost = float((settings.weights * steps * steps * refined.pieces[:, None]).sum())
+    value = nearest_values(settings.solver, q, refined.T)[:, 0]
     return guide._replace(q=q, value=value, cost=cost) if cost < guide.cost else guide
 
 

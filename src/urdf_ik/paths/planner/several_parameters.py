@@ -17,18 +17,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solver import Solver, with_locked
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
 from urdf_ik.paths.checked_settings import END_TOLERANCE, CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
-from urdf_ik.paths.planner.assembly import Refined, cut, made, not_found, offer, priced
+from urdf_ik.paths.planner.assembly import cut, made, not_found, offer, priced
 from urdf_ik.paths.planner.nodes import Joints, Nodes
 from urdf_ik.paths.planner.redundant import DENSE_MOVE, DENSE_TURN
 from urdf_ik.paths.planner.search import Search
-from urdf_ik.paths.planner.smoothing import MOST_STEPS, newton_step, sum_of_squares
+from urdf_ik.paths.planner.smoothing import restored, smoothed
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
@@ -38,10 +37,6 @@ MOST_PLANS = 16
 """Most plans with the same parameter free."""
 MOST_IMPROVED = 3
 """Number of plans that are improved in all parameters, cheapest first."""
-WORTHWHILE = 0.9999
-"""Take another step while the last one lowered the sum by more than 0.01 %."""
-LONGEST_STEP = 0.2
-"""Largest change of a joint per step [rad or m]."""
 
 
 class _Fixed(NamedTuple):
@@ -182,10 +177,10 @@ def _improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | Non
     dense = cut(settings, path, DENSE_TURN, DENSE_MOVE)
     place = dense.place
     q = np.column_stack([np.interp(place, known.place, column) for column in known.motion.T])
-    q, good = _restored(settings, dense, q)
+    q, good = restored(settings, dense, q)
     if not good.all():
         return None
-    q = _smoothed(settings, dense, q)
+    q = smoothed(settings, dense, q)
     names = settings.solver.structure.branches
     column = np.array([names.index(known.branches[k]) for k in np.round(place).astype(np.int64)])
     kept, lowest, counts = settings.joints.choose(q, np.ones(len(q), np.uint8))
@@ -201,62 +196,3 @@ def _improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | Non
     if route is None or route.cost >= known.cost:
         return None
     return made(settings, path, dense, search, route, alone=True)
-
-
-def _smoothed(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
-    """Joint vectors (k, n) at a local minimum of the sum of squared steps, with the same poses."""
-    factor = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
-    fixed = np.zeros(len(q), dtype=np.bool_)
-    fixed[0], fixed[-1] = settings.start is not None, settings.end is not None
-    low, high = settings.solver.limits.T
-    least = sum_of_squares(q, factor)
-    for _ in range(MOST_STEPS):
-        N = _null_space(settings, refined, q)
-        N[fixed] = 0.0
-        step = np.einsum("knj,kj->kn", N, newton_step(q, N, factor))
-        longest = np.abs(step).max()
-        step *= min(1.0, LONGEST_STEP / longest) if longest else 1.0
-        best = None
-        for share in (1.0, 0.5, 0.25, 0.1):
-            trial, good = _restored(settings, refined, q + share * step)
-            good &= ((trial >= low) & (trial <= high)).all(axis=1)
-            if settings.obstacles is not None:
-                good[good] = settings.obstacles.free(trial[good])
-            trial = np.where(good[:, None] & ~fixed[:, None], trial, q)
-            total = sum_of_squares(trial, factor)
-            if total < least:
-                best = total, trial
-                break
-        if best is None:
-            break
-        before, (least, q) = least, best
-        if not least < WORTHWHILE * before:
-            break
-    return q
-
-
-def _null_space(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
-    """(k, n, j) orthonormal basis of the null space of the task's Jacobian."""
-    J = _jacobian(settings, refined, q)
-    return np.ascontiguousarray(np.swapaxes(np.linalg.svd(J)[2], 1, 2)[:, :, -len(settings.solver.parameters) :])
-
-
-def _jacobian(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
-    """(k, 6, n) of the task, without the rotation about a free axis; lengths divided by the arm's size."""
-    solver = settings.solver
-    J = solver.chain.jacobian(q)
-    if solver.free_axis is not None:
-        J = solver.free_axis.reduced(refined.T[:, :3, :3], J)
-    return np.concatenate([J[:, :3] / solver.chain.size, J[:, 3:]], axis=1)
-
-
-def _restored(settings: CheckedSettings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The solutions of the waypoints nearest to joint vectors (k, n), and whether each is near enough."""
-    solver = settings.solver
-    values: Any = nearest_values(solver, q, refined.T)
-    solutions = solve(solver, refined.T, redundancy=values if values.shape[1] > 1 else values[:, 0])
-    steps = settings.joints.step(q[:, None], solutions.q)
-    distance = np.where(solutions.valid, np.abs(steps).max(axis=2), np.inf)
-    column = np.argmin(distance, axis=1)
-    rows = np.arange(len(q))
-    return q + np.nan_to_num(steps[rows, column]), distance[rows, column] < LONGEST_STEP

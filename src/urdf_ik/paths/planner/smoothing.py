@@ -1,7 +1,7 @@
-"""Smoothing of a route: the redundancy parameter moves to where the sum of squared steps is least.
+"""Smoothing of a route: its joint vectors move to where the sum of squared steps is least, without changing poses.
 
-Along its self-motion each joint vector is q + t d, t being its derivative by the parameter. To first order the sum of
-squared steps is a quadratic function of all d that couples only neighbours, so its minimum solves a tridiagonal system
+Every joint vector moves by N a, where N spans the null space of the task's Jacobian. To first order the sum of squared
+steps is a quadratic function of all a that couples only neighbours, so its minimum solves a block tridiagonal system
 (Gauss-Newton). Joint vectors that would leave the limits or make contact stay where they were.
 """
 
@@ -11,69 +11,64 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from urdf_ik.ik.pose_solving import solve
+from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
 from urdf_ik.paths.planner.assembly import Refined
+from urdf_ik.paths.planner.nodes import nearest_solutions
 from urdf_ik.typing import Array
 
 MOST_STEPS = 30
-"""Most steps of Newton's method."""
+"""Most Gauss-Newton steps. Decides cost only: each step lowers the sum of squares."""
 WORTHWHILE = 0.999
-"""Take another step while the last one lowered the sum by more than 0.1 %."""
-DIFFERENCE = 1e-5
-"""Half the difference of the parameter in the central difference quotient [rad or m]."""
-LONGEST_STEP = 0.1
-"""Largest change of the parameter per step [rad or m]."""
-SAME_BRANCH = 0.3
-"""A solution farther than this from its prediction belongs to another branch [rad or m]."""
+"""Take another step while the last one lowered the sum by more than 0.1 %. Decides cost only."""
+LONGEST_STEP = 0.2
+"""Largest change of a joint per step [rad or m]; a solution farther from its prediction is on another branch."""
 
 
-def smoothed(settings: CheckedSettings, refined: Refined, q: Array, value: Array) -> tuple[Array, Array]:
-    """Joint vectors (k, n) and values (k,) of a route at a local minimum of the sum of squared steps.
+def smoothed(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
+    """Joint vectors (k, n) of a route at a local minimum of the sum of squared steps.
 
     Args:
         settings: of the path; a given start and end remain.
         refined: the waypoints.
-        q: (k, n) rad or m, without jumps and free of contact.
-        value: (k,) redundancy parameter.
+        q: (k, n) rad or m, solutions without jumps and free of contact.
     """
-    least = _least(settings, refined, q, value, None)
+    least = _least(settings, refined, q, None)
     # The result is usually free of contact; only if it is not, contacts are checked at every step.
-    if settings.obstacles is None or settings.obstacles.free(least[0]).all():
+    if settings.obstacles is None or settings.obstacles.free(least).all():
         return least
-    return _least(settings, refined, q, value, settings.obstacles)
+    return _least(settings, refined, q, settings.obstacles)
 
 
-def _least(
-    settings: CheckedSettings, refined: Refined, q: Array, value: Array, obstacles: Obstacles | None
-) -> tuple[Array, Array]:
-    """The same, with contacts checked at every step where there are obstacles."""
+def _least(settings: CheckedSettings, refined: Refined, q: Array, obstacles: Obstacles | None) -> Array:
     factor = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
     fixed = np.zeros(len(q), dtype=np.bool_)
     fixed[0], fixed[-1] = settings.start is not None, settings.end is not None
+    low, high = settings.solver.limits.T
     least = sum_of_squares(q, factor)
     for _ in range(MOST_STEPS):
-        t = _derivative(settings, refined, q, value)
-        directions = np.where((fixed | np.isnan(t).any(axis=1))[:, None], 0.0, t)
-        step = newton_step(q, directions[:, :, None], factor)[:, 0].clip(-LONGEST_STEP, LONGEST_STEP)
+        N = _null_space(settings, refined, q)
+        N[fixed] = 0.0
+        step = np.einsum("knj,kj->kn", N, newton_step(q, N, factor))
+        longest = np.abs(step).max()
+        step *= min(1.0, LONGEST_STEP / longest) if longest else 1.0
         best = None
-        for share in (1.0, 0.5, 0.25):
-            trial_value = _inside(settings, value + share * step)
-            moved = np.nan_to_num(t) * (trial_value - value)[:, None]
-            trial, good = _solved(settings, refined, q + moved, trial_value)
+        for share in (1.0, 0.5, 0.25, 0.1):
+            trial, good = restored(settings, refined, q + share * step)
+            good &= ((trial >= low) & (trial <= high)).all(axis=1)
             if obstacles is not None:
                 good[good] = obstacles.free(trial[good])
-            trial, trial_value = np.where(good[:, None], trial, q), np.where(good, trial_value, value)
+            trial = np.where(good[:, None] & ~fixed[:, None], trial, q)
             total = sum_of_squares(trial, factor)
             if total < least:
-                best = total, trial, trial_value
+                best = total, trial
                 break
         if best is None:
             break
-        before, (least, q, value) = least, best
+        before, (least, q) = least, best
         if not least < WORTHWHILE * before:
             break
-    return q, value
+    return q
 
 
 def sum_of_squares(q: Array, factor: Array) -> float:
@@ -103,35 +98,19 @@ def newton_step(q: Array, N: Array, factor: Array) -> Array:
     return np.asarray(solveh_banded(banded, slope.ravel(), check_finite=False)).reshape(k, j)
 
 
-def _derivative(settings: CheckedSettings, refined: Refined, q: Array, value: Array) -> Array:
-    """(k, n) derivative of the joint vectors by the parameter, NaN where there is none."""
-    ends = []
-    for side in (-DIFFERENCE, DIFFERENCE):
-        moved, good = _solved(settings, refined, q, value + side, inside=False)
-        ends.append(np.where(good[:, None], moved, np.nan))
-    return np.asarray((ends[1] - ends[0]) / (2.0 * DIFFERENCE))
+def _null_space(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
+    """(k, n, j) orthonormal basis of the null space of the task's Jacobian; lengths count in arm sizes."""
+    solver = settings.solver
+    J = solver.chain.jacobian(q)
+    if solver.free_axis is not None:
+        J = solver.free_axis.reduced(refined.T[:, :3, :3], J)
+    J = np.concatenate([J[:, :3] / solver.chain.size, J[:, 3:]], axis=1)
+    # The last columns of Q in J^T = Q R are at right angles to all rows of J, of whatever rank.
+    return np.ascontiguousarray(np.linalg.qr(np.swapaxes(J, 1, 2), mode="complete")[0][:, :, -len(solver.parameters) :])
 
 
-def _solved(
-    settings: CheckedSettings, refined: Refined, near: Array, value: Array, *, inside: bool = True
-) -> tuple[Array, NDArray[np.bool_]]:
-    """The solutions nearest to joint vectors; and whether there is one near enough, inside the limits if asked."""
-    parameter = settings.solver.parameter
-    assert parameter is not None  # smoothing moves the parameter
-    solutions = solve(settings.solver, refined.T, redundancy=parameter.wrapped(value))
-    steps = settings.joints.step(near[:, None], solutions.q)
-    distance = np.where(solutions.valid, np.abs(steps).max(axis=2), np.inf)
-    column = np.argmin(distance, axis=1)
-    rows = np.arange(len(near))
-    q = near + steps[rows, column]
-    good = distance[rows, column] < SAME_BRANCH
-    if inside:
-        low, high = settings.solver.limits.T
-        good &= ((q >= low) & (q <= high)).all(axis=1)
-    return q, good
-
-
-def _inside(settings: CheckedSettings, value: Array) -> Array:
-    parameter = settings.solver.parameter
-    assert parameter is not None  # smoothing moves the parameter
-    return value if parameter.round else np.clip(value, *parameter.range)
+def restored(settings: CheckedSettings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """The solutions of the waypoints nearest to joint vectors (k, n), and whether each is near enough."""
+    values = nearest_values(settings.solver, q, refined.T)
+    nearest, distance = nearest_solutions(settings.solver, settings.joints, refined.T, q, values)
+    return nearest, distance < LONGEST_STEP

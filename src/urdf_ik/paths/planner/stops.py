@@ -12,7 +12,7 @@ from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.search import Search
-from urdf_ik.paths.planner.straightness import keeps_straight
+from urdf_ik.paths.planner.straightness import keeps_straight, scaled
 from urdf_ik.typing import Array
 
 Ints = NDArray[np.int64]
@@ -157,17 +157,15 @@ def _diagnosis(
         if solver.parameter is not None and len(_solutions(settings, T, last + 1, None).q):
             return "jump", f"its solutions end here: the next waypoint has none at this {solver.parameter.label}"
         return "reach", _reach(solver, T[last + 1])
-    reasons = {}
-    nearest_jump = np.inf
+    reasons, nearest_jump, wide = {}, np.inf, scaled(settings.tolerance, CONTINUES)
     for node, state in zip(nodes, states, strict=True):
         q = graph.layers.q[node] + joints.digits[state] * joints.turn
         steps = joints.step(q, candidates.q)
         size = np.abs(steps).max(axis=1)
         k = int(np.argmin(size))
         straight = keeps_straight(
-            solver.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
-            settings.tolerance.times(CONTINUES), solver.free_axis,
-        )  # fmt: skip
+            solver, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:], wide
+        )
         if not straight[0]:
             if size[k] < nearest_jump:
                 nearest_jump = float(size[k])

@@ -20,18 +20,15 @@ branch passes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.kinematics.chain.free_axis import FreeAxis
-from urdf_ik.paths.planner.nodes import WIDEST_STEP, Joints
+from urdf_ik.paths.planner.nodes import WIDEST_STEP, Joints, chosen, joined, nearest_solutions
 from urdf_ik.paths.waypoints import interpolated, twists
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
@@ -48,63 +45,47 @@ _BATCH = 1 << 15
 """Most poses that are sampled in one call."""
 
 
-@dataclass(frozen=True)
-class Tolerance:
-    """Largest distance of the tip from the straight segment between two waypoints.
-
-    Attributes:
-        position: m.
-        rotation: rad.
-    """
-
-    position: float
-    rotation: float
-
-    def times(self, factor: float) -> Tolerance:
-        """The tolerance multiplied by a factor, the rotation at most 1 rad."""
-        return Tolerance(self.position * factor, min(self.rotation * factor, 1.0))
+def scaled(tolerance: tuple[float, float], factor: float) -> tuple[float, float]:
+    """A tolerance (m, rad) multiplied by a factor, the rotation at most 1 rad."""
+    return tolerance[0] * factor, min(tolerance[1] * factor, 1.0)
 
 
 def keeps_straight(
-    chain: Chain,
+    solver: Solver,
     q: Array,
     dq: Array,
     T: Array,
     waypoint: NDArray[np.intp],
     turns: Array,
-    tolerance: Tolerance,
-    free: FreeAxis | None = None,
+    tolerance: tuple[float, float],
 ) -> Mask:
     """Whether linear joint motions stay within a tolerance of the straight segments between waypoints.
 
     Args:
-        chain: the arm's joints.
+        solver: the arm's solver; the rotation about its free axis does not count.
         q: (k, n) rad or m, starts of the motions.
         dq: (k, n) rad or m; q + dq are solutions of the following waypoints.
         T: (m, 4, 4) m, waypoints.
         waypoint: (k,) number of the waypoint at which each motion starts.
         turns: (m - 1, 3) rad, rotation vectors from each waypoint to the next, in base axes.
-        tolerance: of the tip.
-        free: axis of the tip about which the rotation is free, or None.
+        tolerance: of the tip (m, rad).
 
     Returns:
         (k,) true where it is proven.
     """
-    lever = 0.0 if free is None else float(np.linalg.norm(free.at))
-    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[waypoint], lever)
-    allowed = 2.0 * np.sin(0.5 * tolerance.rotation)
+    lever = 0.0 if solver.free_axis is None else float(np.linalg.norm(solver.free_axis.at))
+    position, rotation = curvature(solver.chain, q, dq, np.linalg.norm(turns, axis=1)[waypoint], lever)
+    most, allowed = tolerance[0], 2.0 * np.sin(0.5 * tolerance[1])
     # Without samples the bound may use the whole tolerance.
-    straight = (position <= 8.0 * tolerance.position) & (rotation <= 8.0 * allowed)
-    share = np.maximum(position / tolerance.position, rotation / allowed) / (8.0 * BETWEEN_SAMPLES)
+    straight = (position <= 8.0 * most) & (rotation <= 8.0 * allowed)
+    share = np.maximum(position / most, rotation / allowed) / (8.0 * BETWEEN_SAMPLES)
     pieces = np.exp2(np.ceil(0.5 * np.log2(np.maximum(share, 1.0)))).clip(2.0)
     undecided, count = ~straight & (pieces <= MOST_SAMPLES), 2
     while undecided.any():
         here = np.flatnonzero(undecided)
+        parts = np.array_split(here, 1 + len(here) * count // _BATCH)
         within = np.concatenate(
-            [
-                _samples_within(chain, q[k], dq[k], T, waypoint[k], turns, count, tolerance, allowed, free)
-                for k in np.array_split(here, 1 + len(here) * count // _BATCH)
-            ]
+            [_samples_within(solver, q[k], dq[k], T, waypoint[k], turns, count, most, allowed) for k in parts]
         )
         done = pieces[here] <= count
         straight[here[within & done]] = True
@@ -139,39 +120,45 @@ def curvature(chain: Chain, q: Array, dq: Array, turn: Array, lever: float = 0.0
 
 
 def _samples_within(
-    chain: Chain,
+    solver: Solver,
     q: Array,
     dq: Array,
     T: Array,
     waypoint: NDArray[np.intp],
     turns: Array,
     count: int,
-    tolerance: Tolerance,
+    most: float,
     allowed: float,
-    free: FreeAxis | None,
 ) -> Mask:
     """Whether the samples at odd multiples of 1 / count are within 1 - ``BETWEEN_SAMPLES`` of a tolerance."""
     shares = np.arange(1, count, 2) / count
-    real = chain.fk(q[:, None] + shares[:, None] * dq[:, None])
+    real = solver.chain.fk(q[:, None] + shares[:, None] * dq[:, None])
     segments, place = np.unique(waypoint, return_inverse=True)
     ideal = interpolated(T[segments, None], T[segments + 1, None], shares, turns[segments, None])[place]
     share = 1.0 - BETWEEN_SAMPLES
-    if free is None:
+    if solver.free_axis is None:
         off = real[..., :3, 3] - ideal[..., :3, 3]
         # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), which is sqrt(2) times the distance above.
         turned = np.sqrt(0.5) * (real[..., :3, :3] - ideal[..., :3, :3]).reshape(*off.shape[:-1], 9)
     else:
-        off, turned = np.moveaxis((real - ideal)[..., :3, :] @ free.seen, -1, 0)
+        off, turned = np.moveaxis((real - ideal)[..., :3, :] @ solver.free_axis.seen, -1, 0)
     return np.asarray(
         (
-            (np.einsum("...i,...i", off, off) <= (share * tolerance.position) ** 2)
+            (np.einsum("...i,...i", off, off) <= (share * most) ** 2)
             & (np.einsum("...i,...i", turned, turned) <= (share * allowed) ** 2)
         ).all(axis=1)
     )
 
 
 def bisected(
-    solver: Solver, joints: Joints, q: Array, dq: Array, value: Array, T0: Array, T1: Array, tolerance: Tolerance
+    solver: Solver,
+    joints: Joints,
+    q: Array,
+    dq: Array,
+    value: Array,
+    T0: Array,
+    T1: Array,
+    tolerance: tuple[float, float],
 ) -> tuple[Mask, list[tuple[Array, Array]]]:
     """Insert joint vectors into motions, so that every piece stays within a tolerance of the straight segment.
 
@@ -193,32 +180,28 @@ def bisected(
     inserted: list[list[tuple[float, Array]]] = [[] for _ in q]
     pieces = _Pieces(np.arange(len(q)), np.zeros(len(q)), np.ones(len(q)), q, dq, value)
     for depth in range(MOST_BISECTIONS):
-        pieces = pieces.chosen(done[pieces.motion])
+        pieces = chosen(pieces, done[pieces.motion])
         if not len(pieces.motion):
             break
-        motion, rows = pieces.motion, np.arange(len(pieces.motion))
+        motion = pieces.motion
         share = 0.5 * (pieces.start + pieces.end)
         middle = interpolated(T0[motion], T1[motion], share, turns[motion])
         half_value = pieces.value[:, 0] + 0.5 * _value_steps(solver, pieces.value)
         wanted = pieces.q + 0.5 * pieces.dq
-        values = nearest_values(solver, wanted, middle) if len(solver.parameters) > 1 else half_value
-        solutions = solve(solver, middle) if solver.parameter is None else solve(solver, middle, redundancy=values)
-        off = joints.step(wanted[:, None], solutions.q)
-        distance = np.where(solutions.valid, np.abs(off).max(axis=2), np.inf)
-        column = np.argmin(distance, axis=1)
-        c = wanted + off[rows, column]
-        good = np.isfinite(distance[rows, column])
-        with np.errstate(invalid="ignore"):  # NaN where there is no solution
-            halves = np.maximum(np.abs(c - pieces.q).max(axis=1), np.abs(pieces.q + pieces.dq - c).max(axis=1))
-            good &= halves <= WIDEST_STEP
+        values = None if solver.parameter is None else half_value[:, None]
+        if len(solver.parameters) > 1:
+            values = nearest_values(solver, wanted, middle)
+        c, distance = nearest_solutions(solver, joints, middle, wanted, values)
+        halves = np.maximum(np.abs(c - pieces.q).max(axis=1), np.abs(pieces.q + pieces.dq - c).max(axis=1))
+        good = np.isfinite(distance) & (halves <= WIDEST_STEP)
         done[motion[~good]] = False
         for k in np.flatnonzero(good):
             inserted[motion[k]].append((float(share[k]), c[k]))
         first, last = pieces.value.T
         left = _Pieces(motion, pieces.start, share, pieces.q, c - pieces.q, np.column_stack([first, half_value]))
         right = _Pieces(motion, share, pieces.end, c, pieces.q + pieces.dq - c, np.column_stack([half_value, last]))
-        both = left.joined(right).chosen(np.tile(good, 2))
-        pieces = both.chosen(~_pieces_straight(solver, both, T0, T1, turns, tolerance))
+        both = chosen(joined((left, right)), np.tile(good, 2))
+        pieces = chosen(both, ~_pieces_straight(solver, both, T0, T1, turns, tolerance))
         if depth == MOST_BISECTIONS - 1:
             done[pieces.motion] = False
     ordered = []
@@ -238,14 +221,6 @@ class _Pieces(NamedTuple):
     dq: Array
     value: Array
 
-    def chosen(self, which: Mask) -> _Pieces:
-        parts: list[Any] = [part[which] for part in self]
-        return _Pieces(*parts)
-
-    def joined(self, others: _Pieces) -> _Pieces:
-        parts: list[Any] = [np.concatenate(pair) for pair in zip(self, others, strict=True)]
-        return _Pieces(*parts)
-
 
 def _value_steps(solver: Solver, value: Array) -> Array:
     """Difference of values (k, 2) of the redundancy parameter; round the circle the shorter one."""
@@ -253,7 +228,9 @@ def _value_steps(solver: Solver, value: Array) -> Array:
     return shortest(steps) if solver.parameter is not None and solver.parameter.round else steps
 
 
-def _pieces_straight(solver: Solver, pieces: _Pieces, T0: Array, T1: Array, turns: Array, tolerance: Tolerance) -> Mask:
+def _pieces_straight(
+    solver: Solver, pieces: _Pieces, T0: Array, T1: Array, turns: Array, tolerance: tuple[float, float]
+) -> Mask:
     """Whether each piece stays within the tolerance of its part of the segment."""
     motion = pieces.motion
     ends = np.empty((2 * len(motion), 4, 4))
@@ -262,4 +239,4 @@ def _pieces_straight(solver: Solver, pieces: _Pieces, T0: Array, T1: Array, turn
     turn = np.zeros((max(2 * len(motion) - 1, 0), 3))
     turn[0::2] = (pieces.end - pieces.start)[:, None] * turns[motion]
     first = 2 * np.arange(len(motion))
-    return keeps_straight(solver.chain, pieces.q, pieces.dq, ends, first, turn, tolerance, solver.free_axis)
+    return keeps_straight(solver, pieces.q, pieces.dq, ends, first, turn, tolerance)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.ik.solutions import limits as joint_limits
-from urdf_ik.paths import Plan
+from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support.angles import TURN
 from urdf_ik.typing import Array

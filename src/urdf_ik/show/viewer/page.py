@@ -18,8 +18,7 @@ from urdf_ik.arm import Arm, load
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
 from urdf_ik.model.poses import pose
-from urdf_ik.paths import Plan
-from urdf_ik.paths.planned_motion import Stop
+from urdf_ik.paths.planned_motion import Plan, Stop
 from urdf_ik.show.viewer import address, guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urdf_ik.paths import Plan
-from urdf_ik.paths.planned_motion import Stop
+from urdf_ik.paths.planned_motion import Plan, Stop
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.state import State
 from urdf_ik.typing import Array
