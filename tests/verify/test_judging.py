@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -162,17 +163,17 @@ def test_a_file_a_process_and_their_ends(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(SOLVER)
     assert judge(PUMA, solver_of("mine.py:solve"), n=2).passed
-    with SolverProcess([sys.executable, "mine.py"]) as process:
+    with closing(SolverProcess([sys.executable, "mine.py"])) as process:
         assert judge(PUMA, process, n=2).passed
     for code in (
         "",
         "print('nonsense', flush=True); input()",
         "import json; input(); print(json.dumps({'error': 'no'}))",
     ):
-        with SolverProcess([sys.executable, "-c", code]) as process:
+        with closing(SolverProcess([sys.executable, "-c", code])) as process:
             assert {each.fault for each in judge(PUMA, process, n=1).faults} == {"failed"}
     with (
-        SolverProcess([sys.executable, "-c", "input(); input()"], timeout=0.2) as process,
+        closing(SolverProcess([sys.executable, "-c", "input(); input()"], timeout=0.2)) as process,
         pytest.raises(ArgumentError),
     ):
         process(np.eye(4))

@@ -27,6 +27,11 @@ def shortest(steps: Array) -> Array:
     return turned
 
 
+def difference(q: Array, other: Array, sliding: NDArray[np.bool_]) -> Array:
+    """``q`` less ``other`` (..., n) [rad or m], angles taken the short way round."""
+    return np.where(sliding, q - other, shortest(q - other))
+
+
 def largest_apart(a: Array, b: Array) -> Array:
     """Largest difference (...) [rad] between the angles of joint vectors (..., n)."""
     largest: Array = np.abs(shortest(a - b)).max(axis=-1, initial=0.0)

@@ -20,6 +20,11 @@ def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
     return printable(" ".join(repr(value).split()), most)
 
 
+def counted(count: int, noun: str) -> str:
+    """'1 pose', '2 poses'."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def nearest(name: object, names: Iterable[str], n: int = 3, cutoff: float = 0.6) -> list[str]:
     """The entries of ``names`` most similar to ``name``, the most similar first.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any
 
@@ -26,6 +26,7 @@ class Watch:
         limit: s, infinite without a limit.
         doing: what is being looked at, in words.
         best: the best that was found so far, or None.
+        unlooked: what :meth:`parts` left out, in words; '' where nothing was.
     """
 
     def __init__(self, limit: Any, progress: Callable[..., object] | None) -> None:
@@ -38,6 +39,7 @@ class Watch:
         self.limit = float("inf") if limit is None else inputs.number(limit, "time_limit", low=0.0, unit="s")
         self.doing = "reading the settings"
         self.best: Any = None
+        self.unlooked = ""
         self._end = monotonic() + self.limit
         self._progress = progress
 
@@ -66,6 +68,16 @@ class Watch:
         """Report how many things of all are behind the work."""
         if self._progress is not None:
             self._progress(done, total)
+
+    def parts(self, total: int, size: int = 1, what: str = "poses") -> Iterator[range]:
+        """The numbers from 0 to ``total`` in ranges of ``size``, until the time limit has passed."""
+        for start in range(0, total, size):
+            if self.is_over:
+                self.unlooked = self.ended(f"with {start} of {total} {what}: the others were")
+                return
+            part = range(start, min(start + size, total))
+            yield part
+            self.step(part.stop, total)
 
     def check(self) -> None:
         """Go on, or not.

@@ -11,10 +11,10 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -25,9 +25,9 @@ from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.model.catalogue import Origin, origin_of
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import files, inputs
-from urdf_ik.support.angles import shortest
+from urdf_ik.support.angles import difference, shortest
 from urdf_ik.support.report import Report, from_plain
-from urdf_ik.support.text import plain
+from urdf_ik.support.text import counted, plain
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
@@ -48,9 +48,6 @@ from urdf_ik.verify.differences import (
 )
 from urdf_ik.verify.sampling import AT_ONCE, Answer, Planted, Pose, least_singular_value
 from urdf_ik.version import __version__
-
-if TYPE_CHECKING:
-    from urdf_ik.cell import CollisionModel
 
 FORMAT, VERSION = "urdf-ik lock", 1
 
@@ -89,7 +86,6 @@ def freeze(
     *,
     seed: int = _SEED,
     collisions: str | bool = True,
-    time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> Baseline:
     """An arm's answers of today, to be compared with those of tomorrow.
@@ -103,7 +99,6 @@ def freeze(
         seed: of the random poses.
         collisions: whether to keep which solutions touch something: True where the shapes can be read, with a warning
             where they cannot; 'require' to fail there; False: no.
-        time_limit: s after which no more poses are solved, yours first; ``unlooked`` says how many were left out.
         progress: called with (poses done, poses).
 
     Returns:
@@ -112,7 +107,7 @@ def freeze(
     Raises:
         PoseError: one of ``poses`` is no pose.
         UrdfError: ``collisions="require"``, and not all shapes can be read.
-        ArgumentError: ``collisions``, ``time_limit`` or ``progress`` is none of these.
+        ArgumentError: ``collisions`` is none of these.
 
     Example:
         >>> import urdf_ik
@@ -121,36 +116,28 @@ def freeze(
         (20, ['near limits', 'near singularity', 'random', 'round'])
     """
     inputs.arm(arm)
-    watch = Watch(time_limit, progress)
-    rng = np.random.default_rng(seed)
+    rng, reference = np.random.default_rng(seed), arm.cell.reference
     own = np.zeros((0, 4, 4)) if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     shapes, unchecked = arm.cell.to_check(collisions)
-    planted = sampling.planted_vectors(arm.cell.reference, rng)
+    planted = sampling.planted_vectors(reference, rng)
     vectors = {kind: sampling.drawn_vectors(arm, kind, rng, count) for kind, count in sampling.COUNTS.items()}
     import pinocchio as pin  # arms are loaded and described without it
 
     made_by = (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
     origin = origin_of(arm.model.path, arm.model.sha256)
-    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by, origin=origin)
-    asked: list[tuple[str, Array, Array | None]] = [("own", own, None)]
-    asked += [(kind, arm.cell.reference.pose(q), sampling.redundancy_at(arm, q)) for kind, q in vectors.items()]
-    total = sum(len(T) for _, T, _ in asked)
+    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by, origin)
+    asked = [(kind, reference.pose(q), sampling.redundancy_at(arm, q)) for kind, q in vectors.items()]
+    watch, total = Watch(None, progress), len(own) + sum(len(T) for _, T, _ in asked)
     solved: list[Pose] = []
     try:
-        for kind, T, values in asked:
-            for start in range(0, len(T), AT_ONCE):
-                if watch.is_over:
-                    break
-                part = slice(start, start + AT_ONCE)
-                solved += sampling.answered(arm, kind, T[part], None if values is None else values[part], shapes)
-                watch.step(len(solved), total)
+        for kind, T, values in (*asked, ("own", own, None)):
+            solved += sampling.answered(arm, kind, T, values, shapes)
+            watch.step(len(solved), total)
     except UnsupportedArm:
         if len(own):
             raise
         return baseline
-    if len(solved) < total:
-        baseline = replace(baseline, unlooked=watch.ended(f"with {len(solved)} of {total} poses: the others were"))
-    mine, kept = solved[: len(own)], solved[len(own) :]
+    kept, mine = solved[: total - len(own)], solved[total - len(own) :]
     baseline = replace(baseline, poses=tuple(kept))
     while (size := len(baseline.to_text())) > SIZE and len(kept) > len(sampling.COUNTS):
         # Every kind keeps its share.
@@ -169,7 +156,6 @@ class Baseline:
         poses: poses with every solution; () where no solver takes the arm.
         contacts: '' where contacts were checked, else why not.
         made_by: versions of the packages that computed it.
-        unlooked: what a time limit left out when it was made; '' where nothing was.
         origin: package, repository, commit and file of a robot that has a name; None for a file.
 
     Example:
@@ -187,14 +173,12 @@ class Baseline:
     poses: tuple[Pose, ...]
     contacts: str = ""
     made_by: tuple[tuple[str, str], ...] = ()
-    unlooked: str = ""
     origin: Origin | None = None
 
     def __repr__(self) -> str:
-        count = sum(len(pose.answers) for pose in self.poses)
-        facts = [f"{len(self.poses)} poses", f"{count} solutions"]
-        facts += [f"contacts {self.contacts}"] * bool(self.contacts) + [self.unlooked] * bool(self.unlooked)
-        return f"<Baseline of {self.arm.title}: {', '.join(facts)}>"
+        count = _count(self.poses)
+        contacts = f", contacts {self.contacts}" if self.contacts else ""
+        return f"<Baseline of {self.arm.title}: {len(self.poses)} poses, {count} solutions{contacts}>"
 
     def verify(
         self,
@@ -232,36 +216,38 @@ class Baseline:
         inputs.arm(arm)
         watch = Watch(time_limit, progress)
         tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
-        then, now = self.arm, described(arm)
+        then, now, notes = self.arm, described(arm), []
         differing = list(differences(then, now, tolerance))
-        notes = _notes(then, now) + self._moved(arm) + [f"making the lock was {self.unlooked}"] * bool(self.unlooked)
-        today: dict[int, Pose] = {}
+        for what, was, today in (("family", then.family, now.family), ("robot's name", then.robot, now.robot)):
+            if was != today:
+                notes.append(f"the {what} was {was or 'none'}, and is {today or 'none'}")
+        if self.origin is not None and self.origin.sha256 != arm.model.sha256:
+            source = origin_of(arm.model.path, arm.model.sha256) or arm.model.source
+            notes.append(f"the file was {self.origin}, and is {source}")
+        solved: dict[int, Pose] = {}
         if then.dof != now.dof or then.sliding != now.sliding:
             notes.append("forward kinematics and solutions were not compared: the joints are others")
         else:
             order = order_of(then, now)
             differing += _planted(self, arm.cell.reference, order, tolerance)
             try:
-                today = _answers_of_today(self, arm, order, "collisions" in skipped, notes, watch)
+                solved = _solved_today(self, arm, order, "collisions" in skipped, notes, watch)
             except UnsupportedArm as error:
                 if self.poses:
-                    words = f"the arm cannot be solved any more: {error}"
-                    differing.append(Difference("solutions", "", words))
-            differing += _solutions(self, today, arm, order, tolerance)
+                    differing.append(Difference("solutions", "", f"the arm cannot be solved any more: {error}"))
+            differing += _solutions(self, solved, arm, order, tolerance)
         unlooked = ""
-        if watch.is_over and len(today) < len(self.poses):
-            unlooked = watch.ended(f"with {len(today)} of {len(self.poses)} poses: the others were")
+        if watch.is_over and len(solved) < len(self.poses):
+            unlooked = watch.ended(f"with {len(solved)} of {len(self.poses)} poses: the others were")
+        before = [self.poses[index] for index in solved]
         return Verification(
             arm=now,
             frozen=then,
             differences=tuple(difference for difference in differing if difference.kind not in skipped),
             ignored=tuple(difference for difference in differing if difference.kind in skipped),
             notes=tuple(notes),
-            poses=len(today),
-            solutions=(
-                sum(len(self.poses[index].answers) for index in today),
-                sum(len(pose.answers) for pose in today.values()),
-            ),
+            poses=len(solved),
+            solutions=(_count(before), _count(solved.values())),
             unlooked=unlooked,
         )
 
@@ -272,9 +258,8 @@ class Baseline:
             pose["solutions"] = pose.pop("answers")
         content |= {"contacts": self.contacts or "checked", "made_by": dict(self.made_by)}
         content |= {"format": FORMAT, "version": VERSION}
-        for name in ("unlooked", "origin"):
-            if not content[name]:
-                del content[name]
+        if not self.origin:
+            del content["origin"]
         return _lines(content) + "\n"
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -322,7 +307,6 @@ class Baseline:
                 from_plain(tuple[Pose, ...], poses, "poses"),
                 str(contacts),
                 tuple(made_by),
-                str(data.get("unlooked", "")),
                 from_plain(Origin | None, data.get("origin"), "origin"),
             )
             baseline._require_complete()
@@ -330,12 +314,6 @@ class Baseline:
             reason = f"{type(error).__name__} {error}"
             raise ArgumentError(f"{name} is a damaged lock file: {reason}{hint} anew") from None
         return baseline
-
-    def _moved(self, arm: Arm) -> list[str]:
-        """Where the file came from, and where it comes from, if its content is another one."""
-        if self.origin is None or self.origin.sha256 == arm.model.sha256:
-            return []
-        return [f"the file was {self.origin}, and is {origin_of(arm.model.path, arm.model.sha256) or arm.model.source}"]
 
     def _require_complete(self) -> None:
         """Raise ValueError unless every row has its numbers and every pose its kind."""
@@ -407,24 +385,19 @@ class Verification(Report):
     def summary(self) -> str:
         """The number of differences, poses and solutions."""
         count, (then, now) = len(self.differences), self.solutions
-        words = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
+        words = counted(count, "difference") if count else "no difference"
         differing = any(difference.kind == "solutions" for difference in (*self.differences, *self.ignored))
         rest = " (those of one side only are within rounding of a singularity)" if then != now and not differing else ""
         return f"{words}; {self.poses} poses, {then} solutions then, {now} now{rest}"
 
 
+def _count(poses: Iterable[Pose]) -> int:
+    return sum(len(pose.answers) for pose in poses)
+
+
 def replays(differing: Iterable[Difference]) -> tuple[str, ...]:
     """Lines that say how to see the differences again."""
     return tuple(dict.fromkeys(f"replay: {difference.replay}" for difference in differing if difference.replay))
-
-
-def _notes(then: Description, now: Description) -> list[str]:
-    out = []
-    if then.family != now.family:
-        out.append(f"the family was {then.family or 'none'}, and is {now.family or 'none'}")
-    if then.robot != now.robot:
-        out.append(f"the robot's name was {then.robot!r}, and is {now.robot!r}")
-    return out
 
 
 def _planted(
@@ -448,7 +421,7 @@ def _planted(
     return [Difference("kinematics", name, f"{moved(distance, angle)} at most", distance, angle, replay)]
 
 
-def _answers_of_today(
+def _solved_today(
     baseline: Baseline, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], watch: Watch
 ) -> dict[int, Pose]:
     """Today's answers to the poses of the baseline by their numbers, joints in its order; as many as time allows."""
@@ -469,68 +442,55 @@ def _answers_of_today(
             # A pose that was not solved is as it was.
             out |= {index: baseline.poses[index] for index in indices}
             continue
-        for start in range(0, len(indices), AT_ONCE):
+        for start in range(0, 0 if watch.is_over else len(indices), AT_ONCE):
+            part = [baseline.poses[index] for index in indices[start : start + AT_ONCE]]
+            values = np.array([pose.redundancy for pose in part]) if with_values else None
+            values = values[:, 0] if values is not None and values.shape[1] == 1 else values
+            solved = sampling.answered(arm, "random", np.array([pose.matrix for pose in part]), values, shapes)
+            for index, then, now in zip(indices[start:], part, solved, strict=False):
+                answers = tuple(replace(each, q=tuple(each.q[k] for k in order)) for each in now.answers)
+                out[index] = replace(now, kind=then.kind, answers=answers)
+            watch.step(len(out), len(baseline.poses))
             if watch.is_over:
                 break
-            part = indices[start : start + AT_ONCE]
-            for index, pose in zip(part, _solved(baseline, arm, part, with_values, shapes), strict=True):
-                answers = tuple(replace(answer, q=tuple(answer.q[k] for k in order)) for answer in pose.answers)
-                out[index] = replace(pose, kind=baseline.poses[index].kind, answers=answers)
-            watch.step(len(out), len(baseline.poses))
     return dict(sorted(out.items()))
 
 
-def _solved(
-    baseline: Baseline, arm: Arm, part: list[int], with_values: bool, shapes: CollisionModel | None
-) -> list[Pose]:
-    """Today's answers to some poses of the baseline, at the values of redundancy parameters that it has."""
-    T, values = np.array([baseline.poses[index].matrix for index in part]), None
-    if with_values:
-        values = np.array([baseline.poses[index].redundancy for index in part])
-        values = values[:, 0] if values.shape[1] == 1 else values
-    return sampling.answered(arm, "random", T, values, shapes)
-
-
-@dataclass
-class _Changes:
-    """Differences of the solutions: the pose and the branch of each; of a moved one the pose, the joint and how far."""
-
-    lost: list[tuple[int, str]] = field(default_factory=list)
-    gained: list[tuple[int, str]] = field(default_factory=list)
-    moved: list[tuple[float, int, int]] = field(default_factory=list)
-    limits: list[tuple[int, str]] = field(default_factory=list)
-    contacts: list[tuple[int, str]] = field(default_factory=list)
+_WORDS = {
+    "lost": ("solutions", "lost"),
+    "gained": ("solutions", "gained"),
+    "limits": ("limits", "in limits or not has changed"),
+    "contacts": ("collisions", "contacts have changed"),
+}
+"""Kind and words of what is different at a pose."""
 
 
 def _solutions(
     baseline: Baseline, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance
 ) -> list[Difference]:
     """Differences of the solutions at the poses that were solved today."""
-    changes = _Changes()
+    changes: dict[str, list[tuple[int, str]]] = {what: [] for what in _WORDS}
+    moves: list[tuple[float, int, int]] = []
     distance, angle = greatest_change(baseline.arm, described(arm, shapes=False))
     size = max(arm.cell.reference.size, 1e-300)
     change = min(distance, tolerance.distance) / size + min(angle, tolerance.angle)
     for index, now in today.items():
         then = baseline.poses[index]
-        _compare(changes, index, then, now, _Same(arm, order, then.matrix, change), baseline.arm)
+        same = _Same(arm, order, then.matrix, change, np.array(baseline.arm.limits))
+        for what, branch in same.changes(then, now, index, moves):
+            changes[what].append((index, branch))
     out = []
-    for what, places in (("lost", changes.lost), ("gained", changes.gained)):
+    for what, places in changes.items():
+        if what == "limits" and moves:
+            gap, index, joint = max(moves)
+            name, slides = baseline.arm.joint_names[joint], baseline.arm.joint_types[joint] == "prismatic"
+            far = f"{gap * 1e3:.4g} mm" if slides else f"{math.degrees(gap):.4g} deg"
+            words = f"{len(moves)} solutions have other joint values, {name} by up to {far} at pose {index}"
+            sizes = (gap, 0.0) if slides else (0.0, gap)
+            out.append(Difference("solutions", "", words, *sizes, replay=_replay(index)))
         if places:
-            out.append(Difference("solutions", "", f"{what}: {_places(places)}", replay=_replay(places[0][0])))
-    if changes.moved:
-        gap, index, joint = max(changes.moved)
-        name = baseline.arm.joint_names[joint]
-        slides = baseline.arm.joint_types[joint] == "prismatic"
-        far = f"{gap * 1e3:.4g} mm" if slides else f"{math.degrees(gap):.4g} deg"
-        words = f"{len(changes.moved)} solutions have other joint values, {name} by up to {far} at pose {index}"
-        sizes = (gap, 0.0) if slides else (0.0, gap)
-        out.append(Difference("solutions", "", words, *sizes, replay=_replay(index)))
-    if changes.limits:
-        words = f"in limits or not has changed: {_places(changes.limits)}"
-        out.append(Difference("limits", "", words, replay=_replay(changes.limits[0][0])))
-    if changes.contacts:
-        words = f"contacts have changed: {_places(changes.contacts)}"
-        out.append(Difference("collisions", "", words, replay=_replay(changes.contacts[0][0])))
+            kind, words = _WORDS[what]
+            out.append(Difference(kind, "", f"{words}: {_places(places)}", replay=_replay(places[0][0])))
     return out
 
 
@@ -545,12 +505,10 @@ def _places(places: list[tuple[int, str]]) -> str:
         branches.setdefault(branch, []).append(index)
     parts = []
     for branch, indices in list(branches.items())[:_MOST_SHOWN]:
-        shown = ", ".join(map(str, sorted(set(indices))[:_MOST_SHOWN])) + (
-            ", ..." if len(indices) > _MOST_SHOWN else ""
-        )
-        parts.append(f"{branch!r} at pose {shown}")
+        shown = ", ".join(map(str, sorted(set(indices))[:_MOST_SHOWN]))
+        parts.append(f"{branch!r} at pose {shown}{', ...' if len(indices) > _MOST_SHOWN else ''}")
     parts += [f"and {len(branches) - _MOST_SHOWN} branches more"] if len(branches) > _MOST_SHOWN else []
-    return f"{len(places)} solution{'' if len(places) == 1 else 's'}, {'; '.join(parts)}"
+    return f"{counted(len(places), 'solution')}, {'; '.join(parts)}"
 
 
 @dataclass
@@ -562,100 +520,90 @@ class _Same:
         order: its joints in the order of the baseline's.
         T: (4, 4) m, the pose.
         change: tolerated change of the arm [rad, share of its size].
+        limits: (n, 2) rad or m, of the baseline's arm.
     """
 
     arm: Arm
     order: tuple[int, ...]
     T: Array
     change: float
+    limits: Array
 
-    def step(self, q: Array, other: Array) -> Array:
+    def changes(
+        self, then: Pose, now: Pose, index: int, moves: list[tuple[float, int, int]]
+    ) -> Iterator[tuple[str, str]]:
+        """Pair the solutions of a pose, and tell what is different, and in which branch.
+
+        ``moves`` gets how far [rad or m] a solution moved, the pose's number and the joint.
+        """
+        before, after, paired = list(then.answers), list(now.answers), dict[int, int]()
+        if before and after:
+            gaps = np.abs(self._step(then.q[:, None], now.q[None]))
+            far, room = gaps.max(axis=-1), self._room(then.q)
+            for i, k in zip(*(each.tolist() for each in linear_sum_assignment(np.minimum(far, 1e6))), strict=True):
+                free = before[i].singular and after[k].singular
+                if far[i, k] > ONE_BRANCH and not free:
+                    continue
+                paired[i] = k
+                near = far[i, k] <= room[i] or free or self._is_fragile(then.q[i])
+                if not near and not self._one_root(then.q[i], now.q[k]):
+                    moves.append((float(far[i, k]), index, int(np.argmax(gaps[i, k]))))
+        yield from (("lost", a.branch) for i, a in enumerate(before) if i not in paired and self._is_missed(a, now))
+        mine = set(paired.values())
+        yield from (("gained", a.branch) for k, a in enumerate(after) if k not in mine and self._is_missed(a, then))
+        for i, k in paired.items():
+            old, new, gap = before[i], after[k], np.array(before[i].q)[:, None] - self.limits
+            # Beside a limit, modulo full turns, rounding decides.
+            turned = np.abs(shortest(np.where(np.isfinite(gap), gap, np.pi)))
+            beside = np.minimum(np.abs(gap), turned).min(initial=np.inf) <= max(room[i], LIMIT_MARGIN)
+            if old.within_limits != new.within_limits and not beside:
+                yield "limits", old.branch
+            if None not in (old.contact, new.contact) and old.contact != new.contact:
+                yield "contacts", old.branch
+
+    def _is_missed(self, answer: Answer, others: Pose) -> bool:
+        """Whether a solution without an equal among the others is a difference.
+
+        It may vanish by rounding, form a double root with one of them, or represent the same continuum as one of them.
+        """
+        q = np.array(answer.q)
+        if self._is_fragile(q):
+            return False
+        if not others.answers:
+            return True
+        near = np.abs(self._step(q[None], others.q)).max(axis=-1)
+        if any(self._one_root(q, others.q[k]) for k in np.flatnonzero(near < LOOSEST)):
+            return False
+        return not (answer.singular and any(other.singular for other in others.answers))
+
+    def _step(self, q: Array, other: Array) -> Array:
         """Q less other (..., n), angles on the circle."""
-        slides = self.arm.cell.reference.prismatic[list(self.order)]
-        return np.where(slides, q - other, shortest(q - other))
+        return difference(q, other, self.arm.cell.reference.prismatic[list(self.order)])
 
-    def room(self, q: Array) -> Array:
+    def _room(self, q: Array) -> Array:
         """How far apart (k,) [rad or m] two answers near q (k, n) may be, and still be one."""
-        sigma = self.sigma_min(q)
+        sigma = self._sigma_min(q)
         out: Array = np.minimum(CONDITIONING / sigma, LOOSEST) + np.minimum(10.0 * self.change / sigma, ONE_BRANCH)
         return out + PLANTED
 
-    def is_fragile(self, q: Array) -> bool:
+    def _is_fragile(self, q: Array) -> bool:
         """Whether the change, or rounding, may join a solution (n,) with another one, so that both are gone.
 
         Near a fold the smallest singular value falls with the root of the distance to it.
         """
-        return bool(self.sigma_min(q[None])[0] ** 2 <= 10.0 * self.change + FOLD)
+        return bool(self._sigma_min(q[None])[0] ** 2 <= 10.0 * self.change + FOLD)
 
-    def sigma_min(self, q: Array) -> Array:
+    def _sigma_min(self, q: Array) -> Array:
         """Smallest singular value (k,) of the Jacobian at q (k, n), lengths as shares of the arm's size."""
         return np.maximum(least_singular_value(self.arm, self._in_arm_order(q)), 1e-300)
 
-    def one_root(self, q: Array, other: Array) -> bool:
+    def _one_root(self, q: Array, other: Array) -> bool:
         """Whether the arm is in the pose half way between two joint vectors (n,): one double root."""
         reference = self.arm.cell.reference
-        half = other + 0.5 * self.step(q, other)
-        position, rotation = reference.error(self._in_arm_order(half), self.T)
+        position, rotation = reference.error(self._in_arm_order(other + 0.5 * self._step(q, other)), self.T)
         return max(position / max(reference.size, 1e-300), rotation) <= 1e2 * SOLVERS.fold
 
     def _in_arm_order(self, q: Array) -> Array:
         out = np.empty_like(q)
         out[..., list(self.order)] = q
         return out
-
-
-def _compare(changes: _Changes, index: int, then: Pose, now: Pose, same: _Same, arm: Description) -> None:
-    """Pair the solutions of a pose, and note what is different."""
-    before, after = list(then.answers), list(now.answers)
-    if not before or not after:
-        changes.lost += [(index, answer.branch) for answer in before if not same.is_fragile(np.array(answer.q))]
-        changes.gained += [(index, answer.branch) for answer in after if not same.is_fragile(np.array(answer.q))]
-        return
-    gaps = np.abs(same.step(then.q[:, None], now.q[None]))
-    far = gaps.max(axis=-1)
-    rows, columns = linear_sum_assignment(np.minimum(far, 1e6))
-    room = same.room(then.q)
-    paired: dict[int, int] = {}
-    for i, k in zip(rows.tolist(), columns.tolist(), strict=True):
-        free = before[i].singular and after[k].singular
-        if far[i, k] > ONE_BRANCH and not free:
-            continue
-        paired[i] = k
-        if far[i, k] <= room[i] or free or same.is_fragile(then.q[i]) or same.one_root(then.q[i], now.q[k]):
-            continue
-        changes.moved.append((float(far[i, k]), index, int(np.argmax(gaps[i, k]))))
-    for i, answer in enumerate(before):
-        if i not in paired and not _no_difference(same, answer, now):
-            changes.lost.append((index, answer.branch))
-    for k, answer in enumerate(after):
-        if k not in paired.values() and not _no_difference(same, answer, then):
-            changes.gained.append((index, answer.branch))
-    limits = np.array(arm.limits)
-    for i, k in paired.items():
-        old, new = before[i], after[k]
-        if old.within_limits != new.within_limits and not _at_limit(old, limits, max(room[i], LIMIT_MARGIN)):
-            changes.limits.append((index, old.branch))
-        if None not in (old.contact, new.contact) and old.contact != new.contact:
-            changes.contacts.append((index, old.branch))
-
-
-def _no_difference(same: _Same, answer: Answer, others: Pose) -> bool:
-    """Whether a solution without an equal among the others is not a difference.
-
-    It may vanish by rounding, form a double root with one of them, or represent the same continuum as one of them.
-    """
-    q = np.array(answer.q)
-    if same.is_fragile(q):
-        return True
-    near = np.abs(same.step(q[None], others.q)).max(axis=-1)
-    if any(same.one_root(q, others.q[k]) for k in np.flatnonzero(near < LOOSEST)):
-        return True
-    return answer.singular and any(other.singular for other in others.answers)
-
-
-def _at_limit(answer: Answer, limits: Array, margin: float) -> bool:
-    """Whether a joint is within ``margin`` of a limit, modulo full turns, so that rounding decides."""
-    q = np.array(answer.q)[:, None]
-    gap = np.abs(q - limits)
-    turned = np.abs(shortest(np.where(np.isfinite(limits), q - limits, np.pi)))
-    return bool(np.minimum(gap, turned).min(initial=np.inf) <= margin)

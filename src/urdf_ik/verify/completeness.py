@@ -72,17 +72,13 @@ def compare(
     """
     inputs.arm(arm)
     n = inputs.poses(n)
-    watch, unlooked = Watch(time_limit, progress), ""
+    watch = Watch(time_limit, progress)
     vectors = planted(arm, n, seed)
     sameness = Sameness(arm.chain, arm.cell.reference)
     groups: dict[float | None, Group] = {}
     differences: list[Difference] = []
-    for start in range(0, 3 * n, _CHUNK):
-        if watch.is_over:
-            unlooked = watch.ended(f"with {start} of {3 * n} poses: the others were")
-            break
-        indices = range(start, min(start + _CHUNK, 3 * n))
-        T = sameness.reference.pose(vectors[start : indices.stop])
+    for indices in watch.parts(3 * n, _CHUNK):
+        T = sameness.reference.pose(vectors[indices.start : indices.stop])
         mine = arm.ik(T)
         q, valid = np.asarray(mine.q), np.asarray(mine.valid)
         for i, index in enumerate(indices):
@@ -91,9 +87,14 @@ def compare(
             theirs = second_method.solutions(arm.chain, T[i], np.random.default_rng([seed, index, 1]))
             answer = sameness.unmatched(T[i], vectors[index], q[i, valid[i]], theirs)
             names = np.asarray(mine.branches, dtype=object)[valid[i]]
-            group.add(int(valid[i].sum()), len(theirs), answer)
-            differences += _records(sameness, answer, T[i], vectors[index], index, near, list(names))
-        watch.step(indices.stop, 3 * n)
+            found = list(_records(sameness, answer, T[i], vectors[index], index, near, list(names)))
+            group.poses += 1
+            group.solver += int(valid[i].sum())
+            group.second += len(theirs)
+            group.double_roots += answer.double_roots
+            group.continua += answer.continua
+            group.differences += len(found)
+            differences += found
     import pinocchio as pin
 
     return Completeness(
@@ -108,7 +109,7 @@ def compare(
         second=second_method.NAME,
         groups=tuple(groups[key] for key in sorted(groups, key=lambda near: -np.inf if near is None else -near)),
         differences=tuple(differences),
-        unlooked=unlooked,
+        unlooked=watch.unlooked,
     )
 
 
@@ -150,18 +151,9 @@ def _records(
     found += [("planted", BOTH, planted)] * answer.planted_lost
     for branch, missed_by, q in found:
         position, rotation = sameness.reference.error(q, T)
-        yield Difference(
-            index=index,
-            near=near,
-            planted=tuple(map(float, planted)),
-            q=tuple(map(float, q)),
-            missed_by=missed_by,
-            branch=branch,
-            nearest=sameness.to_nearest(q, answer.everything),
-            sigma_min=sameness.sigma_min(q),
-            position_error=position,
-            rotation_error=rotation,
-        )
+        vectors = tuple(map(float, planted)), tuple(map(float, q))
+        apart, sigma = sameness.to_nearest(q, answer.everything), sameness.sigma_min(q)
+        yield Difference(index, near, *vectors, missed_by, branch, apart, sigma, position, rotation)
 
 
 def _distance_to_singularity(n: int, index: int) -> float | None:
@@ -252,15 +244,6 @@ class Group:
     double_roots: int = 0
     continua: int = 0
     differences: int = 0
-
-    def add(self, solver: int, second: int, answer: Unmatched) -> None:
-        """Count one pose."""
-        self.poses += 1
-        self.solver += solver
-        self.second += second
-        self.double_roots += answer.double_roots
-        self.continua += answer.continua
-        self.differences += len(answer.only_first) + len(answer.only_second) + answer.planted_lost
 
 
 @dataclass(frozen=True)

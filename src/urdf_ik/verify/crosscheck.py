@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.cell.pinocchio_reference import Reference, finite, pose_errors
+from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm, UrdfError
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import shortest
+from urdf_ik.support.angles import difference, shortest
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
@@ -23,26 +22,52 @@ from urdf_ik.typing import Array
 if TYPE_CHECKING:
     from urdf_ik.cell import CollisionModel
 
-PROPERTIES = (
-    "joints and limits",
-    "forward kinematics, position",
-    "forward kinematics, rotation",
-    "Jacobian",
-    "links, position",
-    "links, rotation",
-    "batch = single, kinematics",
-    "solutions, position",
-    "solutions, rotation",
-    "planted joint vector",
-    "batch = single, solutions",
-    "duplicates",
-    "collision, verdict",
-    "collision, distance",
-)
-"""The rows of a report, in order; it omits a row that cannot be checked, and ``Report.skipped`` gives the reason."""
-
 COLLISION_POSES = 2000
 """Joint vectors whose collision is compared: a distance between meshes takes a millisecond."""
+
+ROUNDING = 1e-12
+"""Kinematics: two programs that evaluate the same formula in a different order [m per m of the arm; rad]."""
+
+EXACT = 1e-9
+"""Solutions: the contract of ``ik`` [m; rad]."""
+
+PLANTED = 1e-6
+"""How near a solution must be to the planted joint vector [rad or m] where the Jacobian is well conditioned."""
+
+SAME = 1e-9
+"""The most that a solution may differ between batch and single [rad or m] where the Jacobian is well conditioned."""
+
+CONDITIONING = 1e-11
+"""Pose error, relative to the arm's size, that nobody can rely on getting below. A pose error e moves the joints by
+up to e / sigma_min, sigma_min being the Jacobian's smallest singular value with its linear rows over the arm's size:
+two correct answers to one pose differ by this much, and near a singularity that is more than any fixed tolerance."""
+
+DUPLICATE = 1e-8
+"""Two solutions of a pose closer than this in every joint [rad or m] are one."""
+
+CONTACT = 2e-6
+"""Distances [m]: twice the tolerance at which coal's iteration (GJK) stops, 1e-6."""
+
+_SCALED, _COUNTED = "of the arm's size, if above 1 m", "cases"
+_PROPERTIES: dict[str, tuple[str, float, str]] = {
+    "joints and limits": ("rad, m", 0.0, ""),
+    "forward kinematics, position": ("m", ROUNDING, _SCALED),
+    "forward kinematics, rotation": ("rad", ROUNDING, ""),
+    "Jacobian": ("m, 1", ROUNDING, _SCALED),
+    "links, position": ("m", ROUNDING, _SCALED),
+    "links, rotation": ("rad", ROUNDING, ""),
+    "batch = single, kinematics": ("m, 1", ROUNDING, _SCALED),
+    "solutions, position": ("m", EXACT, ""),
+    "solutions, rotation": ("rad", EXACT, ""),
+    "planted joint vector": ("rad, m", PLANTED, ""),
+    "batch = single, solutions": ("rad, m", SAME, ""),
+    "duplicates": ("pairs", 0.0, _COUNTED),
+    "collision, verdict": ("cases", 0.0, _COUNTED),
+    "collision, distance": ("m", CONTACT, ""),
+}
+PROPERTIES = tuple(_PROPERTIES)
+"""The rows of a report, in order; it omits those that cannot be checked, and ``CrossCheck.skipped`` says why."""
+_INVERSE, _COLLISION = PROPERTIES[7:12], PROPERTIES[12:]
 
 _CHUNK = 256  # poses at a time: the link poses and solutions of all need not be in memory together
 
@@ -88,28 +113,17 @@ def check(
     inputs.arm(arm)
     n = inputs.poses(n)
     watch = Watch(time_limit, progress)
-    reference = arm.cell.reference
-    tallies, skipped, unlooked = [_limits(arm, reference)], [], ""
-    if tuple(arm.joint_names) != reference.joint_names:
-        skipped.append(("all else", "the arm's joints are not Pinocchio's"))
-    else:
-        kinematics, inverse = _Kinematics(arm, reference), _Inverse(arm, reference)
-        touching, reason = _collision(arm, collision, collision_poses)
-        for start in range(0, n, _CHUNK):
-            if watch.is_over:
-                unlooked = watch.ended(f"with {start} of {n} poses: the others were")
-                break
-            indices = range(start, min(start + _CHUNK, n))
-            Q = np.array([_draw(reference, seed, index) for index in indices])
+    reference, tallies = arm.cell.reference, _Tallies(arm)
+    if tallies.joints():
+        shapes = tallies.shapes(collision)
+        left = np.inf if collision_poses is None else collision_poses
+        for part in watch.parts(n, _CHUNK):
+            Q = np.array([_draw(reference, seed, index) for index in part])
             T = reference.pose(Q)
-            kinematics.take(indices, Q, T)
-            solutions = inverse.take(indices, Q, T)
-            if touching is not None:
-                touching.take(indices, Q, solutions)
-            watch.step(indices.stop, n)
-        tallies += kinematics.tallies + inverse.tallies
-        tallies += [] if touching is None else touching.tallies
-        skipped += inverse.skipped + ([("collision", reason)] if reason else [])
+            tallies.kinematics(part, Q, T)
+            solutions = tallies.inverse(part, Q, T)
+            if shapes is not None:
+                left -= tallies.collisions(part, Q, solutions, shapes, left)
     import pinocchio as pin
 
     return CrossCheck(
@@ -121,9 +135,9 @@ def check(
         seed=seed,
         reference=f"Pinocchio {pin.__version__}",
         # What time left nothing to compare of is no failure.
-        rows=tuple(tally.row() for tally in tallies if tally.checked or not unlooked),
-        skipped=tuple(skipped),
-        unlooked=unlooked,
+        rows=tuple(tally.row() for tally in tallies.of.values() if tally.checked or not watch.unlooked),
+        skipped=tuple(tallies.skipped),
+        unlooked=watch.unlooked,
     )
 
 
@@ -147,22 +161,6 @@ def _draw(reference: Reference, seed: int, index: int) -> Array:
     lower, upper = reference.ranges.T
     q: Array = np.random.default_rng([seed, index]).uniform(lower, upper)
     return q
-
-
-def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[_Collision | None, str]:
-    """The comparison of collisions, or None and the reason why it is skipped."""
-    if wanted is False:
-        return None, "not asked for"
-    from urdf_ik.cell import CollisionModel
-
-    shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
-    if not shapes.has_geometry:
-        if wanted:
-            raise UrdfError(shapes.missing, source=arm.model.source)
-        return None, shapes.missing
-    if not shapes.checked_pairs:
-        return None, "no pair of links is left that must not touch"
-    return _Collision(arm, shapes, most), ""
 
 
 @dataclass(frozen=True)
@@ -281,30 +279,6 @@ class CrossCheck(Report):
         return f"{sum(row.passed for row in self.rows)} of {len(self.rows)} properties hold"
 
 
-ROUNDING = 1e-12
-"""Kinematics: two programs that evaluate the same formula in a different order [m per m of the arm; rad]."""
-
-EXACT = 1e-9
-"""Solutions: the contract of ``ik`` [m; rad]."""
-
-PLANTED = 1e-6
-"""How near a solution must be to the planted joint vector [rad or m] where the Jacobian is well conditioned."""
-
-SAME = 1e-9
-"""The most that a solution may differ between batch and single [rad or m] where the Jacobian is well conditioned."""
-
-CONDITIONING = 1e-11
-"""Pose error, relative to the arm's size, that nobody can rely on getting below. A pose error e moves the joints by
-up to e / sigma_min, sigma_min being the Jacobian's smallest singular value with its linear rows over the arm's size:
-two correct answers to one pose differ by this much, and near a singularity that is more than any fixed tolerance."""
-
-DUPLICATE = 1e-8
-"""Two solutions of a pose closer than this in every joint [rad or m] are one."""
-
-CONTACT = 2e-6
-"""Distances [m]: twice the tolerance at which coal's iteration (GJK) stops, 1e-6."""
-
-
 @dataclass
 class _Tally:
     """The worst value of one property so far.
@@ -342,162 +316,167 @@ class _Tally:
         rank = value if limit == self.tolerance or np.isinf(value) else value / limit * self.tolerance
         if rank > self.rank and (value > 0.0 or not self.counted):
             self.rank, self.at_worst, self.index, self.detail = rank, limit, index, detail
-            self.q = None if q is None else tuple(float(each) for each in q)
+            self.q = None if q is None else tuple(map(float, q))
             self.worst = self.worst if self.counted else value
-
-    def add_each(self, values: Array, indices: Sequence[int], Q: Array, detail: str = "") -> None:
-        """Take one value (m,) a pose."""
-        for value, index, q in zip(values, indices, Q, strict=True):
-            self.add(float(value), index, q, detail)
 
     def row(self) -> Row:
         """The report's row. Nothing compared is no pass."""
-        return Row(
-            name=self.name,
-            unit=self.unit,
-            worst=self.worst if self.checked else np.inf,
-            tolerance=self.tolerance if self.at_worst is None else self.at_worst,
-            passed=self.passed and self.checked > 0,
-            checked=self.checked,
-            index=self.index,
-            q=self.q,
-            detail=self.detail if self.checked else "nothing to compare",
-        )
+        worst = self.worst if self.checked else np.inf
+        tolerance = self.tolerance if self.at_worst is None else self.at_worst
+        detail = self.detail if self.checked else "nothing to compare"
+        passed = self.passed and self.checked > 0
+        return Row(self.name, self.unit, worst, tolerance, passed, self.checked, self.index, self.q, detail)
 
 
-def _limits(arm: Arm, reference: Reference) -> _Tally:
-    """Joint names in order, and limits."""
-    tally = _Tally("joints and limits", "rad, m", 0.0)
-    if tuple(arm.joint_names) != reference.joint_names:
-        tally.add(np.inf, None, None, f"joints {', '.join(arm.joint_names)}, not {', '.join(reference.joint_names)}")
-        return tally
-    for name, ours, theirs in zip(reference.joint_names, np.asarray(arm.limits), reference.limits, strict=True):
-        same = ours == theirs  # inf - inf would be no number
-        tally.add(float(np.abs(np.where(same, 0.0, ours) - np.where(same, 0.0, theirs)).max()), None, None, name)
-    if not reference.joint_names:  # both say that nothing moves
-        tally.add(0.0, None, None)
-    return tally
-
-
-class _Kinematics:
-    """Forward kinematics, Jacobian, the pose of every link; batch against single."""
-
-    def __init__(self, arm: Arm, reference: Reference) -> None:
-        self._arm, self._reference = arm, reference
-        length = ROUNDING * max(1.0, reference.size)
-        self._fk = (
-            _Tally("forward kinematics, position", "m", length),
-            _Tally("forward kinematics, rotation", "rad", ROUNDING),
-        )
-        self._jacobian = _Tally("Jacobian", "m, 1", length)
-        self._links = _Tally("links, position", "m", length), _Tally("links, rotation", "rad", ROUNDING)
-        self._single = _Tally("batch = single, kinematics", "m, 1", length)
-        self.tallies = [*self._fk, self._jacobian, *self._links, self._single]
-
-    def take(self, indices: Sequence[int], Q: Array, T: Array) -> None:
-        """Compare at joint vectors Q (m, n), whose poses are T (m, 4, 4) to Pinocchio."""
-        arm = self._arm
-        F, J = np.asarray(arm.fk(Q)), np.asarray(arm.jacobian(Q))
-        for tally, values in zip(self._fk, _difference(F, T), strict=True):
-            tally.add_each(values, indices, Q)
-        self._jacobian.add_each(np.abs(J - self._reference.jacobian(Q)).max(axis=(-2, -1), initial=0.0), indices, Q)
-        ours, theirs = arm.link_poses(Q), self._reference.link_poses(Q)
-        for link in sorted(set(ours) ^ set(theirs)):
-            for tally in self._links:
-                tally.add(np.inf, indices[0], Q[0], f"link {link!r} {'too many' if link in ours else 'is missing'}")
-        for link in sorted(set(ours) & set(theirs)):
-            for tally, values in zip(self._links, _difference(np.asarray(ours[link]), theirs[link]), strict=True):
-                worst = int(np.argmax(np.nan_to_num(values, nan=np.inf)))
-                tally.checked += len(values) - 1
-                tally.add(float(values[worst]), indices[worst], Q[worst], f"link {link!r}")
-        for i, index in enumerate(indices):
-            apart = max(np.abs(arm.fk(Q[i]) - F[i]).max(), np.abs(arm.jacobian(Q[i]) - J[i]).max(initial=0.0))
-            self._single.add(float(apart), index, Q[i])
-
-
-class _Inverse:
-    """Every solution's error, the planted joint vector, duplicates; batch against single.
+class _Tallies:
+    """The properties of an arm, held against Pinocchio's model.
 
     Attributes:
+        of: the tally of each property that is checked.
         skipped: (property, reason) of what cannot be checked.
     """
 
-    def __init__(self, arm: Arm, reference: Reference) -> None:
-        self._arm, self._reference = arm, reference
-        self._error = _Tally("solutions, position", "m", EXACT), _Tally("solutions, rotation", "rad", EXACT)
-        self._planted = _Tally("planted joint vector", "rad, m", PLANTED)
-        self._single = _Tally("batch = single, solutions", "rad, m", SAME)
-        self._duplicates = _Tally("duplicates", "pairs", 0.0, counted=True)
-        self.tallies = [*self._error, self._planted, self._single, self._duplicates]
+    def __init__(self, arm: Arm) -> None:
+        self._arm, self._reference = arm, arm.cell.reference
+        size = max(1.0, self._reference.size)
+        self.of = {
+            name: _Tally(name, unit, tolerance * (size if kind == _SCALED else 1.0), kind == _COUNTED)
+            for name, (unit, tolerance, kind) in _PROPERTIES.items()
+        }
         self.skipped: list[tuple[str, str]] = []
-        # An arm with a redundancy parameter is asked for the planted vector's own value of it.
-        if reference.dof > 6 and arm.redundancy is None:
-            self.tallies.remove(self._planted)
-            reason = f"with {reference.dof} joints a pose has infinitely many solutions"
-            self.skipped.append((self._planted.name, reason))
 
-    def take(self, indices: Sequence[int], Q: Array, T: Array) -> list[Array]:
+    def _skip(self, names: Sequence[str], what: str, reason: str) -> None:
+        self.of = {name: tally for name, tally in self.of.items() if name not in names}
+        self.skipped.append((what, reason))
+
+    def joints(self) -> bool:
+        """Compare joint names and limits; whether the joints are the same."""
+        tally, ours, theirs = self.of["joints and limits"], tuple(self._arm.joint_names), self._reference.joint_names
+        if ours != theirs:
+            tally.add(np.inf, None, None, f"joints {', '.join(ours)}, not {', '.join(theirs)}")
+            self._skip(PROPERTIES[1:], "all else", "the arm's joints are not Pinocchio's")
+            return False
+        for name, mine, other in zip(theirs, np.asarray(self._arm.limits), self._reference.limits, strict=True):
+            same = mine == other  # inf - inf would be no number
+            tally.add(float(np.abs(np.where(same, 0.0, mine) - np.where(same, 0.0, other)).max()), None, None, name)
+        if not theirs:  # both say that nothing moves
+            tally.add(0.0, None, None)
+        # An arm with a redundancy parameter is asked for the planted vector's own value of it.
+        if self._reference.dof > 6 and self._arm.redundancy is None:
+            name, reason = "planted joint vector", f"with {len(theirs)} joints a pose has infinitely many solutions"
+            self._skip([name], name, reason)
+        return True
+
+    def shapes(self, wanted: bool | None) -> CollisionModel | None:
+        """The shapes whose collision is compared; None where it is skipped."""
+        from urdf_ik.cell import CollisionModel
+
+        arm, reason = self._arm, "not asked for"
+        if wanted is not False:
+            shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
+            if shapes.has_geometry and shapes.checked_pairs:
+                return shapes
+            if wanted and not shapes.has_geometry:
+                raise UrdfError(shapes.missing, source=arm.model.source)
+            reason = "no pair of links is left that must not touch" if shapes.has_geometry else shapes.missing
+        self._skip(_COLLISION, "collision", reason)
+        return None
+
+    def kinematics(self, indices: Sequence[int], Q: Array, T: Array) -> None:
+        """Forward kinematics, Jacobian and links at joint vectors Q (m, n), whose poses are T to Pinocchio."""
+        arm, of = self._arm, self.of
+        F, J = np.asarray(arm.fk(Q)), np.asarray(arm.jacobian(Q))
+        off = np.abs(J - self._reference.jacobian(Q)).max(axis=(-2, -1), initial=0.0)
+        for name, values in (*_pose_errors("forward kinematics", F, T), ("Jacobian", off)):
+            for value, index, q in zip(values, indices, Q, strict=True):
+                of[name].add(float(value), index, q)
+        ours, theirs = arm.link_poses(Q), self._reference.link_poses(Q)
+        for link in sorted(set(ours) | set(theirs)):
+            if link not in ours or link not in theirs:
+                for name in ("links, position", "links, rotation"):
+                    what = "too many" if link in ours else "is missing"
+                    of[name].add(np.inf, indices[0], Q[0], f"link {link!r} {what}")
+                continue
+            for name, values in _pose_errors("links", np.asarray(ours[link]), theirs[link]):
+                worst = int(np.argmax(np.nan_to_num(values, nan=np.inf)))
+                of[name].checked += len(values) - 1
+                of[name].add(float(values[worst]), indices[worst], Q[worst], f"link {link!r}")
+        for i, index in enumerate(indices):
+            apart = max(np.abs(arm.fk(Q[i]) - F[i]).max(), np.abs(arm.jacobian(Q[i]) - J[i]).max(initial=0.0))
+            of["batch = single, kinematics"].add(float(apart), index, Q[i])
+
+    def inverse(self, indices: Sequence[int], Q: Array, T: Array) -> list[Array]:
         """Solve T (m, 4, 4), made of joint vectors Q (m, n); the solutions (k, n) of each pose."""
-        nothing = [Q[:0] for _ in indices]
-        if not self.tallies:
-            return nothing
+        if "duplicates" not in self.of:
+            return [Q[:0] for _ in indices]
         try:
             own = None if self._arm.redundancy is None else self._arm.redundancy_of(Q)
             solutions = self._solve(T, own)
         except UnsupportedArm as error:
-            self.skipped = [("inverse kinematics", str(error))]
-            self.tallies = []
-            return nothing
-        found, valid, names = np.asarray(solutions.q), np.asarray(solutions.valid), solutions.branches
-        errors = self._reference.errors(found, T[:, None])
-        sigma = self._sigma_min(np.where(valid[..., None], found, np.nan))
-        planted = CONDITIONING / np.maximum(self._sigma_min(Q), 1e-300)
+            self.skipped = [each for each in self.skipped if each[0] not in _INVERSE]
+            self._skip(_INVERSE, "inverse kinematics", str(error))
+            return [Q[:0] for _ in indices]
+        q, valid, names, of = np.asarray(solutions.q), np.asarray(solutions.valid), solutions.branches, self.of
+        errors = self._reference.errors(q, T[:, None])
+        sigma = self._sigma_min(np.where(valid[..., None], q, np.nan))
+        room = CONDITIONING / np.maximum(self._sigma_min(Q), 1e-300)
         for i, index in enumerate(indices):
-            columns = np.flatnonzero(valid[i])
-            for b in map(int, columns):
-                number = np.isfinite(found[i, b]).all()
-                detail = f"branch {names[b]!r}" + ("" if number else ", marked valid, is not finite")
-                for tally, values in zip(self._error, errors, strict=True):
-                    tally.add(float(values[i, b]), index, found[i, b] if number else Q[i], detail)
-            mine = found[i, columns]
-            far = self._apart(mine, Q[i]).min(initial=np.inf)
-            self._planted.add(float(far), index, Q[i], f"{len(mine)} solutions", PLANTED + float(planted[i]))
-            at = None if own is None else own[i]
-            self._compare_single(index, Q[i], T[i], at, found[i], valid[i], sigma[i], names)
+            for b in np.flatnonzero(valid[i]).tolist():
+                known = np.isfinite(q[i, b]).all()
+                detail = f"branch {names[b]!r}" + ("" if known else ", marked valid, is not finite")
+                for name, values in zip(_INVERSE[:2], errors, strict=True):
+                    of[name].add(float(values[i, b]), index, q[i, b] if known else Q[i], detail)
+            mine = q[i, valid[i]]
+            if "planted joint vector" in of:
+                far = float(self._apart(mine, Q[i]).min(initial=np.inf))
+                detail = f"{len(mine)} solutions"
+                of["planted joint vector"].add(far, index, Q[i], detail, PLANTED + float(room[i]))
+            alone = self._solve(T[i], None if own is None else own[i])
+            single, has = np.asarray(alone.q), np.asarray(alone.valid)
+            for b in np.flatnonzero(valid[i] | has).tolist():
+                both = valid[i, b] and has[b]
+                where = "" if both else f" only in the {'batch' if valid[i, b] else 'single answer'}"
+                apart = float(self._apart(single[b], q[i, b])) if both else np.inf
+                tolerance = SAME + CONDITIONING / max(float(np.nan_to_num(sigma[i, b])), 1e-300)
+                of["batch = single, solutions"].add(apart, index, Q[i], f"branch {names[b]!r}{where}", tolerance)
             gaps = self._apart(mine[:, None], mine[None])
             doubled = int(np.count_nonzero(np.triu(gaps < DUPLICATE, k=1)))
-            self._duplicates.add(doubled, index, Q[i], f"{doubled} of its pairs" if doubled else "")
-        return [found[i, valid[i]] for i in range(len(indices))]
+            of["duplicates"].add(doubled, index, Q[i], f"{doubled} of its pairs" if doubled else "")
+        return [q[i, valid[i]] for i in range(len(indices))]
 
-    def _compare_single(
-        self,
-        index: int,
-        q: Array,
-        T: Array,
-        at: Array | None,
-        found: Array,
-        valid: NDArray[np.bool_],
-        sigma: Array,
-        names: Sequence[str],
-    ) -> None:
-        alone = self._solve(T, at)
-        single, has = np.asarray(alone.q), np.asarray(alone.valid)
-        for b in map(int, np.flatnonzero(valid | has)):
-            if valid[b] and has[b]:
-                apart, detail = float(self._apart(single[b], found[b])), f"branch {names[b]!r}"
-            else:
-                apart, detail = np.inf, f"branch {names[b]!r} only in the {'batch' if valid[b] else 'single answer'}"
-            tolerance = SAME + CONDITIONING / max(float(np.nan_to_num(sigma[b])), 1e-300)
-            self._single.add(apart, index, q, detail, tolerance)
+    def collisions(
+        self, indices: Sequence[int], Q: Array, solutions: Sequence[Array], shapes: CollisionModel, most: float
+    ) -> int:
+        """Coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio.
 
-    def _solve(self, T: Array, at: Array | None) -> IKSolutions:
-        """Solutions of T (..., 4, 4), at values (...) or (..., p) of what redundancy parameters the arm has."""
-        return self._arm.ik(T) if at is None else self._arm.ik(T, redundancy=at)
+        At the planted joint vectors Q (m, n) and the solutions (k, n) of each, ``most`` in all; how many those were.
+        """
+        verdict, distance = (self.of[name] for name in _COLLISION)
+        every = [(index, q) for i, index in enumerate(indices) for q in (Q[i], *solutions[i]) if np.isfinite(q).all()]
+        every = every[: int(min(most, len(every)))]
+        for index, q in every:
+            poses = self._arm.link_poses(q)
+            theirs, hit = float(shapes.distance(q)), bool(shapes.in_collision(q))
+            try:
+                ours, felt = float(shapes.distance_with(poses)), bool(shapes.in_collision_with(poses))
+            except PoseError as error:
+                distance.add(np.inf, index, q, str(error))
+                verdict.add(1, index, q, str(error))
+                continue
+            nearest = shapes.nearest_pair(q)
+            apart = 0.0 if ours == theirs else abs(ours - theirs)  # both infinite: no pair is checked
+            distance.add(apart, index, q, "" if nearest is None else " and ".join(nearest.links))
+            # Where shapes touch to within coal's own tolerance, either verdict is right.
+            differ = hit != felt and not max(ours, theirs) <= CONTACT
+            verdict.add(int(differ), index, q, ", ".join(map(" and ".join, shapes.colliding_pairs(q))))
+        return len(every)
+
+    def _solve(self, T: Array, own: Array | None) -> IKSolutions:
+        return self._arm.ik(T) if own is None else self._arm.ik(T, redundancy=own)
 
     def _apart(self, a: Array, b: Array) -> Array:
-        """Largest difference (...) [rad or m] between joint vectors (..., n), revolute joints modulo 2 pi."""
-        step = np.asarray(a - b)
-        apart: Array = np.abs(np.where(self._reference.prismatic, step, shortest(step))).max(axis=-1, initial=0.0)
+        """Largest difference (...) [rad or m] between joint vectors (..., n)."""
+        apart: Array = np.abs(difference(a, b, self._reference.prismatic)).max(axis=-1, initial=0.0)
         return apart
 
     def _sigma_min(self, Q: Array) -> Array:
@@ -509,64 +488,20 @@ class _Inverse:
         J[..., :3, :] /= max(self._reference.size, 1e-300)
         out = np.full(Q.shape[:-1], np.nan)
         known = np.isfinite(Q).all(axis=-1)
+        J, q = J[known], Q[known]
         if self._arm.redundancy is not None:
-            gradient = np.full((*Q.shape[:-1], len(self._arm.solver.parameters), Q.shape[-1]), np.nan)
-            gradient[known] = self._gradient(Q[known])
+            step = 1e-6 * np.eye(Q.shape[-1])
+            ahead, behind = (self._arm.redundancy_of(q[:, None] + side * step) for side in (1.0, -1.0))
+            gradient = (shortest(ahead - behind) / 2e-6).reshape(len(q), Q.shape[-1], -1).swapaxes(1, 2)
             J = np.concatenate([J, gradient], axis=-2)
-        out[known] = np.linalg.svd(J[known], compute_uv=False)[..., -1]
+        out[known] = np.linalg.svd(J, compute_uv=False)[..., -1]
         return out
 
-    def _gradient(self, Q: Array) -> Array:
-        """Central differences (k, p, n) of the redundancy parameters at Q (k, n)."""
-        step = 1e-6 * np.eye(Q.shape[-1])
-        ahead, behind = (self._arm.redundancy_of(Q[:, None] + side * step) for side in (1.0, -1.0))
-        return (shortest(ahead - behind) / 2e-6).reshape(len(Q), Q.shape[-1], -1).swapaxes(1, 2)
 
-
-class _Collision:
-    """coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio."""
-
-    def __init__(self, arm: Arm, shapes: CollisionModel, most: int | None) -> None:
-        self._arm, self._shapes = arm, shapes
-        self._left = np.inf if most is None else most
-        self._verdict = _Tally("collision, verdict", "cases", 0.0, counted=True)
-        self._distance = _Tally("collision, distance", "m", CONTACT)
-        self.tallies = [self._verdict, self._distance]
-
-    def take(self, indices: Sequence[int], Q: Array, solutions: Sequence[Array]) -> None:
-        """Compare at the planted joint vectors Q (m, n) and the solutions (k, n) of each, while any may be compared."""
-        for i, index in enumerate(indices):
-            candidates = np.concatenate([Q[i : i + 1], solutions[i]])
-            for (row,) in finite(candidates):
-                if self._left < 1:
-                    return
-                self._left -= 1
-                self._compare(index, candidates[row])
-
-    def _compare(self, index: int, q: Array) -> None:
-        shapes, poses = self._shapes, self._arm.link_poses(q)
-        theirs, hit = float(shapes.distance(q)), bool(shapes.in_collision(q))
-        try:
-            ours, felt = float(shapes.distance_with(poses)), bool(shapes.in_collision_with(poses))
-        except PoseError as error:
-            self._distance.add(np.inf, index, q, str(error))
-            self._verdict.add(1, index, q, str(error))
-            return
-        apart = 0.0 if ours == theirs else abs(ours - theirs)  # both infinite: no pair is checked
-        self._distance.add(apart, index, q, _words(shapes.nearest_pair(q)))
-        # Where shapes touch to within coal's own tolerance, either verdict is right.
-        differ = hit != felt and not max(ours, theirs) <= CONTACT
-        self._verdict.add(int(differ), index, q, ", ".join(map(" and ".join, shapes.colliding_pairs(q))))
-
-
-def _words(nearest: Any) -> str:
-    return "" if nearest is None else " and ".join(nearest.links)
-
-
-def _difference(ours: Array, theirs: Array) -> tuple[Array, Array]:
+def _pose_errors(what: str, ours: Array, theirs: Array) -> tuple[tuple[str, Array], tuple[str, Array]]:
     """Position [m] and rotation [rad] (...) between (..., 4, 4), where ours need not be a pose at all."""
     position, rotation = pose_errors(ours, theirs)
     # An angle does not see a stretched matrix, nor a bad last row.
     entries = np.abs(ours - theirs)
     entries[..., :3, 3] = 0.0
-    return position, np.maximum(rotation, entries.max(axis=(-2, -1)))
+    return (f"{what}, position", position), (f"{what}, rotation", np.maximum(rotation, entries.max(axis=(-2, -1))))

@@ -142,39 +142,37 @@ def check_folder(
     if not paths:
         problem = f"the folder holds no file that ends in {ENDING}"
         raise UrdfError(problem, source=str(folder), hint="name a folder of URDFs, or a single file")
-
-    def checked(path: Path) -> _CheckedFile:
-        name = str(path.relative_to(folder))
-        try:
-            arm = load(path, base, tip, mesh_roots=mesh_roots)
-        except UrdfIkError as error:
-            without = isinstance(error, ChainError) and not read(path, mesh_roots=mesh_roots)[0].chains()
-            return _CheckedFile(name, NOT_AN_ARM if without else REFUSED, words=str(error))
-        about = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joints": arm.dof}
-        about["family"] = arm.structure.family or ""
-        report: crosscheck.CrossCheck | completeness.Completeness
-        try:
-            if complete:
-                report = completeness.compare(arm, n=n, seed=seed, time_limit=watch.left)
-                figure = f"{sum(group.solver for group in report.groups)} solutions"
-                words = report.verdict() if report.differences or report.unlooked else ""
-            else:
-                report = crosscheck.check(arm, n=n, seed=seed, collision=collision, time_limit=watch.left)
-                worst = [f"{row.worst:.1e} {row.unit}" for row in report.rows if row.name == "solutions, position"]
-                figure = worst[0] if worst else ""
-                wrong = [f"{row.name}: {row.place() or 'at no particular pose'}" for row in report.failed]
-                words = "; ".join([*wrong, *[report.unlooked] * bool(report.unlooked)])
-        except UrdfIkError as error:
-            result = NOT_CHECKED if isinstance(error, UnsupportedArm) else REFUSED
-            return _CheckedFile(name, result, words=str(error), **about)  # type: ignore[arg-type]
-        result = PASSED if report.passed else FAILED if report.faulty else NOT_ENDED
-        whole = report.to_dict()
-        return _CheckedFile(name, result, found=figure, words=words, report=whole, **about)  # type: ignore[arg-type]
-
     arms: list[_CheckedFile] = []
-    while len(arms) < len(paths) and not watch.is_over:
-        arms.append(checked(paths[len(arms)]))
-        watch.step(len(arms), len(paths))
-    left_out = f"with {len(arms)} of {len(paths)} files: the others were"
+    for (k,) in watch.parts(len(paths), 1, "files"):
+        file, about = str(paths[k].relative_to(folder)), dict[str, Any]()
+        try:
+            arm = load(paths[k], base, tip, mesh_roots=mesh_roots)
+            about = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joints": arm.dof}
+            about["family"] = arm.structure.family or ""
+            if complete:
+                checked = _completed(completeness.compare(arm, n=n, seed=seed, time_limit=watch.left))
+            else:
+                checked = _crosschecked(crosscheck.check(arm, n, seed, collision, time_limit=watch.left))
+        except UrdfIkError as error:
+            without = isinstance(error, ChainError) and not read(paths[k], mesh_roots=mesh_roots)[0].chains()
+            result = NOT_AN_ARM if without else NOT_CHECKED if isinstance(error, UnsupportedArm) else REFUSED
+            checked = {"result": result, "words": str(error)}
+        arms.append(_CheckedFile(file, **about, **checked))
     question = {"n": n, "seed": seed, "complete": complete, "collision": collision, "base": base, "tip": tip}
-    return FolderCheck(question, tuple(arms), "" if len(arms) == len(paths) else watch.ended(left_out))
+    return FolderCheck(question, tuple(arms), watch.unlooked)
+
+
+def _completed(report: completeness.Completeness) -> dict[str, Any]:
+    words = report.verdict() if report.differences or report.unlooked else ""
+    return _result(report, f"{sum(group.solver for group in report.groups)} solutions", words)
+
+
+def _crosschecked(report: crosscheck.CrossCheck) -> dict[str, Any]:
+    worst = [f"{row.worst:.1e} {row.unit}" for row in report.rows if row.name == "solutions, position"]
+    wrong = [f"{row.name}: {row.place() or 'at no particular pose'}" for row in report.failed]
+    return _result(report, "".join(worst), "; ".join(filter(None, [*wrong, report.unlooked])))
+
+
+def _result(report: Report, figure: str, words: str) -> dict[str, Any]:
+    result = PASSED if report.passed else FAILED if report.faulty else NOT_ENDED
+    return {"result": result, "found": figure, "words": words, "report": report.to_dict()}

@@ -21,7 +21,7 @@ from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import pose_errors
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import TURN, shortest
+from urdf_ik.support.angles import TURN, difference
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
@@ -65,7 +65,6 @@ def judge(
     tolerance: float = TOLERANCE,
     within_limits: bool = False,
     name: str | None = None,
-    time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> Judgement:
     """Judge a solver on an arm: is each of its solutions one, and does it have all of them, once?
@@ -94,7 +93,6 @@ def judge(
         tolerance: error [m; rad] above which a solution is wrong.
         within_limits: the solver returns only solutions inside the joint limits, so no others are expected.
         name: what the report calls it; default: the function's name.
-        time_limit: s after which no more poses are given to the solver; what was left out did not pass.
         progress: called with (poses done, poses).
 
     Returns:
@@ -115,18 +113,15 @@ def judge(
         raise ArgumentError(f"solve={solve!r} given; a function that takes a pose is needed")
     n = inputs.poses(n)
     tolerance = inputs.number(tolerance, "tolerance", low=0.0, high=1.0)
-    watch = Watch(time_limit, progress)
-    judged = _Judged(arm, solve, tolerance, bool(within_limits))
-    index = 0
-    for kind in KINDS:
+    watch, judged = Watch(None, progress), _Judged(arm, solve, tolerance, bool(within_limits))
+    kinds = []
+    for number, kind in enumerate(KINDS):
+        judged.kind = Kind(kind)
+        kinds.append(judged.kind)
         T, q, values = _poses(arm, kind, n, seed)
         for k in range(n):
-            if watch.is_over:
-                break
-            judged.take(kind, index, T[k], None if q is None else q[k], None if values is None else values[k])
-            index += 1
-            watch.step(index, n * len(KINDS))
-    poses = n * len(KINDS)
+            judged.take(number * n + k, T[k], None if q is None else q[k], None if values is None else values[k])
+            watch.step(number * n + k + 1, n * len(KINDS))
     return Judgement(
         solver=name or str(getattr(solve, "name", "") or getattr(solve, "__name__", type(solve).__name__)),
         robot=arm.name,
@@ -136,9 +131,8 @@ def judge(
         seed=seed,
         tolerance=tolerance,
         within_limits=bool(within_limits),
-        kinds=tuple(Kind(kind, *judged.counts[kind]) for kind in KINDS),
+        kinds=tuple(kinds),
         faults=tuple(judged.faults),
-        unlooked="" if index == poses else watch.ended(f"with {index} of {poses} poses: the others were"),
     )
 
 
@@ -177,69 +171,60 @@ def _poses(arm: Arm, kind: str, n: int, seed: int) -> tuple[Array, Array | None,
 
 
 class _Judged:
-    """The faults so far."""
+    """The faults so far, and the counts of the poses of a kind."""
+
+    kind: Kind
 
     def __init__(self, arm: Arm, solve: Solve, tolerance: float, within_limits: bool) -> None:
         self.faults: list[Fault] = []
-        self.counts = {kind: [0] * 9 for kind in KINDS}
         self._arm, self._solve, self._reference = arm, solve, arm.cell.reference
         self._tolerance, self._within = tolerance, within_limits
         six = arm.dof == 6 and arm.structure.is_6r
         self._sameness = Sameness(arm.chain, arm.cell.reference, tolerance) if six else None
 
-    def take(self, kind: str, index: int, T: Array, made_of: Array | None, value: Any) -> None:
+    def take(self, index: int, T: Array, made_of: Array | None, value: Any) -> None:
         """Judge one pose (4, 4), made of a joint vector (n,) where there is one."""
-        counts = self.counts[kind]
-        counts[0] += 1
+        counts, redundant = self.kind, self._arm.redundancy is not None
+        counts.poses += 1
         own = solutions_of(self._arm, T[None], None if value is None else np.asarray(value)[None])
-        if self._within:
-            own = own.within_limits()
+        own = own.within_limits() if self._within else own
         expected = own.q[0, own.valid[0]]
-        if made_of is not None and self._arm.redundancy is None and not self._has(T, made_of, expected):
+        if made_of is not None and not redundant and not self._has(T, made_of, expected):
             expected = np.vstack([expected, made_of])
-            counts[8] += 1
-        counts[1] += len(expected)
+            counts.further += 1
+        counts.expected += len(expected)
         try:
             found, approximate = _read(self._solve(T.copy()), self._arm.dof)
-            found = found[~approximate | (self._errors(found, T) <= self._tolerance)]
+            errors = self._errors(found, T)
         except Exception as error:  # whatever a foreign solver raises is its fault
-            counts[7] += 1
-            self.faults.append(Fault(FAILED, kind, index, (), f"{type(error).__name__}: {error}"))
+            self._add(FAILED, index, (), f"{type(error).__name__}: {error}")
             return
-        counts[2] += len(found)
-        good = self._right(kind, index, T, found)
-        self._doubled(kind, index, good, expected)
-        self._outside(kind, index, good)
-        if self._arm.redundancy is not None:
+        claimed, right = ~approximate | (errors <= self._tolerance), errors <= self._tolerance
+        counts.found += int(claimed.sum())
+        for q, off in zip(found[claimed & ~right], errors[claimed & ~right], strict=True):
+            words = f"misses the pose by {off:.2g} (m, rad)"
+            self._add(WRONG, index, q, words if np.isfinite(off) else "is infinite, or not a number in part")
+        good = found[right]
+        self._doubled(index, good, expected)
+        self._outside(index, good)
+        if redundant:
             if len(expected) and not len(good):
-                self._add(MISSING, 4, kind, index, (), "no solution, where the pose has infinitely many")
+                self._add(MISSING, index, (), "no solution, where the pose has infinitely many")
             return
         for q in expected:
             if not self._has(T, q, good):
                 gap = float(self._gaps(q, good).min(initial=np.inf))
                 near = f"the nearest that it has is {gap:.2g} away" if len(good) else "it has none"
-                self._add(MISSING, 4, kind, index, q, near)
+                self._add(MISSING, index, q, near)
         if len(good) and not self._within:
             exact = good[self._misses(self._reference.pose(good), T) <= EXACT]
-            counts[8] += sum(not self._has(T, q, expected) for q in exact)
-
-    def _right(self, kind: str, index: int, T: Array, found: Array) -> Array:
-        """Those (m, n) that reach the pose."""
-        errors = self._errors(found, T)
-        right = errors <= self._tolerance
-        for q, error in zip(found[~right], errors[~right], strict=True):
-            known = np.isfinite(error)
-            words = f"misses the pose by {error:.2g} (m, rad)" if known else "is infinite, or not a number in part"
-            self._add(WRONG, 3, kind, index, q, words)
-        out: Array = found[right]
-        return out
+            counts.further += sum(not self._has(T, q, expected) for q in exact)
 
     def _errors(self, found: Array, T: Array) -> Array:
         """By how much joint vectors (k, n) miss T (4, 4) [m; rad]; infinite where they are not finite."""
-        out = np.full(len(found), np.inf)
-        finite = np.isfinite(found).all(axis=1)
-        if finite.any():
-            out[finite] = self._misses(self._reference.pose(found[finite]), T)
+        out, known = np.full(len(found), np.inf), np.isfinite(found).all(axis=1)
+        if known.any():
+            out[known] = self._misses(self._reference.pose(found[known]), T)
         return out
 
     def _misses(self, found: Array, T: Array) -> Array:
@@ -251,73 +236,64 @@ class _Judged:
         out: Array = np.abs(np.asarray(control.target_of(found)) - control.target_of(T[None])).max(axis=-1)
         return out
 
-    def _doubled(self, kind: str, index: int, good: Array, expected: Array) -> None:
+    def _doubled(self, index: int, good: Array, expected: Array) -> None:
         sigma = least_singular_value(self._arm, good)
         for k in range(1, len(good)):
-            if sigma[k] < _SINGULAR:
-                continue
             # A solution a turn away is another joint vector; beside a fold there are two so near to each other.
             alike = int((np.abs(good[: k + 1] - good[k]).max(axis=1) < TWICE).sum())
             there = int((self._gaps(good[k], expected) < 2.0 * TWICE).sum()) if len(expected) else 0
-            if alike > max(1, there):
-                self._add(DOUBLED, 5, kind, index, good[k], "given before")
+            if sigma[k] >= _SINGULAR and alike > max(1, there):
+                self._add(DOUBLED, index, good[k], "given before")
 
-    def _outside(self, kind: str, index: int, good: Array) -> None:
+    def _outside(self, index: int, good: Array) -> None:
         low, high = np.asarray(self._arm.limits).T
         for q in good:
             turns = np.where(self._reference.prismatic, 0.0, np.ceil((low - LIMIT - q) / TURN))
-            image = q + np.where(np.isfinite(turns), turns, 0.0) * TURN
-            image = q if self._within else image
-            if ((image < low - LIMIT) | (image > high + LIMIT)).any():
-                self.counts[kind][6] += 1
-                if self._within:
-                    k = int(np.argmax(np.maximum(low - q, q - high)))
-                    words = (
-                        f"{self._arm.joint_names[k]} is at {q[k]:.6g}, its limits are {low[k]:.6g} and {high[k]:.6g}"
-                    )
-                    self.faults.append(Fault(OUTSIDE, kind, index, tuple(map(float, q)), words))
+            image = q if self._within else q + np.where(np.isfinite(turns), turns, 0.0) * TURN
+            if not ((image < low - LIMIT) | (image > high + LIMIT)).any():
+                continue
+            if not self._within:
+                self.kind.outside += 1
+                continue
+            k = int(np.argmax(np.maximum(low - q, q - high)))
+            words = f"{self._arm.joint_names[k]} is at {q[k]:.6g}, its limits are {low[k]:.6g} and {high[k]:.6g}"
+            self._add(OUTSIDE, index, q, words)
 
     def _has(self, T: Array, q: Array, others: Array) -> bool:
         """Whether q (n,) is one of the others (k, n), double roots and continua considered."""
         if not len(others):
             return False
         gaps = self._gaps(q, others)
-        if gaps.min() <= _NEAR:
-            return True
-        if any(self._joined(T, q, other) for other in others):
+        if gaps.min() <= _NEAR or any(self._joined(T, q, other) for other in others):
             return True
         if self._sameness is not None:
             return self._sameness.has(T, q, others)
         sigma = max(float(least_singular_value(self._arm, q[None])[0]), 1e-300)
         if gaps.min() <= _NEAR + min(10.0 * self._tolerance / sigma, _FAR):
             return True
-        return any(self._one_root(T, q, others[k]) for k in np.flatnonzero(gaps < _FAR))
+        near = others[gaps < _FAR]
+        half = near + 0.5 * difference(q, near, self._reference.prismatic)  # a double root
+        return bool(len(near) and (self._misses(self._reference.pose(half), T) <= self._tolerance).any())
 
     def _joined(self, T: Array, q: Array, other: Array) -> bool:
         """Whether the arm stays in the pose on the straight way from the one to the other: one flat continuum."""
-        step = other - q
-        step = np.where(self._reference.prismatic, step, shortest(step))
+        step = difference(other, q, self._reference.prismatic)
         # Half a turn may go either way.
-        half = [int(k) for k in np.flatnonzero(np.abs(np.abs(step) - np.pi) < _NEAR)]
+        half = np.flatnonzero(np.abs(np.abs(step) - np.pi) < _NEAR)
         for signs in product((1.0, -1.0), repeat=len(half)):
             step[half] = np.pi * np.array(signs)
             if (self._misses(self._reference.pose(q + _ALONG * step), T) <= self._tolerance).all():
                 return True
         return False
 
-    def _one_root(self, T: Array, q: Array, other: Array) -> bool:
-        step = q - other
-        half = other + 0.5 * np.where(self._reference.prismatic, step, shortest(step))
-        return bool(self._misses(self._reference.pose(half)[None], T)[0] <= self._tolerance)
-
     def _gaps(self, q: Array, others: Array) -> Array:
-        step = others - q
-        out: Array = np.abs(np.where(self._reference.prismatic, step, shortest(step))).max(axis=-1, initial=0.0)
+        out: Array = np.abs(difference(others, q, self._reference.prismatic)).max(axis=-1, initial=0.0)
         return out
 
-    def _add(self, fault: str, column: int, kind: str, index: int, q: Any, words: str) -> None:
-        self.counts[kind][column] += 1
-        self.faults.append(Fault(fault, kind, index, tuple(float(each) for each in q), words))
+    def _add(self, fault: str, index: int, q: Any, words: str) -> None:
+        counter = "outside" if fault == OUTSIDE else fault
+        setattr(self.kind, counter, getattr(self.kind, counter) + 1)
+        self.faults.append(Fault(fault, self.kind.name, index, tuple(map(float, q)), words))
 
 
 def _read(answer: Any, n: int) -> tuple[Array, NDArray[np.bool_]]:
@@ -329,7 +305,13 @@ def _read(answer: Any, n: int) -> tuple[Array, NDArray[np.bool_]]:
     flags: Any = None
     if isinstance(answer, tuple) and len(answer) == 2 and np.asarray(answer[1]).dtype == np.bool_:
         answer, flags = answer
-    q = _vectors(answer, n)
+    try:
+        q = np.asarray([] if answer is None else answer, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"the solver returned {answer!r}; joint vectors (k, {n}) are needed") from None
+    if q.size and (q.ndim == 0 or q.shape[-1] != n):
+        raise ArgumentError(f"the solver returned an array of shape {q.shape}; joint vectors (k, {n}) are needed")
+    q = q.reshape(-1, n) if q.size else np.zeros((0, n))
     approximate = np.zeros(len(q), dtype=np.bool_) if flags is None else np.asarray(flags)
     if approximate.shape != (len(q),):
         raise ArgumentError(f"the solver returned {len(q)} joint vectors and flags of shape {approximate.shape}")
@@ -337,21 +319,7 @@ def _read(answer: Any, n: int) -> tuple[Array, NDArray[np.bool_]]:
     return q[known], approximate[known]
 
 
-def _vectors(answer: Any, n: int) -> Array:
-    if answer is None:
-        return np.zeros((0, n))
-    try:
-        q = np.asarray(answer, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"the solver returned {answer!r}; joint vectors (k, {n}) are needed") from None
-    if not q.size:
-        return np.zeros((0, n))
-    if q.ndim == 0 or q.shape[-1] != n:
-        raise ArgumentError(f"the solver returned an array of shape {q.shape}; joint vectors (k, {n}) are needed")
-    return q.reshape(-1, n)
-
-
-@dataclass(frozen=True)
+@dataclass
 class Kind:
     """The poses of one kind.
 
@@ -369,15 +337,15 @@ class Kind:
     """
 
     name: str
-    poses: int
-    expected: int
-    found: int
-    wrong: int
-    missing: int
-    doubled: int
-    outside: int
-    failed: int
-    further: int
+    poses: int = 0
+    expected: int = 0
+    found: int = 0
+    wrong: int = 0
+    missing: int = 0
+    doubled: int = 0
+    outside: int = 0
+    failed: int = 0
+    further: int = 0
 
 
 @dataclass(frozen=True)
@@ -418,7 +386,7 @@ class Judgement(Report):
         within_limits: whether the solver had to return only solutions within the joint limits.
         kinds: counts by kind of pose.
         faults: every fault.
-        unlooked: what the time limit left out; '' where every pose was judged.
+        unlooked: what was left out: nothing, ''.
     """
 
     solver: str

@@ -52,12 +52,12 @@ class Row(NamedTuple):
 
     arm: str
     pose: int
-    branch: str
-    reachable: bool
-    in_limits: bool
-    limit_margin: float
-    manipulability: float
-    contact: bool | str
+    branch: str = ""
+    reachable: bool = False
+    in_limits: bool = False
+    limit_margin: float = float("nan")
+    manipulability: float = float("nan")
+    contact: bool | str = ""
 
 
 @dataclass(frozen=True, repr=False)
@@ -221,8 +221,7 @@ def compare_many(
     rows: dict[str, list[Row]] = {name: [] for name in named}
     unsolved: dict[str, str] = {}
     looked_at = 0
-    while looked_at < len(T) and not watch.is_over:
-        some = range(looked_at, min(looked_at + _AT_ONCE, len(T)))
+    for some in watch.parts(len(T), _AT_ONCE):
         for name, arm in named.items():
             try:
                 if name not in unsolved:
@@ -230,17 +229,10 @@ def compare_many(
             except UrdfIkError as error:
                 unsolved[name] = f"{name}: {error}"
         looked_at = some.stop
-        watch.step(looked_at, len(T))
     for name in unsolved:
-        rows[name] = [_unreached(name, pose) for pose in range(looked_at)]
-    left_out = f"with {looked_at} of {len(T)} poses: the others were"
-    return ManyArms(
-        tuple(named),
-        looked_at,
-        tuple(row for own in rows.values() for row in own),
-        (*notes, *unsolved.values()),
-        "" if looked_at == len(T) else watch.ended(left_out),
-    )
+        rows[name] = [Row(name, pose) for pose in range(looked_at)]
+    every = tuple(row for own in rows.values() for row in own)
+    return ManyArms(tuple(named), looked_at, every, (*notes, *unsolved.values()), watch.unlooked)
 
 
 def _named(arms: Mapping[str, Arm] | Iterable[Arm]) -> dict[str, Arm]:
@@ -264,28 +256,20 @@ def _rows(name: str, arm: Arm, T: Array, some: range, shapes: Any) -> list[Row]:
     """The rows of some of the poses (m, 4, 4)."""
     found = solutions_of(arm, T[some.start : some.stop])
     within = found.within_limits()
-    valid, inside, all_q, inner, names = found.valid, within.valid, found.q, within.q, found.names
     out = []
     for k, pose in enumerate(some):
-        columns = np.flatnonzero(valid[k])
-        if not len(columns):
-            out.append(_unreached(name, pose))
-            continue
+        columns = np.flatnonzero(found.valid[k])
+        out += [] if len(columns) else [Row(name, pose)]
         # The image inside the limits where there is one.
-        q = np.where(inside[k, columns, None], inner[k, columns], all_q[k, columns])
-        touching = contacts(shapes, q)
+        inside = within.valid[k, columns]
+        q = np.where(inside[:, None], within.q[k, columns], found.q[k, columns])
         margins, measures = np.atleast_1d(arm.limit_margin(q)), np.atleast_1d(arm.manipulability(q))
-        for i, column in enumerate(columns):
-            contact: bool | str | None = touching[i]
-            if contact is None:
-                contact = NOT_CHECKED if shapes is None else True
-            out.append(Row(name, pose, str(names[k, column]), True, bool(inside[k, column]),
-                           float(margins[i]), float(measures[i]), contact))  # fmt: skip
+        each = zip(found.names[k, columns], inside, margins, measures, contacts(shapes, q), strict=True)
+        for branch, within_limits, margin, measure, touching in each:
+            # What is too near to tell counts as a contact.
+            contact = NOT_CHECKED if shapes is None else touching is not False
+            out.append(Row(name, pose, str(branch), True, bool(within_limits), float(margin), float(measure), contact))
     return out
-
-
-def _unreached(name: str, pose: int) -> Row:
-    return Row(name, pose, "", False, False, float("nan"), float("nan"), "")
 
 
 def _state(row: Row) -> str:

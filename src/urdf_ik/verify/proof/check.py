@@ -144,34 +144,20 @@ def check_proof(
     statuses = np.asarray(solutions.status).reshape(-1)
     q = np.asarray(solutions.q).reshape(count, -1, arm.dof)
     valid = np.asarray(solutions.valid).reshape(count, -1)
-    unproven, accepted = 0, 0
-    open_, refused, looked_at = [], [], 0
-    for i in range(count):
-        if watch.is_over:
-            break
-        status = str(statuses[i])
+    accepted, open_, refused, looked_at = 0, list[_Refusal](), list[_Refusal](), 0
+    for (i,) in watch.parts(count):
+        status, looked_at = str(statuses[i]), i + 1
         if status not in ("complete", "clustered"):
-            unproven += 1
-        else:
-            place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
-            proof = solutions[place].proof if solutions.shape else solutions.proof
-            verdict, reason = examine(
-                Loop.of(arm.chain, T[i]),
-                q[i, valid[i]],
-                proof,
-                np.random.default_rng(i),
-                clustered=status == "clustered",
-            )
-            if verdict is None:
-                open_.append(_Refusal(i, status, reason))
-            elif verdict:
-                accepted += 1
-            else:
-                refused.append(_Refusal(i, status, reason))
-        looked_at = i + 1
-        watch.step(looked_at, count)
-    unlooked = "" if looked_at == count else watch.ended(f"with {looked_at} of {count} poses: the others were")
-    return ProofCheck(arm.name, looked_at, unproven, accepted, tuple(open_), tuple(refused), unlooked)
+            continue
+        place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
+        proof = solutions[place].proof if solutions.shape else solutions.proof
+        loop, rng = Loop.of(arm.chain, T[i]), np.random.default_rng(i)
+        verdict, reason = examine(loop, q[i, valid[i]], proof, rng, clustered=status == "clustered")
+        accepted += verdict is True
+        if not verdict:
+            (open_ if verdict is None else refused).append(_Refusal(i, status, reason))
+    unproven = looked_at - accepted - len(open_) - len(refused)
+    return ProofCheck(arm.name, looked_at, unproven, accepted, tuple(open_), tuple(refused), watch.unlooked)
 
 
 def _same_axes(a: Chain, b: Chain) -> bool:
