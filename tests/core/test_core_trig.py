@@ -110,56 +110,56 @@ def roots_of(coefficients: Array) -> Array:
     return np.arctan2(rows[:count, 1], rows[:count, 0])
 
 
-@pytest.mark.parametrize("seed", range(60))
-def test_planted_roots(seed: int) -> None:
+def test_planted_roots() -> None:
     """All four planted roots are found, each once, in ascending order; the polynomial vanishes there to rounding."""
-    rng = np.random.default_rng(seed)
-    while True:
-        m1, m2, d1, d2 = *rng.uniform(-PI, PI, 2), *rng.uniform(0.05, PI - 0.05, 2)
-        planted = np.array([m1 - d1, m1 + d1, m2 - d2, m2 + d2])
-        if min(apart(planted[i], planted[j]) for i in range(4) for j in range(i)) > 0.05:
-            break
-    coefficients = with_roots(m1, d1, m2, d2) * 10.0 ** rng.uniform(-6, 6)
-    found = roots_of(coefficients)
-    assert len(found) == 4
-    assert (np.diff(found) > 0.0).all()
-    assert all(apart(found, root).min() < 1e-11 for root in planted)
-    assert np.abs(value(coefficients, found)).max() < 4e-15 * np.abs(coefficients).sum()
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        while True:
+            m1, m2, d1, d2 = *rng.uniform(-PI, PI, 2), *rng.uniform(0.05, PI - 0.05, 2)
+            planted = np.array([m1 - d1, m1 + d1, m2 - d2, m2 + d2])
+            if min(apart(planted[i], planted[j]) for i in range(4) for j in range(i)) > 0.05:
+                break
+        coefficients = with_roots(m1, d1, m2, d2) * 10.0 ** rng.uniform(-6, 6)
+        found = roots_of(coefficients)
+        assert len(found) == 4
+        assert (np.diff(found) > 0.0).all()
+        assert all(apart(found, root).min() < 1e-11 for root in planted)
+        assert np.abs(value(coefficients, found)).max() < 4e-15 * np.abs(coefficients).sum()
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_two_roots_or_none(seed: int) -> None:
+def test_two_roots_or_none() -> None:
     """A factor that stays away from zero has no angle to add; two such leave none at all."""
-    rng = np.random.default_rng(seed)
-    m1, m2, d1 = *rng.uniform(-PI, PI, 2), rng.uniform(0.1, PI - 0.1)
-    lift = float(np.arccosh(rng.uniform(1.01, 3.0)))
-    c1, c2 = math.cos(d1), math.cosh(lift)
-    coefficients = with_roots(m1, d1, m2, 0.0)
-    # Raise the second factor, 1 - cos(t - m2), by c2 - 1.
-    coefficients[:3] += (c2 - 1.0) * np.array([c1, -math.cos(m1), -math.sin(m1)])
-    found = roots_of(coefficients)
-    assert len(found) == 2
-    assert all(apart(found, root).min() < 1e-12 for root in (m1 - d1, m1 + d1))
-    nowhere = with_roots(m1, 0.0, m2, 0.0)
-    nowhere[:3] += (c2 - 1.0) * np.array([2.0, -math.cos(m1) - math.cos(m2), -math.sin(m1) - math.sin(m2)])
-    nowhere[0] += (c2 - 1.0) ** 2
-    assert (value(nowhere, np.linspace(-PI, PI, 200)) > 0.0).all()
-    assert len(roots_of(nowhere)) == 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        m1, m2, d1 = *rng.uniform(-PI, PI, 2), rng.uniform(0.1, PI - 0.1)
+        lift = float(np.arccosh(rng.uniform(1.01, 3.0)))
+        c1, c2 = math.cos(d1), math.cosh(lift)
+        coefficients = with_roots(m1, d1, m2, 0.0)
+        # Raise the second factor, 1 - cos(t - m2), by c2 - 1.
+        coefficients[:3] += (c2 - 1.0) * np.array([c1, -math.cos(m1), -math.sin(m1)])
+        found = roots_of(coefficients)
+        assert len(found) == 2
+        assert all(apart(found, root).min() < 1e-12 for root in (m1 - d1, m1 + d1))
+        nowhere = with_roots(m1, 0.0, m2, 0.0)
+        nowhere[:3] += (c2 - 1.0) * np.array([2.0, -math.cos(m1) - math.cos(m2), -math.sin(m1) - math.sin(m2)])
+        nowhere[0] += (c2 - 1.0) ** 2
+        assert (value(nowhere, np.linspace(-PI, PI, 200)) > 0.0).all()
+        assert len(roots_of(nowhere)) == 0
 
 
-@pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("touching", [0.0, PI])
-def test_double_roots(seed: int, touching: float) -> None:
+def test_double_roots(touching: float) -> None:
     """Where the polynomial touches zero both roots are given, to half the digits, though rounding may part them."""
-    rng = np.random.default_rng(seed)
-    m1, m2, d2 = *rng.uniform(-PI, PI, 2), rng.uniform(0.3, PI - 0.3)
-    double = m1 + touching
-    if min(apart(double, m2 - d2), apart(double, m2 + d2)) < 0.1:
-        m2 += 0.7
-    found = roots_of(with_roots(m1, touching, m2, d2))
-    assert len(found) == 4
-    assert (apart(found, double) < 3e-7).sum() == 2
-    assert all((apart(found, root) < 1e-7).sum() == 1 for root in (m2 - d2, m2 + d2))
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        m1, m2, d2 = *rng.uniform(-PI, PI, 2), rng.uniform(0.3, PI - 0.3)
+        double = m1 + touching
+        if min(apart(double, m2 - d2), apart(double, m2 + d2)) < 0.1:
+            m2 += 0.7
+        found = roots_of(with_roots(m1, touching, m2, d2))
+        assert len(found) == 4
+        assert (apart(found, double) < 3e-7).sum() == 2
+        assert all((apart(found, root) < 1e-7).sum() == 1 for root in (m2 - d2, m2 + d2))
 
 
 def test_fewer_harmonics() -> None:

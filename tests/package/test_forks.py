@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import pytest
 
 LIMIT = 300.0  # [s], of a program that needs two; a child that waits for ever is ended by it
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 
 FIRST_CALLS = """
     import os, sys, threading, time
@@ -59,33 +62,22 @@ PROCESSES = """
 """
 
 
-def run(text: str) -> None:
-    """A program of its own, without the warning that it forks with threads."""
-    code = textwrap.dedent(text)
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=LIMIT, check=False
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 @pytest.mark.parametrize("delay", [0.05, 0.5])
-def test_a_fork_amid_first_calls_of_a_thread(delay: float) -> None:
+def test_a_fork_amid_first_calls_of_a_thread(delay: float, tmp_path: Path) -> None:
     """Modules half imported, properties half computed: the child finds them whole, or not begun."""
-    run(FIRST_CALLS.replace("{delay}", str(delay)))
+    run(FIRST_CALLS.replace("{delay}", str(delay)), tmp_path)
 
 
-@pytest.mark.parametrize("how", ["fork", "spawn", "forkserver"])
-def test_processes_of_every_kind(how: str, tmp_path: object) -> None:
+@pytest.mark.parametrize("how", multiprocessing.get_all_start_methods())
+def test_processes_of_every_kind(how: str, tmp_path: Path) -> None:
     """An arm goes to other processes, and is solved there, while threads use it here."""
-    import multiprocessing
+    run(PROCESSES.replace("{how}", how), tmp_path)
 
-    if how not in multiprocessing.get_all_start_methods():
-        pytest.skip(f"this system has no {how}")
-    file = f"{tmp_path}/program.py"
-    with open(file, "w") as out:
-        out.write(textwrap.dedent(PROCESSES).replace("{how}", how))
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", file], capture_output=True, text=True, timeout=LIMIT, check=False
-    )
+
+def run(text: str, folder: Path) -> None:
+    """Run a program, without the warning that it forks with threads."""
+    file = folder / "program.py"
+    file.write_text(textwrap.dedent(text))
+    command = [sys.executable, "-W", "ignore", str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
     assert done.returncode == 0, done.stderr[-2000:]

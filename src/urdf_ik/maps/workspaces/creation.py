@@ -88,8 +88,8 @@ def workspace(
     Example:
         >>> import urdf_ik
         >>> found = workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
-        >>> found.grid.shape, round(float(found.reach([1, 0, 0])[-1, 1]), 3)
-        ((8, 8, 1), 0.2)
+        >>> found.grid.shape, found.slice("z", 0.0).axes
+        ((8, 8, 1), ('x', 'y'))
     """
     question = _question(arm, voxel, orientations, None, **options)
     grid, count = question.grid, len(question.samples)
