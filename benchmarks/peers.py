@@ -164,6 +164,23 @@ def frankik(arm: urdf_ik.Arm) -> Peer:
     )  # fmt: skip
 
 
+def crx(arm: urdf_ik.Arm) -> Peer:
+    """crx-kinematics, for the CRX-10iA/L: mm and degrees, poses in the shoulder, joint 3 measured from joint 2."""
+    if arm.name != "fanuc_crx10ial":
+        raise Unavailable("no CRX")
+    robot = _package("crx_kinematics").Crx.crx10ial()
+    scale = np.array([[1.0, 1.0, 1.0, 1e3]] * 3 + [[1.0] * 4])
+    in_shoulder = np.linalg.inv(urdf_ik.pose([0.0, 0.0, 0.245]))
+
+    def solve(T: np.ndarray) -> np.ndarray:
+        q = np.radians(robot.ik(T))
+        q[:, 2] += q[:, 1]
+        return q
+
+    name = f"crx-kinematics {version('crx-kinematics')}"
+    return Peer("crx-kinematics", name, solve, lambda T: (in_shoulder @ T) * scale)
+
+
 def toolbox(arm: urdf_ik.Arm) -> Peer:
     """The Robotics Toolbox's analytic solver in Python, from a table of standard Denavit-Hartenberg parameters."""
     package, poses = _package("roboticstoolbox"), _package("spatialmath")
@@ -204,4 +221,5 @@ def _six(arm: urdf_ik.Arm) -> Any:
 
 PEERS: dict[str, Callable[[urdf_ik.Arm], Peer]] = {
     "urdf-ik": this, "EAIK": eaik, "ik-geo": ik_geo, "py-opw": opw, "ssik": ssik, "toolbox": toolbox,
+    "crx-kinematics": crx,
 }  # fmt: skip
