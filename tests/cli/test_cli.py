@@ -207,6 +207,10 @@ def test_examples_in_the_help_work(command: str, tmp_path: Path, monkeypatch: py
     """Every command's help shows examples, unbroken, and each of them ends with status 0."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(catalogue.resolve(ARM).path, "my_arm.urdf")
+    if command == "compare":
+        model = pytest.importorskip("mujoco", reason="an example reads MJCF").MjSpec.from_file("my_arm.urdf")
+        model.compile()
+        Path("my_arm.xml").write_text(model.to_xml())
     Path("lab").mkdir()
     shutil.copy(catalogue.resolve("puma_560").path, "lab/arm.urdf")
     Path("vectors.csv").write_text("0,-60,60,0,60,0\n10,-60,60,0,60,0\n")

@@ -232,5 +232,5 @@ def test_what_a_page_is_not_made_of(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     monkeypatch.setattr("urdf_ik.export.page.WEB", tmp_path)
     (tmp_path / "page").mkdir()
     (tmp_path / "page" / "page.css").write_text("")
-    with pytest.raises(MissingPackage, match=r"urdf_ik\.wasm is missing .* type: make wasm page"):
+    with pytest.raises(MissingPackage, match=r"urdf_ik\.wasm is missing .*: `make wasm page`"):
         html(arm)

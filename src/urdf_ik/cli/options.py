@@ -163,7 +163,7 @@ def parameter(name: str, kind: Any, default: Any, text: Text, group: str) -> ins
     kinds = (get_args(kind) or (kind,)) if get_origin(kind) is not list else (kind,)
     shown: dict[str, Any] = {"metavar": text.metavar, "help": text.help, "show_default": type(default) in (int, float)}
     if int in kinds:
-        shown |= {"min": 0 if default == 0 else 1, "max": MOST.get(name)}
+        shown |= {"min": 0 if default == 0 or name == "port" else 1, "max": MOST.get(name)}
     if text.metavar == "DIR":
         shown |= {"exists": True, "file_okay": False}
     long = f"--{name.replace('_', '-')}"

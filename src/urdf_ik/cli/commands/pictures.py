@@ -190,7 +190,7 @@ def view(
 
     Options:
         host (ADDRESS): Listen there; 0.0.0.0 lets everybody in the network in. Default: 127.0.0.1.
-        port (PORT): Default: 8080, or the first free one after it.
+        port (PORT): Default: 8080, or the first free one after it; 0: any free one.
         dark: Light on dark.
         output (-o FILE): Write the scene there as one HTML page, and leave.
 

@@ -120,7 +120,7 @@ def start(guard: Guard, host: str, port: int) -> Any:
         setattr(started, "request_share_url", lambda *_, **__: None)  # noqa: B010  a page must not publish the server
         if not _is_refused(address.reachable(host), started.get_port()):
             started.stop()
-            raise extras.missing("requests to the installed viser cannot be checked; --upgrade it", "viewer")
+            raise extras.missing("requests to the installed viser cannot be checked, a newer one is needed", "viewer")
     return started
 
 
