@@ -50,18 +50,6 @@ def test_out_holds_for_tasks_and_redundancy_parameters() -> None:
     assert seven.ik(T[0], redundancy=0.3).redundancy.shape == ()
 
 
-def test_out_is_refused_where_it_does_not_fit(arm: urdf_ik.Arm) -> None:
-    """Another arm's solutions, filtered ones, other shapes, an array and a single target."""
-    T = _poses(arm, 4)
-    solved = arm.ik(T)
-    unfit = (urdf_ik.load("puma_560").ik(T), solved.within_limits(), solved[:5], solved.q, "out")
-    for out in unfit:
-        with pytest.raises(ArgumentError, match="out="):
-            arm.ik(T, out=out)  # type: ignore[arg-type]
-    with pytest.raises(ArgumentError, match="a single target"):
-        arm.ik(T[0], out=arm.ik(T[0]))
-    with pytest.raises(PoseError):
-        arm.ik(np.full((40, 4, 4), np.nan), out=solved)
 
 
 def test_auto_threads_answer_as_one(arm: urdf_ik.Arm) -> None:

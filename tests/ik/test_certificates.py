@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from searches import folds
 from arms_general import crx_like, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
 from cases import Case, described, nearest
 from numpy.typing import NDArray
@@ -140,7 +141,7 @@ def test_singular_poses_are_counted_with_clusters(name: str) -> None:
     """Where Pinocchio's Jacobian is singular the count is full; the planted joint vector lies in a cluster."""
     case = named(name)
     rng = np.random.default_rng(4)
-    Q = singular_vectors(case, rng, 10)
+    Q = folds(case.arm, 10, rng)
     counted = 0
     for (_, s, proof), q in zip(proofs(case, Q), Q, strict=True):
         if proof.status != "clustered":
@@ -187,24 +188,6 @@ def test_a_cusp_is_counted_as_three(quarters: tuple[int, ...]) -> None:
     assert away[1] == pytest.approx(2.0 * away[0], rel=0.05)
 
 
-def singular_vectors(case: Case, rng: np.random.Generator, count: int) -> Array:
-    """Joint vectors (count, 6) at which the Jacobian's determinant changes sign, by bisection."""
-    found: list[Array] = []
-
-    def determinant(q: Array) -> float:
-        J = case.arm.jacobian(q).copy()
-        J[:3] /= case.arm.chain.size
-        return float(np.linalg.det(J))
-
-    while len(found) < count:
-        a, b = rng.uniform(-np.pi, np.pi, 6), rng.uniform(-np.pi, np.pi, 6)
-        if determinant(a) * determinant(b) > 0.0:
-            continue
-        for _ in range(70):
-            middle = 0.5 * (a + b)
-            a, b = (middle, b) if determinant(a) * determinant(middle) > 0.0 else (a, middle)
-        found.append(0.5 * (a + b))
-    return np.array(found)
 
 
 # Next to this joint vector of the CRX-10iA/L four of eight solutions lie near double roots.

@@ -137,23 +137,6 @@ def test_ur5_elbow_beyond_its_bound_is_named() -> None:
     assert arm.ik_nearest(arm.fk(q), near, within=0.2).explain() == text
 
 
-@pytest.mark.parametrize(
-    ("options", "error", "message"),
-    [
-        ({"metric": "l1"}, ArgumentError, "'l2', 'max', 'time'"),
-        ({"within": -0.1}, ArgumentError, "zero or positive"),
-        ({"within": [0.1, np.nan, 1, 1, 1, 1]}, ArgumentError, "zero or positive"),
-        ({"within": [0.1, 0.2]}, ArgumentError, "6 joints: shoulder_pan_joint"),
-        ({"within": "near"}, ArgumentError, "a number, or one a joint"),
-        ({"weights": [1.0]}, ArgumentError, "weights has the shape"),
-    ],
-)
-def test_settings_that_make_no_sense_are_refused(options: dict[str, Any], error: type[Exception], message: str) -> None:
-    """A metric, bounds or weights that do not fit are refused with what would fit."""
-    arm = from_catalogue("ur5").arm
-    for ask in (arm.ik(np.eye(4)).nearest, lambda *a, **k: arm.ik_nearest(np.eye(4), *a, **k)):
-        with pytest.raises(error, match=message):
-            ask(np.zeros(6), **options)
 
 
 def test_time_needs_speeds() -> None:
@@ -214,15 +197,6 @@ def test_planar_2r_best_has_manipulability_l1_l2_sin_q2() -> None:
     np.testing.assert_allclose(s.scores("manipulability")[s.valid], np.abs(np.sin(s.to_array()[:, 1])), atol=1e-12)
 
 
-def test_qualities_that_do_not_exist_are_refused() -> None:
-    """An unknown quality, a world for a quality that ignores it, and more columns than there are, are refused."""
-    s: IKSolutions = from_catalogue("ur5").arm.ik(np.eye(4))
-    with pytest.raises(ArgumentError, match="'limits', 'manipulability', 'clearance'"):
-        s.best("speed")
-    with pytest.raises(ArgumentError, match="looks at no world"):
-        s.best("limits", world=object())
-    with pytest.raises(ArgumentError, match="the n best of 8 columns: n=9"):
-        s.best("limits", n=9)
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=str)

@@ -250,16 +250,6 @@ def test_second_derivatives_are_how_the_first_change(name: str) -> None:
     np.testing.assert_allclose(s.d2q_dT2(V, W)[steady], change[steady], rtol=1e-4, atol=1e-3)
 
 
-def test_what_has_no_derivative_is_refused_in_words() -> None:
-    """A parameter of an arm without one, a twist of five numbers."""
-    plain = urdf_ik.load("puma_560")
-    p = plain.ik(plain.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
-    with pytest.raises(UnsupportedArm, match="leave nothing free"):
-        p.dq_dredundancy()
-    with pytest.raises(ArgumentError, match=r"finite numbers \(..., 6\) are needed"):
-        p.d2q_dT2([1.0, 0, 0, 0, 0])
-    with pytest.raises(ArgumentError, match="'base', 'tip'"):
-        p.dq_dT(axes="world")
 
 
 def test_filtered_solutions_keep_their_derivatives() -> None:

@@ -64,13 +64,6 @@ def test_solutions_are_exact_and_contain_the_planted_one(name: str) -> None:
     contract.holds(named(name), 40, 2)
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_solutions_have_a_column_for_each_branch(name: str) -> None:
-    """One row of six joint values for each branch of the structure, in its order."""
-    case = named(name)
-    solutions = case.arm.ik(case.oracle.pose(np.full(6, 0.5)))
-    assert solutions.branches == case.arm.structure.branches
-    assert np.asarray(solutions.q).shape == (len(solutions.branches), 6)
 
 
 @pytest.mark.parametrize("name", thinned(ALL, 4))

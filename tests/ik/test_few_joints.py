@@ -33,28 +33,10 @@ NAMES = tuple(BUILDS)
 PLANAR = ("2R planar", "3R planar", "RRPR SCARA", "RRRP SCARA", "PRRR SCARA", "RPRR SCARA", "RRP SCARA")
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("name", NAMES)
-def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
-    """Every pose that a joint vector gives is answered with that vector among exact and different ones."""
-    case = few(name, seed)
-    for q in draw(case, np.random.default_rng(seed), 30):
-        assert_answers(case, q, case.oracle.pose(q))
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_answers_are_complete(name: str) -> None:
-    """No solution that Newton's method finds from many random starts is missing."""
-    assert assert_complete(few(name, 3))
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_batch_is_single(name: str) -> None:
-    """A stack of poses has the answers of each of them, with any number of threads."""
-    case = few(name, 4)
-    T = case.oracle.poses(draw(case, np.random.default_rng(2), 150))
-    T[::7, :3, 3] += 0.3
-    contract.batch_equals_single(case, T)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -163,18 +145,6 @@ def test_5r_axis_5_along_axes_1_2_3_gives_one_marked_representative() -> None:
         assert 1 <= np.count_nonzero(solutions.singular) <= 2
 
 
-def test_rounded_decimals_are_exact_as_written() -> None:
-    """Axes that are parallel, or meet, only to 1e-3 .. 1e-9 are solved as the URDF has them."""
-    rng = np.random.default_rng(21)
-    for name in ("2R planar", "3R planar", "RRPR SCARA", "4R palletizer", "4R 1x2+2||3+3x4", "5R 2||3||4+4x5"):
-        for off in (1e-3, 1e-6, 1e-9):
-            build = BUILDS[name]
-            axes, points, tool = axes_and_points(build, rng)
-            axes = axes + off * rng.normal(size=axes.shape)
-            axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-            case = case_of(few_urdf(build.kinds, axes, points + off * rng.normal(size=points.shape), tool, rng))
-            for q in draw(case, rng, 8):
-                assert_answers(case, q, case.oracle.pose(q))
 
 
 def test_redundant_arms_are_refused() -> None:
@@ -204,12 +174,6 @@ def test_scara_slide_beyond_its_limit_has_no_turns() -> None:
     assert "'joint_3' at 1.0500 m, 0.05 m beyond its upper limit" in out.within_limits().explain()
 
 
-@pytest.mark.parametrize("name", ["1R", "2R planar", "RRP polar", "RRPR SCARA", "4R palletizer", "5R any", "PPP"])
-def test_crosscheck_holds(name: str) -> None:
-    """The package's own check against Pinocchio passes, the planted joint vector included."""
-    report = crosscheck.check(few("PPP gantry" if name == "PPP" else name, 9).arm, n=40)
-    assert report.passed, str(report)
-    assert report.row("planted joint vector").checked == 40
 
 
 @pytest.mark.parametrize("name", PLANAR)
@@ -232,26 +196,8 @@ def test_planar_arms_name_their_elbows(name: str) -> None:
     assert (np.abs(gaps) > 1e-9).all()
 
 
-def test_bad_targets_are_refused() -> None:
-    """NaN, infinity and a matrix that is not a rotation raise PoseError with the place in the batch."""
-    for name in ("2R planar", "4R any", "5R any", "PPP gantry"):
-        case = few(name, 0)
-        T = case.oracle.poses(draw(case, np.random.default_rng(0), 40))
-        for bad in (np.nan, np.inf, 3.0):
-            broken = T.copy()
-            broken[33, 0, 0] = bad
-            with pytest.raises(PoseError) as error:
-                case.arm.ik(broken)
-            assert error.value.index == (33,)
 
 
-def test_rotations_with_rounding_are_taken() -> None:
-    """A rotation that is off by 1e-7 is replaced by the nearest one, where that is in reach."""
-    case, rng = few("RRPR SCARA", 1), np.random.default_rng(1)
-    q = draw(case, rng, 1)[0]
-    T = case.oracle.pose(q)
-    T[:3, :3] *= 1.0 + 1e-7
-    assert apart(case, rows(case.arm.ik(T)), q).min() < 1e-9
 
 
 def test_an_arm_far_from_its_base_keeps_its_digits() -> None:

@@ -87,18 +87,6 @@ def test_batch_equals_single(name: str) -> None:
     contract.batch_equals_single_but_for_one(named(name), 3)
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_columns_are_sorted(name: str) -> None:
-    """Solutions stand in the first columns, by their first joint that differs, from -pi to pi."""
-    case = named(name)
-    for q in case.oracle.draw(np.random.default_rng(4), 20):
-        solutions = case.arm.ik(case.oracle.pose(q))
-        valid = np.asarray(solutions.valid)
-        found = rows(solutions)
-        assert valid[: len(found)].all()
-        for a, b in zip(found[:-1], found[1:], strict=True):
-            different = np.flatnonzero(np.abs(a - b) > 1e-6)
-            assert a[different[0]] < b[different[0]], (q, a, b)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -166,37 +154,8 @@ def test_self_inversive_roots_are_the_planted_ones(degree: int) -> None:
         assert distance.min(axis=1).max() < 1e-9
 
 
-def test_self_inversive_roots_are_numpys() -> None:
-    """For random harmonics, of very different sizes too, the roots are those of NumPy's eigenvalues."""
-    rng = np.random.default_rng(16)
-    for scale in (1.0, 1e-3, 1e-6):
-        half = rng.normal(size=9) + 1j * rng.normal(size=9)
-        half[:3] *= scale  # some roots near zero, and as many far out
-        half[8] = half[8].real
-        coefficients = np.concatenate([half, np.conj(half[7::-1])])
-        z = self_inversive_roots(coefficients)
-        expected = np.roots(coefficients[::-1])
-        distance = np.abs(expected[:, None] - z[None, :]) / np.abs(expected)[:, None]
-        assert sorted(distance.argmin(axis=1)) == list(range(16))
-        assert distance.min(axis=1).max() < 1e-7
 
 
-def test_pinocchio_agrees_on_the_standard_table() -> None:
-    """The arm made from a standard Denavit-Hartenberg table has that table's forward kinematics."""
-    oracle = Oracle(manseur_doty().urdf)
-    quarter, one = math.radians(90.0), math.radians(1.0)
-    table = zip([quarter, one] * 3, (0.3, 1, 0, 1.5, 0, 0), (0, 0, 0.2, 0, 0, 0), strict=True)
-    q = np.array([0.3, -1.2, 2.1, 0.7, -0.4, 1.9])
-    pose = np.eye(4)
-    for (alpha, a, d), angle in zip(table, q, strict=True):
-        (ca, sa), (ct, st) = ((math.cos(x), math.sin(x)) for x in (alpha, angle))
-        pose = pose @ [
-            [ct, -st * ca, st * sa, a * ct],
-            [st, ct * ca, -ct * sa, a * st],
-            [0, sa, ca, d],
-            [0, 0, 0, 1],
-        ]
-    np.testing.assert_allclose(oracle.pose(q), pose, atol=1e-12)
 
 
 def test_parallel_axes_2_3_4_and_5_6_lose_no_planted_vector() -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
+from searches import newton
 from arms import random_arm
 from arms_hollow import hollow
 from arms_mimic import mimicking
@@ -60,27 +61,12 @@ def test_nothing_is_missing(kind: str) -> None:
     for k, planted in enumerate(drawn(kind, 6, 5)):
         target = reference.pose(planted)
         found = arm.ik(target).to_array()
-        for q in newton(arm, target, drawn(kind, 200, 100 + k)):
+        for q in newton(arm.fk, arm.jacobian, arm.chain.size, target, drawn(kind, 200, 100 + k)):
             assert distances(arm, found, q).min() < 1e-6
             compared += 1
     assert compared > 50
 
 
-def newton(arm: urdf_ik.Arm, target: Array, Q: Array) -> Array:
-    """Regular solutions of the pose that damped least squares leads to from starts (m, 6)."""
-    for _ in range(60):
-        T, J = arm.fk(Q), arm.jacobian(Q)
-        turn = target[:3, :3] @ np.swapaxes(T[:, :3, :3], 1, 2)
-        skew = [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]]
-        e = np.concatenate([(target[:3, 3] - T[:, :3, 3]) / arm.chain.size, 0.5 * np.stack(skew, axis=1)], axis=1)
-        J[:, :3] /= arm.chain.size
-        size = np.abs(e).max(axis=1)
-        back = np.swapaxes(J, 1, 2)
-        damping = np.minimum(1e-2 * size, 1e-2) ** 2 + 1e-15
-        step = np.linalg.solve(back @ J + damping[:, None, None] * np.eye(6), back @ e[:, :, None])[:, :, 0]
-        Q = Q + np.minimum(1.0, 0.5 / (np.abs(step).max(axis=1) + 1e-300))[:, None] * step
-    regular = np.linalg.svd(J, compute_uv=False)[:, -1] > 1e-4
-    return Q[(size < 1e-11) & (np.trace(turn, axis1=1, axis2=2) > 1.0) & regular]
 
 
 @pytest.mark.parametrize("kind", ["irb_5400", "mirrored"])

@@ -11,6 +11,7 @@ from functools import lru_cache
 import contract
 import numpy as np
 import pytest
+from searches import folds, newton
 from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
 from arms_general import (
     calibrated_ur,
@@ -90,10 +91,6 @@ def test_many_members(kind: str) -> None:
         contract.holds(near(kind, float(eps), seed), 10, seed)
 
 
-@pytest.mark.parametrize("name", MADE)
-def test_contract_of_rounded_and_calibrated_arms(name: str) -> None:
-    """Quarter turns written as 1.5708 and calibrations: planted found, all exact, none twice."""
-    contract.holds(made(name), 60, 2)
 
 
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= 1e-4])
@@ -116,10 +113,6 @@ def test_no_solution_is_missing(kind: str, eps: float) -> None:
     contract.is_complete(near(kind, eps), 2, 3)
 
 
-@pytest.mark.parametrize("name", MADE)
-def test_no_solution_of_rounded_and_calibrated_arms_is_missing(name: str) -> None:
-    """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
-    contract.is_complete(made(name), 2, 4)
 
 
 @pytest.mark.parametrize("kind", thinned(KINDS, 3))
@@ -178,10 +171,6 @@ def test_planted_near_singularities(member: tuple[str, float]) -> None:
     contract.holds_near_singularities(near(*member), 15, 6)
 
 
-@pytest.mark.parametrize("name", MADE)
-def test_planted_near_singularities_of_rounded_and_calibrated_arms(name: str) -> None:
-    """At 1e-1 to 1e-7 rad from any singularity the planted ones are found, all are exact."""
-    contract.holds_near_singularities(made(name), 15, 7)
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -210,19 +199,6 @@ def stretched_or_over_itself(case: Case, rng: np.random.Generator, m: int) -> Ar
     return np.stack([second, low], axis=-1)[rng.permutation(len(low))[:m]]
 
 
-def newton(case: Case, q: Array, T: Array) -> Array:
-    """Regular joint vectors at which Newton's method from ``q`` (n, 6) keeps the pose ``T`` to 1e-11."""
-    for _ in range(40):
-        M = np.asarray(case.arm.fk(q))
-        R = T[:3, :3] @ np.swapaxes(M[:, :3, :3], 1, 2)
-        w = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], -1)
-        e = np.concatenate([T[:3, 3] - M[:, :3, 3], w], -1)
-        J = np.asarray(case.arm.jacobian(q))
-        step = np.einsum("nij,nj->ni", np.linalg.pinv(J, rcond=1e-9), e)
-        q = q + step * np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(1), 1e-300))[:, None]
-    ahead = np.trace(R, axis1=1, axis2=2) > 2.0
-    least = np.linalg.svd(J, compute_uv=False)[:, -1]
-    return np.asarray(q[(np.linalg.norm(e, axis=1) < 1e-11) & ahead & (least > 1e-5)])
 
 
 @pytest.mark.parametrize("name", ["industrial rpy 1.5708", "industrial rpy 1.57080"])
@@ -238,7 +214,7 @@ def test_an_aligned_wrist_of_a_rounded_arm_is_proven_and_lacks_nothing(name: str
     for k in certain[:12]:
         have = rows(found[int(k)])
         starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
-        for root in newton(case, starts, T[k]):
+        for root in newton(case.arm.fk, case.arm.jacobian, case.arm.chain.size, T[k], starts, 1e-5):
             assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
 
 
@@ -257,7 +233,7 @@ def test_a_calibrated_arm_is_proven_and_lacks_nothing(name: str) -> None:
     for k in certain:
         have = rows(found[int(k)])
         starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
-        for root in newton(case, starts, T[k]):
+        for root in newton(case.arm.fk, case.arm.jacobian, case.arm.chain.size, T[k], starts, 1e-5):
             assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
 
 
@@ -266,19 +242,8 @@ def test_a_calibrated_arm_is_proven_and_lacks_nothing(name: str) -> None:
 def test_a_calibrated_arm_is_proven_beside_its_singularities(name: str, off: float, share: float) -> None:
     """Beside joint vectors where det J changes its sign most poses are proven, and no planted one is missing."""
     case, rng = made(name), np.random.default_rng(5)
-    q = []
-    while len(q) < 100:
-        line = np.tile(rng.uniform(-np.pi, np.pi, 6), (721, 1))
-        line[:, 1 + len(q) % 4] = np.linspace(-np.pi, np.pi, 721)
-        sign = np.sign(np.linalg.det(case.arm.jacobian(line)))
-        for k in np.flatnonzero(sign[:-1] * sign[1:] < 0)[:1]:
-            low, high = line[k], line[k + 1]
-            for _ in range(50):
-                middle = 0.5 * (low + high)
-                same = np.sign(np.linalg.det(case.arm.jacobian(middle[None])))[0] == sign[k]
-                low, high = (middle, high) if same else (low, middle)
-            d = rng.normal(size=6)
-            q.append(low + off * d / np.linalg.norm(d))
+    d = rng.normal(size=(100, 6))
+    q = folds(case.arm, 100, rng) + off * d / np.linalg.norm(d, axis=1, keepdims=True)
     found = case.arm.ik(np.stack([case.oracle.pose(each) for each in q]))
     for k, each in enumerate(q):
         assert nearest(rows(found[k]), each) <= case.oracle.tolerance(each), (k, each.tolist())

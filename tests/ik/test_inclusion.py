@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from searches import folds
 from arms import random_arm
 from arms_general import ur_with_right_angles
 from cases import Case, described, from_catalogue
@@ -29,31 +30,12 @@ def exact(kind: str, seed: int = 0) -> Case:
     return described(random_arm(kind, seed))
 
 
-def singular_vectors(case: Case, count: int, rng: np.random.Generator) -> Array:
-    """Joint vectors at which the Jacobian's determinant changes its sign along one joint."""
-    q = rng.uniform(-np.pi, np.pi, (64 * count, 6))
-    j = rng.integers(1, 5, len(q))
-    other = q.copy()
-    other[np.arange(len(q)), j] += 0.3
-
-    def sign(at: Array) -> Array:
-        return np.sign(np.linalg.det(case.arm.jacobian(at)))
-
-    low, high = q, other
-    crosses = sign(low) * sign(high) < 0.0
-    low, high = low[crosses][:count], high[crosses][:count]
-    of_low = sign(low)
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        below = (sign(middle) == of_low)[:, None]
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return low
 
 
 def near_singular(case: Case, count: int) -> Array:
     """Joint vectors at all distances from singular ones."""
     rng = np.random.default_rng(5)
-    at = singular_vectors(case, count, rng)
+    at = folds(case.arm, count, rng)
     away = rng.normal(size=at.shape)
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     return np.concatenate([at + distance * away for distance in DISTANCES])

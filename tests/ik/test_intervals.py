@@ -211,11 +211,6 @@ def test_out_of_reach_there_is_no_interval(case: Case) -> None:
     assert not found.nearest(np.zeros(7))
 
 
-def test_arms_that_leave_nothing_free_are_refused() -> None:
-    """An arm with six joints has no redundancy parameter."""
-    arm = urdf_ik.load("puma_560")
-    with pytest.raises(urdf_ik.UnsupportedArm, match="nothing free"):
-        arm.intervals(np.eye(4))
 
 
 def test_free_axis() -> None:

@@ -171,8 +171,3 @@ def test_huge_limits_neither_overflow_nor_fill_the_memory() -> None:
         np.testing.assert_allclose(first, [[0.5, 0.2], [0.5 - 2 * PI, 0.2], [0.5 + 2 * PI, 0.2]])
 
 
-@pytest.mark.parametrize("tol", [np.nan, np.inf, -np.inf])
-def test_a_tolerance_is_finite(tol: float) -> None:
-    """NaN and infinities are refused as tolerances: they would drop or keep everything in silence."""
-    with pytest.raises(UrdfIkError, match="a finite number of rad or m"):
-        limits.nearest_image(np.zeros((1, 1)), np.array([[-1.0, 1.0]]), np.array([True]), tol)

@@ -100,19 +100,6 @@ def test_joints_that_drive_several_axes_have_a_sign() -> None:
         assert each.branch.startswith(f"determinant {sign_at(arm, each.q)}, solution ")
 
 
-def test_information_says_what_a_name_is() -> None:
-    """Words of geometry, a sign with a number, or a number alone: `info` says which the answers have."""
-    seen = set()
-    for name, arm in core_arms.every_arm():
-        q = np.random.default_rng(5).uniform(-0.5, 0.5, arm.dof)
-        names = [one.branch for one in arm.ik(arm.fk(q)) if not one.singular]
-        text = " ".join(as_text(arm, angles_of(arm, False)).split())
-        said = ("no name: the sign of the Jacobian's determinant" in text, "no name: a number" in text)
-        signed = [each.startswith("determinant") for each in names if branch_names.is_local(each)]
-        assert sum(said) == branch_names.local(arm.structure.branches)
-        assert not signed or said == (all(signed), not any(signed)), name
-        seen.add(said)
-    assert len(seen) == 3
 
 
 def test_names_of_geometry_stay() -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
+from searches import newton
 from arms import Y, Z, random_arm
 from arms_few import few_urdf
 from arms_mimic import LINKAGES, limited, linkage, mimicking
@@ -86,23 +87,12 @@ def test_nothing_is_missing(name: str) -> None:
     for planted in drawn(reference, 3, 5):
         target = reference.pose(planted)
         found = arm.ik(target).to_array()
-        for start in rng.uniform(lower, upper, (60, arm.dof)):
-            q = newton(reference, target, start)
-            if q is not None and ((q >= lower) & (q <= upper) | (turns > 0.0)).all():
+        starts = rng.uniform(lower, upper, (60, arm.dof))
+        for q in newton(reference.pose, reference.jacobian, reference.size, target, starts, 1e-3):
+            if ((q >= lower) & (q <= upper) | (turns > 0.0)).all():
                 assert distances(arm, found, q).min() < 1e-6
 
 
-def newton(reference: Reference, target: Array, q: Array) -> Array | None:
-    """A regular solution of the pose that damped least squares leads to, by Pinocchio alone."""
-    for _ in range(60):
-        T = reference.pose(q)
-        turn = pin.log3(target[:3, :3] @ T[:3, :3].T)
-        e = np.concatenate([(target[:3, 3] - T[:3, 3]) / reference.size, turn])
-        J = scaled_jacobian(reference, q)
-        if np.abs(e).max() < 1e-12:
-            return q if np.linalg.svd(J, compute_uv=False)[-1] > 1e-3 else None
-        q = q + np.linalg.solve(J.T @ J + 1e-3 * min(1.0, e @ e) * np.eye(len(q)) + 1e-14, J.T @ e)
-    return None
 
 
 @pytest.mark.parametrize("name", ["planar 4R, one follows", "palletizer, tool kept upright"])
@@ -178,12 +168,6 @@ def test_poses_out_of_reach(name: str) -> None:
         arm.ik(np.full((4, 4), np.nan))
 
 
-def test_many_poses_are_one_by_one() -> None:
-    """A batch, split over threads, equals its poses to the last bit."""
-    arm, reference = arm_and_reference(linkage("halves", 0))
-    T = reference.pose(drawn(reference, 9))
-    q = arm.ik(T, threads=3).q
-    np.testing.assert_array_equal(q, [arm.ik(each).q for each in T])
 
 
 def test_halves_linkage_repeats_after_two_turns() -> None:
@@ -298,16 +282,3 @@ def test_the_cross_check_passes(name: str) -> None:
     assert arm.manipulability(q).shape == (3,)
 
 
-def test_what_is_reported_of_it(tmp_path) -> None:
-    """``info`` names the joints that mimic; a Denavit-Hartenberg table, which cannot, is refused."""
-    path = tmp_path / "arm.urdf"
-    path.write_text(linkage("halves", 0))
-    text = CliRunner().invoke(app, ["info", str(path)], catch_exceptions=False)
-    assert text.exit_code == 0
-    assert "joint_2 = -1.5 joint_1" in text.output
-    data = CliRunner().invoke(app, ["info", str(path), "--format", "json"], catch_exceptions=False)
-    assert '"driver": "joint_1"' in data.output
-    ik = CliRunner().invoke(app, ["ik", str(path), "--turns"], catch_exceptions=False)
-    assert ik.exit_code == 0
-    with pytest.raises(UrdfError, match="mimic"):
-        DHTable.from_chain(urdf_ik.load(path).chain)

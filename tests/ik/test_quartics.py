@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from searches import folds
 from arms import random_arm
 from cases import Case, described, thinned
 from closed_forms import by_elimination, member
@@ -39,7 +40,7 @@ def test_where_roots_nearly_meet_no_planted_vector_is_denied(kind: str, seed: in
     """1e-1 to 1e-8 rad from a fold, an answer that says certain has the vector that the pose was made from."""
     case = case_of(kind, seed)
     rng = np.random.default_rng(seed)
-    Q = folds(case, 24, rng)
+    Q = folds(case.arm, 24, rng)
     d = rng.normal(size=Q.shape)
     Q = Q + (10.0 ** rng.uniform(-8, -1, len(Q)) / np.linalg.norm(d, axis=1))[:, None] * d
     s = case.arm.ik(case.arm.fk(Q))
@@ -48,20 +49,3 @@ def test_where_roots_nearly_meet_no_planted_vector_is_denied(kind: str, seed: in
     assert (found | ~s.certain).all()
 
 
-def folds(case: Case, many: int, rng: np.random.Generator) -> np.ndarray:
-    """Joint vectors (many, 6) at which the Jacobian's determinant changes its sign along a joint."""
-    out: list[np.ndarray] = []
-    while len(out) < many:
-        line = np.tile(rng.uniform(-np.pi, np.pi, 6), (33, 1))
-        line[:, int(rng.integers(1, 5))] = np.linspace(-np.pi, np.pi, 33)
-        signs = np.sign(np.linalg.det(case.arm.jacobian(line)))
-        at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-        if not len(at):
-            continue
-        low, high = line[at[0]], line[at[0] + 1]
-        for _ in range(50):
-            middle = (low + high) / 2
-            same = np.sign(np.linalg.det(case.arm.jacobian(middle))) == signs[at[0]]
-            low, high = (middle, high) if same else (low, middle)
-        out.append(low)
-    return np.array(out)

@@ -21,25 +21,10 @@ from urdf_ik.model import catalogue
 FAMILIES = every()
 
 
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
-def test_a_record_is_whole(family: Family) -> None:
-    """A family has a name, a reason, steps in words, and a different name for each of its columns."""
-    assert family.name and family.reason and family.steps
-    assert len(set(family.branches)) == len(family.branches) > 0
-    assert not (family.by_elimination and family.by_quadratics)
-    assert "{" not in family.why(7) + family.why(7, from_tip=True)
 
 
-def test_names_are_different() -> None:
-    """No two families are called the same."""
-    names = [family.name for family in FAMILIES]
-    assert len(set(names)) == len(names)
 
 
-def test_closed_forms_come_in_the_order_of_cost() -> None:
-    """Families solved by quadratics come before those solved by quartics."""
-    costs = [not family.by_quadratics for family in registry.SIX_TURNING]
-    assert costs == sorted(costs)
 
 
 def test_a_reason_is_counted_from_the_base() -> None:

@@ -82,38 +82,8 @@ def test_nothing_is_missing(kind: str) -> None:
             assert nearest(found, x) < 1e-5
 
 
-def newton(arm: urdf_ik.Arm, q: Array, T: Array) -> Array | None:
-    """A joint vector that reaches T from the start q, by damped Newton's method, or None."""
-    for _ in range(60):
-        pose = arm.fk(q)
-        turn = T[:3, :3] @ pose[:3, :3].T
-        skew_part = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-        error = np.concatenate([T[:3, 3] - pose[:3, 3], skew_part])
-        if np.abs(error).max() < 1e-12:
-            return q if np.trace(turn) > 2.0 else None
-        J = arm.jacobian(q)
-        step = np.linalg.solve(J.T @ J + (1e-3 * min(float(error @ error), 1.0) + 1e-14) * np.eye(6), J.T @ error)
-        q = q + step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-9))
-    return None
 
 
-def newton_at(case: Case, q: Array, T: Array, value: float) -> Array | None:
-    """The same for seven joints, with the parameter as a seventh equation."""
-    arm = case.arm
-    for _ in range(60):
-        pose = case.oracle.pose(q)
-        turn = T[:3, :3] @ pose[:3, :3].T
-        skew_part = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-        off = (value - float(arm.redundancy_of(q)) + np.pi) % (2.0 * np.pi) - np.pi
-        error = np.concatenate([T[:3, 3] - pose[:3, 3], skew_part, [off]])
-        if np.abs(error).max() < 1e-11:
-            return q if np.trace(turn) > 2.0 else None
-        h = 1e-7 * np.eye(7)
-        gradient = ((arm.redundancy_of(q + h) - arm.redundancy_of(q - h) + np.pi) % (2 * np.pi) - np.pi) / 2e-7
-        J = np.vstack([case.oracle.jacobian(q), gradient])
-        step = np.linalg.solve(J.T @ J + (1e-3 * min(float(error @ error), 1.0) + 1e-14) * np.eye(7), J.T @ error)
-        q = q + step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-9))
-    return None
 
 
 @pytest.mark.parametrize("kind", ["S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6"])
@@ -139,23 +109,6 @@ def test_poses_and_values_broadcast(kind: str) -> None:
     assert arm.ik(targets[:0], redundancy=values[:0]).q.shape == (0, len(table.branches), 7)
 
 
-def test_values_that_do_not_fit_are_refused() -> None:
-    """Values that are not numbers or do not broadcast, and an arm without a parameter."""
-    arm = member("S-R-S", 0).arm
-    T = np.tile(np.eye(4), (3, 1, 1))
-    for value in (np.nan, "much", [0.0, np.inf]):
-        with pytest.raises(ArgumentError, match="swivel angle"):
-            arm.ik(T[0], redundancy=value)
-    with pytest.raises(ArgumentError, match=r"\(3,\).*\(2,\)"):
-        arm.ik(T, redundancy=[0.0, 1.0])
-    with pytest.raises(urdf_ik.PoseError, match="pose"):
-        arm.ik(np.full((2, 4, 4), np.nan), redundancy=0.0)
-    six = urdf_ik.load("zyyzyz_6r")
-    assert six.redundancy is None
-    assert six.ik(T).redundancy is None
-    for ask in (lambda: six.ik(T, redundancy=0.0), lambda: six.redundancy_of(np.zeros(6)), lambda: six.sweep(T[0])):
-        with pytest.raises(UnsupportedArm, match="joint_1, joint_2"):
-            ask()
 
 
 @pytest.mark.parametrize("kind", ["S-R-S", "one behind wrist, 1x2"])

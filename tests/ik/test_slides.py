@@ -37,27 +37,10 @@ NAMES = tuple(SLIDES | WRISTLESS)
 DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("name", NAMES)
-def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
-    """Every pose that a joint vector gives is answered with that vector among exact and different ones."""
-    case = few(name, seed)
-    for q in draw(case, np.random.default_rng(seed), 30):
-        # Solutions come in pairs.
-        assert len(assert_answers(case, q, case.oracle.pose(q))) % 2 == 0
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_answers_are_complete(name: str) -> None:
-    """No solution that Newton's method finds from many random starts is missing."""
-    assert assert_complete(few(name, 3)) > 10
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_batch_is_single(name: str) -> None:
-    """A stack of poses has the answers of each of them, with any number of threads."""
-    case = few(name, 4)
-    contract.batch_equals_single(case, case.oracle.poses(draw(case, np.random.default_rng(2), 60)))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -81,29 +64,6 @@ def test_near_and_at_singularities(name: str) -> None:
             assert_answers(case, near, T, tol=tol)
 
 
-def singular(case: Case, rng: np.random.Generator) -> tuple[Array, int]:
-    """A joint vector (6,) at which the determinant changes sign along one joint that turns, and that joint."""
-
-    def determinant(q: Array, joint: int, value: float) -> float:
-        moved = q.copy()
-        moved[joint] = value
-        return float(np.linalg.det(case.oracle.jacobian(moved)))
-
-    grid = np.linspace(-3.0, 3.1, 25)
-    turning = np.flatnonzero(~case.arm.chain.prismatic)
-    while True:
-        q, joint = draw(case, rng, 1)[0], int(rng.choice(turning))
-        values = np.array([determinant(q, joint, value) for value in grid])
-        crossings = np.flatnonzero(values[:-1] * values[1:] < -1e-12)
-        if len(crossings):
-            break
-    low, high = grid[crossings[0]], grid[crossings[0] + 1]
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        same = determinant(q, joint, middle) * determinant(q, joint, low) > 0.0
-        low, high = (middle, high) if same else (low, middle)
-    q[joint] = middle
-    return q, joint
 
 
 def test_stanford_arm_has_eight_and_names_its_straight_wrist() -> None:
@@ -128,18 +88,6 @@ def test_stanford_arm_has_eight_and_names_its_straight_wrist() -> None:
     assert re.search(r"\d.* (m|rad)\b", unreached.explain()), unreached.explain()
 
 
-@pytest.mark.parametrize("name", ["RRPRRR Stanford", "RPPRRR cylindrical", "PRRRRR any", "RRRRPR wrist at the base"])
-@pytest.mark.parametrize("off", [1e-4, 1e-6, 1e-9])
-def test_rounded_decimals_are_exact_as_written(name: str, off: float) -> None:
-    """A wrist that meets only nearly is solved as the URDF has it, as completely."""
-    build, rng = SLIDES[name], np.random.default_rng(21)
-    axes, points, tool = axes_and_points(build, rng)
-    axes = axes + off * rng.normal(size=axes.shape)
-    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    case = case_of(few_urdf(build.kinds, axes, points + off * rng.normal(size=points.shape), tool, rng))
-    assert "spherical wrist" in case.arm.structure.family
-    for q in draw(case, rng, 20):
-        assert len(assert_answers(case, q, case.oracle.pose(q))) % 2 == 0
 
 
 def test_stanford_boom_beyond_its_limit_has_no_turns() -> None:
@@ -170,17 +118,6 @@ def test_out_of_reach_is_no_error(name: str) -> None:
             assert re.search(r"\d.* (m|rad)\b", solutions.explain()), solutions.explain()
 
 
-def test_bad_targets_are_refused() -> None:
-    """NaN, infinity and a matrix that is not a rotation raise PoseError with the place in the batch."""
-    for name in ("RRPRRR Stanford", "RPRPRP any"):
-        case = few(name, 0)
-        T = case.oracle.poses(draw(case, np.random.default_rng(0), 40))
-        for bad in (np.nan, np.inf, 3.0):
-            broken = T.copy()
-            broken[33, 0, 0] = bad
-            with pytest.raises(PoseError) as error:
-                case.arm.ik(broken)
-            assert error.value.index == (33,)
 
 
 def test_redundant_arms_give_samples() -> None:

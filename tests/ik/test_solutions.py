@@ -80,18 +80,8 @@ def test_a_batch_is_indexed_like_an_array_of_poses(index: Any) -> None:
         assert got.filters == s.filters
 
 
-def test_an_index_does_not_reach_into_the_columns() -> None:
-    """Too many indices, or one out of range, raise IndexError instead of taking branches for poses."""
-    for index in ((0, 0, 0), (slice(None),) * 3, 2, (0, 5), (..., 0, 0, 0)):
-        with pytest.raises(IndexError):
-            BATCH[index]
 
 
-@pytest.mark.parametrize("use", [len, iter, bool, list, IKSolutions.to_array, lambda s: list(s.iter_turns())])
-def test_a_batch_is_not_a_sequence_of_solutions(use: Any) -> None:
-    """Operations on one pose raise ArgumentError for a batch, and the message says what to do instead."""
-    with pytest.raises(ArgumentError, match=r"single pose.*s\[i\]"):
-        use(BATCH)
 
 
 def test_arrays_are_read_only() -> None:
@@ -104,22 +94,8 @@ def test_arrays_are_read_only() -> None:
     T[0, 3] = 1.0
 
 
-def test_filters_leave_the_solutions_as_they_were() -> None:
-    """Filtering, choosing and multiplying change neither the values nor the flags of the original."""
-    s = made(ONE.q)
-    s.within_limits().turns().collision_free().nearest([0, 0, 0])
-    s.collision_free()
-    np.testing.assert_array_equal(s.q, ONE.q)
-    np.testing.assert_array_equal(s.valid, ONE.valid)
-    assert s.filters == ()
 
 
-def test_construction_copies_nothing() -> None:
-    """Solutions refer to the arrays that the solver filled."""
-    T, q, info = np.eye(4), np.zeros((8, 6)), np.ones(8, np.uint8)
-    solutions = IKSolutions(ARM, T, q, info, BRANCHES)
-    assert np.shares_memory(solutions.q, q)
-    assert np.shares_memory(solutions.poses, T)
 
 
 def test_within_limits_gives_the_image_inside() -> None:
@@ -189,14 +165,6 @@ def test_turns_of_a_batch_have_the_same_columns() -> None:
     assert len(set(shifted.branches)) == len(shifted.branches)
 
 
-def test_turns_of_no_solutions() -> None:
-    """Without a solution there are no images and no columns, and nothing is raised."""
-    for s in (made([NONE] * 4), made(np.empty((0, 4, 3)))):
-        turned = s.turns()
-        assert turned.q.shape == s.q.shape
-        assert not turned.valid.any()
-        assert turned.branches == s.branches
-    assert made(np.empty((0, 4, 3))).nearest([0, 0, 0]).q.shape == (0, 1, 3)
 
 
 @given(st.lists(st.tuples(*[st.floats(-PI, PI)] * 3), min_size=4, max_size=4), st.tuples(*[st.floats(-9, 9)] * 3))
@@ -243,30 +211,8 @@ def test_nearest_of_a_batch() -> None:
     assert (BATCH.nearest(itself).origin == 2).all()
 
 
-@pytest.mark.parametrize(
-    ("q_ref", "weights", "message"),
-    [
-        ([0, 0], None, "3 joints: turn, slide, spin"),
-        ([0, 0, np.nan], None, "finite"),
-        (["a", 0, 0], None, "numbers"),
-        (0.0, None, "shape"),
-        (np.zeros((4, 3)), None, "one a pose"),
-        ([0, 0, 0], [1, 1], "weights has the shape"),
-        ([0, 0, 0], [1, -1, 1], "weights"),
-        ([0, 0, 0], np.ones((2, 3)), "weights"),
-    ],
-)
-def test_nearest_refuses(q_ref: Any, weights: Any, message: str) -> None:
-    """A reference or weights of the wrong shape raise ArgumentError that names the right one."""
-    with pytest.raises(ArgumentError, match=message):
-        BATCH.nearest(q_ref, weights)
 
 
-@pytest.mark.parametrize("n", [0, -1, 5])
-def test_nearest_refuses_more_columns_than_there_are(n: int) -> None:
-    """The number of columns must be between one and the number of solutions' columns."""
-    with pytest.raises(UrdfIkError, match="of 4 columns"):
-        BATCH.nearest([0, 0, 0], n=n)
 
 
 def test_collision_free_asks_about_the_solutions_only() -> None:
@@ -342,19 +288,3 @@ def test_explain_of_a_batch_has_a_line_for_each_pose_without_solution() -> None:
     assert made(q[0, 1:], x=[2]).explain() == ""
 
 
-def test_text() -> None:
-    """The table has a line for each solution with its branch and values in the asked unit, lengths in m in both."""
-    radians, degrees = str(ONE).splitlines(), ONE.table(degrees=True).splitlines()
-    assert radians[0] == "fake: 3 solutions"
-    assert radians[1].split() == ["#", "branch", "q1", "[rad]", "q2", "[m]", "q3", "[rad]"]
-    assert radians[2].split() == ["0", "front", "1.0000", "0.2000", "3.0000"]
-    assert degrees[1].split() == ["#", "branch", "q1", "[deg]", "q2", "[m]", "q3", "[deg]"]
-    assert degrees[2].split() == ["0", "front", "57.30", "0.2000", "171.89"]
-    assert len(radians) == 5
-    assert len({line.index(".") for line in radians[2:]}) == 1, "columns are aligned"
-    assert str(made([NONE] * 4, x=7.0)) == "fake: no solution: x = 7 m is out of reach"
-    assert str(BATCH.within_limits()).startswith("fake: 10 poses, ")
-    assert repr(ONE.turns()) == "<IKSolutions of fake: 4 in 8 columns, complete, turns>"
-    assert repr(BATCH) == "<IKSolutions of fake: poses (2, 5), 40 solutions>"
-    many = made(np.zeros((4, 6)) + 0.1, arm_with([[-2 * PI, 2 * PI]] * 6, ("revolute",) * 6)).turns()
-    assert str(many).splitlines()[-1] == "... and 224 more"

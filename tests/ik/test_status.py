@@ -47,16 +47,5 @@ def test_filters_parts_and_copies_keep_the_status(every_status: IKSolutions) -> 
     assert every_status[1:3].within_limits().status.tolist() == words[1:3]
 
 
-def test_tables_hold_the_status(every_status: IKSolutions) -> None:
-    """A frame repeats it for each solution; a data set has it once a pose."""
-    pytest.importorskip("pandas")
-    frame = every_status.to_frame()
-    words = frame.groupby("pose")["status"].agg(lambda each: "/".join(sorted(set(each))))
-    assert words.tolist() == list(WORDS.values())
-    pytest.importorskip("xarray")
-    assert every_status.to_xarray()["status"].dims == ("pose",)
 
 
-def test_a_single_pose_says_it_in_its_repr(every_status: IKSolutions) -> None:
-    """The word stands behind the number of solutions."""
-    assert repr(every_status[2]) == "<IKSolutions of puma_560: 8 in 8 columns, clustered>"

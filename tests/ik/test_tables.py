@@ -111,28 +111,7 @@ def test_html_is_well_formed_and_names_are_escaped() -> None:
     assert "no solution" in answers[3]._repr_html_()
 
 
-# Simulations of colour vision by Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of
-# color vision deficiency", 2009, at full severity: linear RGB to linear RGB.
-VISION = {
-    "usual": np.eye(3),
-    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
-}
 
 
-def lab(rgb: np.ndarray) -> np.ndarray:
-    """CIE L*a*b* of linear RGB."""
-    xyz = rgb @ np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
-    scaled = xyz / [0.9505, 1.0, 1.089]
-    f = np.where(scaled > 0.008856, np.cbrt(scaled), 7.787 * scaled + 16 / 116)
-    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=-1)
 
 
-@pytest.mark.parametrize("vision", VISION)
-def test_colours_of_branches_can_be_told_apart(vision: str) -> None:
-    """Any two of eight colours differ by more than 10 in CIE L*a*b*, as the colour-blind see them, too; 2.3 is seen."""
-    colours = np.array(palette.colours(8))
-    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
-    seen = lab(np.clip(linear @ np.array(VISION[vision]).T, 0.0, 1.0))
-    apart = np.linalg.norm(seen[:, None] - seen[None], axis=-1)
-    assert apart[~np.eye(8, dtype=bool)].min() > 10.0

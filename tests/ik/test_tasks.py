@@ -48,16 +48,6 @@ def test_an_arm_knows_its_task(name: str) -> None:
         assert (arm.solver.control.plane is not None) == name.endswith("planar") or name == "PP"
 
 
-def test_six_joints_control_the_pose() -> None:
-    """With six joints the task is the pose, and it is the only one."""
-    arm = from_catalogue("zyyzyz_6r").arm
-    assert arm.task == "pose"
-    assert arm.solver.control.plane is None
-    T = arm.fk(np.full(6, 0.3))
-    np.testing.assert_array_equal(arm.ik(T, task="pose").q, arm.ik(T).q)
-    for task in TASKS[1:]:
-        with pytest.raises(ArgumentError, match="6 joints do not control"):
-            arm.ik(np.zeros(3), task=task)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -243,38 +233,5 @@ def test_tasks_that_an_arm_cannot_control(name: str, task: str, target: Array, w
         few(name).arm.ik(target, task=task)
 
 
-@pytest.mark.parametrize(
-    ("name", "target"),
-    [
-        ("2R planar", [0.1, 0.2, 0.3]),
-        ("2R planar", 0.3),
-        ("2R planar", np.eye(4)),
-        ("2R planar", [0.1, math.nan]),
-        ("3R planar", [0.1, 0.2]),
-        ("3R planar", "here"),
-        ("3R any", [[0.1, 0.2], [0.3, 0.4]]),
-        ("3R any", [0.1, math.inf, 0.0]),
-        ("5R any", [0.1, 0.2, 0.3]),
-        ("5R any", [0.1, 0.2, 0.3, 0.0, 0.0, 0.0]),
-        ("5R any", ([0.1, 0.2, 0.3], [1.0, 0.0])),
-    ],
-)
-def test_wrong_targets(name: str, target: Any) -> None:
-    """A target of the wrong shape, not finite, or pointing nowhere raises PoseError that names the task."""
-    arm = few(name).arm
-    with pytest.raises(PoseError, match="task"):
-        arm.ik(target, task=arm.task)
 
 
-def test_targets_are_kept() -> None:
-    """Solutions hold the targets, not the caller's array, and the arm of a task explains them."""
-    case = few("3R positioning", 2)
-    target = target_of(case, draw(case, np.random.default_rng(1), 1)[0])
-    solutions = case.arm.ik(target, task="position")
-    kept = target.copy()
-    target[:] = 50.0
-    np.testing.assert_array_equal(solutions.poses, kept)
-    far = case.arm.for_task("position").ik(target)
-    assert far.explain() == case.arm.ik(target, task="position").explain() != ""
-    assert far.solver.task == "position"
-    assert case.arm.for_task("pose").solver is case.arm.solver
