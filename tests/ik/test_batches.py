@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.errors import ArgumentError
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +48,6 @@ def test_out_holds_for_tasks_and_redundancy_parameters() -> None:
     np.testing.assert_array_equal(again.redundancy, np.linspace(-1.0, 1.0, len(T)))
     np.testing.assert_array_equal(again.q, seven.ik(T, redundancy=np.linspace(-1.0, 1.0, len(T))).q)
     assert seven.ik(T[0], redundancy=0.3).redundancy.shape == ()
-
-
 
 
 def test_auto_threads_answer_as_one(arm: urdf_ik.Arm) -> None:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from searches import folds
 from arms_general import crx_like, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
 from cases import Case, described, nearest
 from numpy.typing import NDArray
+from searches import folds
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError
@@ -186,8 +186,6 @@ def test_a_cusp_is_counted_as_three(quarters: tuple[int, ...]) -> None:
         assert len(near) == 3
         away.append(np.mean(near))
     assert away[1] == pytest.approx(2.0 * away[0], rel=0.05)
-
-
 
 
 # Next to this joint vector of the CRX-10iA/L four of eight solutions lie near double roots.

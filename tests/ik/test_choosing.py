@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik import ArgumentError
 from urdf_ik.cell.pinocchio_reference import Reference
-from urdf_ik.ik.solutions import IKSolutions
 
 Array = NDArray[np.float64]
 
@@ -137,8 +136,6 @@ def test_ur5_elbow_beyond_its_bound_is_named() -> None:
     assert arm.ik_nearest(arm.fk(q), near, within=0.2).explain() == text
 
 
-
-
 def test_time_needs_speeds() -> None:
     """Without a joint's speed in the URDF the time metric is refused; the message names the joint and a remedy."""
     text = random_arm("wrist, 1x2", 0).urdf.replace('velocity="', 'velocity="0" was="', 1)
@@ -195,8 +192,6 @@ def test_planar_2r_best_has_manipulability_l1_l2_sin_q2() -> None:
     arm = urdf_ik.load("planar_2r_unit")
     s = arm.ik(arm.solver.control.target_of(arm.fk([0.4, 1.1])), task="planar position")
     np.testing.assert_allclose(s.scores("manipulability")[s.valid], np.abs(np.sin(s.to_array()[:, 1])), atol=1e-12)
-
-
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=str)

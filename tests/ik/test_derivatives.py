@@ -15,7 +15,6 @@ from seven_joints import member as seven
 
 import urdf_ik
 from urdf_ik.cell.pinocchio_reference import Reference
-from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.solutions import IKSolutions
 
 STEP = 1e-5
@@ -248,8 +247,6 @@ def test_second_derivatives_are_how_the_first_change(name: str) -> None:
         ends.append(np.take_along_axis(near.dq_dT() @ V, best[..., None], axis=1))
     change = (ends[1] - ends[0]) / (2.0 * STEP)
     np.testing.assert_allclose(s.d2q_dT2(V, W)[steady], change[steady], rtol=1e-4, atol=1e-3)
-
-
 
 
 def test_filtered_solutions_keep_their_derivatives() -> None:

@@ -64,8 +64,6 @@ def test_solutions_are_exact_and_contain_the_planted_one(name: str) -> None:
     contract.holds(named(name), 40, 2)
 
 
-
-
 @pytest.mark.parametrize("name", thinned(ALL, 4))
 def test_no_solution_is_missing(name: str) -> None:
     """Every solution that a multi-start Newton search on Pinocchio's model finds is there."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 
-import contract
 import numpy as np
 import pytest
 from arms import X, Z, rotation
@@ -14,7 +13,6 @@ from arms_few import (
     TRAVEL,
     apart,
     assert_answers,
-    assert_complete,
     axes_and_points,
     case_of,
     draw,
@@ -24,19 +22,12 @@ from arms_few import (
 from cases import Case, rows, worst_error
 from numpy.typing import NDArray
 
-from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.solutions import Singular
-from urdf_ik.verify import crosscheck
 
 Array = NDArray[np.float64]
 NAMES = tuple(BUILDS)
 PLANAR = ("2R planar", "3R planar", "RRPR SCARA", "RRRP SCARA", "PRRR SCARA", "RPRR SCARA", "RRP SCARA")
-
-
-
-
-
-
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -145,8 +136,6 @@ def test_5r_axis_5_along_axes_1_2_3_gives_one_marked_representative() -> None:
         assert 1 <= np.count_nonzero(solutions.singular) <= 2
 
 
-
-
 def test_redundant_arms_are_refused() -> None:
     """Joints that are redundant everywhere leave a continuum: the arm loads, and asking for solutions raises."""
     for kinds, axes in (("PP", [X, X]), ("RRRR", [Z, Z, Z, Z]), ("PRRP", [Z, Z, Z, Z]), ("RRPRP", [Z, Z, X, Z, Z])):
@@ -174,8 +163,6 @@ def test_scara_slide_beyond_its_limit_has_no_turns() -> None:
     assert "'joint_3' at 1.0500 m, 0.05 m beyond its upper limit" in out.within_limits().explain()
 
 
-
-
 @pytest.mark.parametrize("name", PLANAR)
 def test_planar_arms_name_their_elbows(name: str) -> None:
     """The two columns are the two ways in which the elbow bends, the same ones for every pose."""
@@ -194,10 +181,6 @@ def test_planar_arms_name_their_elbows(name: str) -> None:
     # One half turn of the second joint for each: the columns do not overlap on the circle.
     gaps = np.angle(np.exp(1j * (middle[0][:, None] - middle[1][None])))
     assert (np.abs(gaps) > 1e-9).all()
-
-
-
-
 
 
 def test_an_arm_far_from_its_base_keeps_its_digits() -> None:

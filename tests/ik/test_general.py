@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -14,7 +13,6 @@ from arms import DescribedArm, Y, Z
 from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
 from cases import Case, assert_exact, closest_pair, described, nearest, rows, thinned
 from numpy.typing import NDArray
-from oracle import Oracle
 
 from urdf_ik import _core
 from urdf_ik.ik.families.parts.elimination import elimination_arm
@@ -87,8 +85,6 @@ def test_batch_equals_single(name: str) -> None:
     contract.batch_equals_single_but_for_one(named(name), 3)
 
 
-
-
 @pytest.mark.parametrize("name", ALL)
 def test_out_of_reach_is_empty(name: str) -> None:
     """A pose 1 % beyond all links, or far away, has no solution."""
@@ -152,10 +148,6 @@ def test_self_inversive_roots_are_the_planted_ones(degree: int) -> None:
         distance = np.abs(planted[:, None] - z[None, :])
         assert sorted(distance.argmin(axis=1)) == list(range(degree))
         assert distance.min(axis=1).max() < 1e-9
-
-
-
-
 
 
 def test_parallel_axes_2_3_4_and_5_6_lose_no_planted_vector() -> None:

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
-from searches import newton
 from arms import random_arm
 from arms_hollow import hollow
 from arms_mimic import mimicking
 from numpy.typing import NDArray
+from searches import newton
 from with_reference import arm_and_reference, distances, holds, scaled_jacobian
 
 import urdf_ik
@@ -65,8 +65,6 @@ def test_nothing_is_missing(kind: str) -> None:
             assert distances(arm, found, q).min() < 1e-6
             compared += 1
     assert compared > 50
-
-
 
 
 @pytest.mark.parametrize("kind", ["irb_5400", "mirrored"])

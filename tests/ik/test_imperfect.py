@@ -11,7 +11,6 @@ from functools import lru_cache
 import contract
 import numpy as np
 import pytest
-from searches import folds, newton
 from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
 from arms_general import (
     calibrated_ur,
@@ -26,6 +25,7 @@ from arms_general import (
 from cases import Case, described, nearest, rows, thinned
 from numpy.typing import NDArray
 from oracle import angle_distance
+from searches import folds, newton
 
 Array = NDArray[np.float64]
 
@@ -91,8 +91,6 @@ def test_many_members(kind: str) -> None:
         contract.holds(near(kind, float(eps), seed), 10, seed)
 
 
-
-
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= 1e-4])
 def test_the_structure_reports_the_imperfection(kind: str, eps: float) -> None:
     """Up to 1e-4 the family is recognised, the reported imperfection is about eps, and the method refines."""
@@ -111,8 +109,6 @@ def test_the_structure_reports_the_imperfection(kind: str, eps: float) -> None:
 def test_no_solution_is_missing(kind: str, eps: float) -> None:
     """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
     contract.is_complete(near(kind, eps), 2, 3)
-
-
 
 
 @pytest.mark.parametrize("kind", thinned(KINDS, 3))
@@ -171,6 +167,12 @@ def test_planted_near_singularities(member: tuple[str, float]) -> None:
     contract.holds_near_singularities(near(*member), 15, 6)
 
 
+@pytest.mark.parametrize("name", MADE)
+def test_rounded_and_calibrated_arms(name: str) -> None:
+    """Planted vectors are found, 1e-1 to 1e-7 rad from singularities too; Newton's method finds no other solution."""
+    contract.holds(made(name), 60, 2)
+    contract.holds_near_singularities(made(name), 15, 7)
+    contract.is_complete(made(name), 2, 4)
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -197,8 +199,6 @@ def stretched_or_over_itself(case: Case, rng: np.random.Generator, m: int) -> Ar
         same = measure(second, middle) * before > 0.0
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     return np.stack([second, low], axis=-1)[rng.permutation(len(low))[:m]]
-
-
 
 
 @pytest.mark.parametrize("name", ["industrial rpy 1.5708", "industrial rpy 1.57080"])

@@ -9,12 +9,12 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from searches import folds
 from arms import random_arm
 from arms_general import ur_with_right_angles
 from cases import Case, described, from_catalogue
 from numpy.typing import NDArray
 from oracle import angle_distance
+from searches import folds
 
 import urdf_ik
 
@@ -28,8 +28,6 @@ DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0.0)
 def exact(kind: str, seed: int = 0) -> Case:
     """Load a random member of a family."""
     return described(random_arm(kind, seed))
-
-
 
 
 def near_singular(case: Case, count: int) -> Array:

@@ -211,8 +211,6 @@ def test_out_of_reach_there_is_no_interval(case: Case) -> None:
     assert not found.nearest(np.zeros(7))
 
 
-
-
 def test_free_axis() -> None:
     """A puma whose tool may turn: planted rotations are in an interval, and the nearest one is found again."""
     arm = urdf_ik.load("puma_560")

@@ -169,5 +169,3 @@ def test_huge_limits_neither_overflow_nor_fill_the_memory() -> None:
             limits.turns(q[None], bound, turning)
         first = list(itertools.islice(limits.iter_turns(q, bound, turning), 3))
         np.testing.assert_allclose(first, [[0.5, 0.2], [0.5 - 2 * PI, 0.2], [0.5 + 2 * PI, 0.2]])
-
-

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import arms_hollow
-import core_arms
 import numpy as np
 import pytest
 from paths import described, joint_path
 
 import urdf_ik
-from urdf_ik.cli.arm_options import angles_of
-from urdf_ik.cli.commands.info import as_text
 from urdf_ik.ik.solutions import branch_names
 
 SEEDS = range(4)
@@ -98,8 +95,6 @@ def test_joints_that_drive_several_axes_have_a_sign() -> None:
     assert len(regular) > 20
     for each in regular:
         assert each.branch.startswith(f"determinant {sign_at(arm, each.q)}, solution ")
-
-
 
 
 def test_names_of_geometry_stay() -> None:

@@ -7,21 +7,18 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
-from searches import newton
 from arms import Y, Z, random_arm
 from arms_few import few_urdf
 from arms_mimic import LINKAGES, limited, linkage, mimicking
 from numpy.typing import NDArray
-from typer.testing import CliRunner
+from searches import newton
 from with_reference import arm_and_reference, distances, holds, scaled_jacobian
 
 import urdf_ik
 from urdf_ik.cell.pinocchio_reference import Reference
-from urdf_ik.cli import app
-from urdf_ik.errors import UnsupportedArm, UrdfError
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.kinematics.chain.mimic import CoupledChain
-from urdf_ik.kinematics.dh import DHTable
 from urdf_ik.verify.crosscheck import check
 
 Array = NDArray[np.float64]
@@ -91,8 +88,6 @@ def test_nothing_is_missing(name: str) -> None:
         for q in newton(reference.pose, reference.jacobian, reference.size, target, starts, 1e-3):
             if ((q >= lower) & (q <= upper) | (turns > 0.0)).all():
                 assert distances(arm, found, q).min() < 1e-6
-
-
 
 
 @pytest.mark.parametrize("name", ["planar 4R, one follows", "palletizer, tool kept upright"])
@@ -166,8 +161,6 @@ def test_poses_out_of_reach(name: str) -> None:
     assert arm.ik(T[:0]).shape == (0,)
     with pytest.raises(urdf_ik.PoseError):
         arm.ik(np.full((4, 4), np.nan))
-
-
 
 
 def test_halves_linkage_repeats_after_two_turns() -> None:
@@ -280,5 +273,3 @@ def test_the_cross_check_passes(name: str) -> None:
     assert arm.ik(arm.fk(q)).collision_free().valid.shape == arm.ik(arm.fk(q)).valid.shape
     assert is_cuspidal(arm.solver) is None
     assert arm.manipulability(q).shape == (3,)
-
-

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from searches import folds
 from arms import random_arm
 from cases import Case, described, thinned
 from closed_forms import by_elimination, member
+from searches import folds
 
 KINDS = ("1||2||3", "2x3x4", "2x3x4, 1x2, 4x5", "2x3x4, 1||2, 4||5")
 """Of ``closed_forms``; a spherical wrist and three parallel axes in the middle come from ``arms``."""
@@ -47,5 +47,3 @@ def test_where_roots_nearly_meet_no_planted_vector_is_denied(kind: str, seed: in
     apart = np.abs((s.q - Q[:, None] + np.pi) % (2 * np.pi) - np.pi).max(axis=2)
     found = np.nanmin(np.where(s.valid, apart, 9.0), axis=1) < 1e-4
     assert (found | ~s.certain).all()
-
-

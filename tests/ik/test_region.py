@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik import ArgumentError, Region
+from urdf_ik import Region
 from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
@@ -89,5 +89,3 @@ def test_several_parameters() -> None:
         every = arm.ik(T[0], redundancy=rng.uniform(low, high, (20000, 2))).nearest(near, within_limits=True)
         least = np.nanmin(np.linalg.norm(every.q[:, 0] - near, axis=1))
         assert np.linalg.norm(found.q[0] - near) <= least + 1e-7
-
-

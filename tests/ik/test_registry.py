@@ -14,17 +14,11 @@ from cases import described
 
 import urdf_ik
 from urdf_ik.ik.cuspidality import is_cuspidal, nonsingular_change
-from urdf_ik.ik.families import Family, every, registry, spherical_wrist
+from urdf_ik.ik.families import every, registry, spherical_wrist
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.model import catalogue
 
 FAMILIES = every()
-
-
-
-
-
-
 
 
 def test_a_reason_is_counted_from_the_base() -> None:

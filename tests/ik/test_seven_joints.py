@@ -8,10 +8,11 @@ from arms import Y, Z, serial_urdf
 from arms_seven import SEVEN, random_seven, skew, sliding
 from cases import Array, Case, assert_exact, closest_pair, indistinct_pairs, nearest, rows
 from oracle import Oracle, angle_distance
+from searches import newton
 from seven_joints import member, tolerance
 
 import urdf_ik
-from urdf_ik import ArgumentError, UnsupportedArm
+from urdf_ik import UnsupportedArm
 from urdf_ik.ik.families.parts.written import Numbers
 
 # What each kind is solved as: the family, the joint that is given.
@@ -62,28 +63,14 @@ def test_random_poses(kind: str, seed: int, orthogonal: bool, aligned: bool) -> 
 
 @pytest.mark.parametrize("kind", SEVEN)
 def test_nothing_is_missing(kind: str) -> None:
-    """At a given parameter, every solution that Newton's method finds from many starts is there."""
-    case = member(kind, 0)
-    parameter = case.arm.redundancy
-    rng = np.random.default_rng(3)
-    for q, T, value in zip(*draw(case, 5, 2), strict=True):
-        found = rows(case.arm.ik(T, redundancy=value))
-        if parameter.kind == "locked joint":
-            held = case.arm.joint_names.index(parameter.joint)
-            six = urdf_ik.load(random_seven(kind, 0).urdf, "base", "tool", locked={parameter.joint: float(value)})
-            free = np.delete(np.arange(7), held)
-            reference = [q[free] + rng.uniform(-np.pi, np.pi, 6) for _ in range(60)]
-            seen = [np.insert(x, held, q[held]) for start in reference if (x := newton(six, start, T)) is not None]
-        else:
-            starts = rng.uniform(-np.pi, np.pi, (60, 7))
-            seen = [x for start in starts if (x := newton_at(case, start, T, value)) is not None]
-        assert len(seen) > 5
-        for x in seen:
-            assert nearest(found, x) < 1e-5
-
-
-
-
+    """What Newton's method finds from many starts is among the solutions at its value of the parameter."""
+    case, rng = member(kind, 0), np.random.default_rng(3)
+    for T in draw(case, 5, 2)[1]:
+        starts = rng.uniform(-np.pi, np.pi, (60, 7))
+        searched = newton(case.arm.fk, case.arm.jacobian, case.arm.chain.size, T, starts, 1e-3)
+        assert len(searched) > 5
+        for x in searched:
+            assert nearest(rows(case.arm.ik(T, redundancy=case.arm.redundancy_of(x))), x) < 1e-5
 
 
 @pytest.mark.parametrize("kind", ["S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6"])
@@ -107,8 +94,6 @@ def test_poses_and_values_broadcast(kind: str) -> None:
     np.testing.assert_array_equal(arm.ik(targets[0]).q, arm.ik(targets[0], redundancy=arm.redundancy.default).q)
     np.testing.assert_array_equal(arm.ik(targets).redundancy, np.full(70, arm.redundancy.default))
     assert arm.ik(targets[:0], redundancy=values[:0]).q.shape == (0, len(table.branches), 7)
-
-
 
 
 @pytest.mark.parametrize("kind", ["S-R-S", "one behind wrist, 1x2"])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 
-import contract
 import numpy as np
 import pytest
 from arms import X, Y, Z
@@ -16,9 +15,7 @@ from arms_few import (
     Build,
     apart,
     assert_answers,
-    assert_complete,
     axes_and_points,
-    case_of,
     draw,
     few,
     few_urdf,
@@ -28,7 +25,7 @@ from numpy.typing import NDArray
 from oracle import Oracle
 
 import urdf_ik
-from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.solutions import Singular
 from urdf_ik.verify import crosscheck
 
@@ -37,18 +34,12 @@ NAMES = tuple(SLIDES | WRISTLESS)
 DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 
 
-
-
-
-
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_near_and_at_singularities(name: str) -> None:
     """On a zero of the Jacobian's determinant, and 1e-1 to 1e-7 from there, no planted vector is lost."""
     case, rng = few(name, 6), np.random.default_rng(9)
     for _ in range(4):
-        q, joint = singular(case, rng)
+        q, joint = case.oracle.singular(rng)
         T = case.oracle.pose(q)
         solutions = case.arm.ik(T)
         assert len(solutions)
@@ -62,8 +53,6 @@ def test_near_and_at_singularities(name: str) -> None:
             # Moving the pose by its rounding moves a solution by this over the square of the distance from a fold.
             tol = 1e-6 + 1e-13 / case.oracle.sigma_min(near) ** 1.5
             assert_answers(case, near, T, tol=tol)
-
-
 
 
 def test_stanford_arm_has_eight_and_names_its_straight_wrist() -> None:
@@ -86,8 +75,6 @@ def test_stanford_arm_has_eight_and_names_its_straight_wrist() -> None:
     unreached = arm.ik(T)
     assert not unreached
     assert re.search(r"\d.* (m|rad)\b", unreached.explain()), unreached.explain()
-
-
 
 
 def test_stanford_boom_beyond_its_limit_has_no_turns() -> None:
@@ -116,8 +103,6 @@ def test_out_of_reach_is_no_error(name: str) -> None:
         assert worst_error(case, rows(solutions), pose) <= 1e-9
         if not solutions:
             assert re.search(r"\d.* (m|rad)\b", solutions.explain()), solutions.explain()
-
-
 
 
 def test_redundant_arms_give_samples() -> None:

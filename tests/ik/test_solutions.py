@@ -80,10 +80,6 @@ def test_a_batch_is_indexed_like_an_array_of_poses(index: Any) -> None:
         assert got.filters == s.filters
 
 
-
-
-
-
 def test_arrays_are_read_only() -> None:
     """Nothing that the container hands out can be written to; the caller's poses stay writeable."""
     T = np.eye(4)
@@ -92,10 +88,6 @@ def test_arrays_are_read_only() -> None:
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
     T[0, 3] = 1.0
-
-
-
-
 
 
 def test_within_limits_gives_the_image_inside() -> None:
@@ -165,8 +157,6 @@ def test_turns_of_a_batch_have_the_same_columns() -> None:
     assert len(set(shifted.branches)) == len(shifted.branches)
 
 
-
-
 @given(st.lists(st.tuples(*[st.floats(-PI, PI)] * 3), min_size=4, max_size=4), st.tuples(*[st.floats(-9, 9)] * 3))
 def test_nearest_is_the_least_distance(rows: list[tuple[float, float, float]], q_ref: tuple[float, ...]) -> None:
     """No solution is nearer than the chosen one: on the circle if asked for, plain for lengths, and along turns."""
@@ -209,10 +199,6 @@ def test_nearest_of_a_batch() -> None:
     itself = BATCH.q[..., 2, :]
     np.testing.assert_array_equal(BATCH.nearest(itself).q[..., 0, :], itself)
     assert (BATCH.nearest(itself).origin == 2).all()
-
-
-
-
 
 
 def test_collision_free_asks_about_the_solutions_only() -> None:
@@ -286,5 +272,3 @@ def test_explain_of_a_batch_has_a_line_for_each_pose_without_solution() -> None:
     assert lines == [f"pose {[i, j]}: {out.format(x)}" for i, j, x in ((0, 0, 1), (1, 0, 3), (1, 1, 4))]
     assert made(q[0], x=[1, 2]).explain() == f"pose [0]: {out.format(1)}"
     assert made(q[0, 1:], x=[2]).explain() == ""
-
-

@@ -45,7 +45,3 @@ def test_filters_parts_and_copies_keep_the_status(every_status: IKSolutions) -> 
         assert s.status.tolist() == words
     assert [str(s.status) for s in (every_status[k] for k in range(4))] == words
     assert every_status[1:3].within_limits().status.tolist() == words[1:3]
-
-
-
-

@@ -11,7 +11,6 @@ import pytest
 import urdf_ik
 from urdf_ik.errors import MissingPackage
 from urdf_ik.model import catalogue
-from urdf_ik.support import palette
 
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 
@@ -109,9 +108,3 @@ def test_html_is_well_formed_and_names_are_escaped() -> None:
     assert answers[1]._repr_html_().count("<tr>") == 9
     assert "2 poses, 2 solved, 16 solutions" in answers[2]._repr_html_()
     assert "no solution" in answers[3]._repr_html_()
-
-
-
-
-
-

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from arms import X, Y, Z, rotation
 from arms_few import BUILDS, apart, axes_and_points, case_of, draw, few, few_urdf
-from cases import Case, from_catalogue, rows
+from cases import Case, rows
 from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, PoseError
-from urdf_ik.ik.tasks import TASKS
 
 Array = NDArray[np.float64]
 TURNING = tuple(name for name, b in BUILDS.items() if b.task == "position" and b.kinds.count("R") > 1)
@@ -46,8 +45,6 @@ def test_an_arm_knows_its_task(name: str) -> None:
         arm = few(name, seed).arm
         assert arm.task == BUILDS[name].task
         assert (arm.solver.control.plane is not None) == name.endswith("planar") or name == "PP"
-
-
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -233,5 +230,17 @@ def test_tasks_that_an_arm_cannot_control(name: str, task: str, target: Array, w
         few(name).arm.ik(target, task=task)
 
 
-
-
+@pytest.mark.parametrize(
+    ("name", "target"),
+    [
+        ("2R planar", [0.1, 0.2, 0.3]),
+        ("3R planar", "here"),
+        ("3R any", [0.1, math.inf, 0.0]),
+        ("5R any", ([0.1, 0.2, 0.3], [1.0, 0.0])),
+    ],
+)
+def test_wrong_targets(name: str, target: Any) -> None:
+    """A target of the wrong shape, not finite, or pointing nowhere raises PoseError that names the task."""
+    arm = few(name).arm
+    with pytest.raises(PoseError, match="task"):
+        arm.ik(target, task=arm.task)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,12 @@ Array = NDArray[np.float64]
 
 
 def newton(
-    fk: Callable[[Array], Array], jacobian: Callable[[Array], Array], size: float, T: Array, Q: Array, least: float = 1e-4
+    fk: Callable[[Array], Array],
+    jacobian: Callable[[Array], Array],
+    size: float,
+    T: Array,
+    Q: Array,
+    least: float = 1e-4,
 ) -> Array:
     """Regular joint vectors (k, n) that damped least squares leads to from starts (m, n), and that reach the pose."""
     for _ in range(60):
@@ -29,12 +34,11 @@ def newton(
     return Q[(off < 1e-11) & (np.trace(turn, axis1=1, axis2=2) > 1.0) & regular]
 
 
-def folds(arm: Any, count: int, rng: np.random.Generator, joints: Sequence[int] = (1, 2, 3, 4)) -> Array:
-    """Joint vectors (count, n) at which the determinant of the Jacobian changes its sign along one of ``joints``."""
+def folds(arm: Any, count: int, rng: np.random.Generator) -> Array:
+    """Joint vectors (count, n) at which the Jacobian's determinant changes sign, on lines between random ones."""
     out: list[Array] = []
     while len(out) < count:
-        line = np.tile(rng.uniform(-np.pi, np.pi, arm.dof), (121, 1))
-        line[:, joints[len(out) % len(joints)]] = np.linspace(-np.pi, np.pi, 121)
+        line = np.linspace(*rng.uniform(-np.pi, np.pi, (2, arm.dof)), 121)
         signs = np.sign(np.linalg.det(arm.jacobian(line)))
         for k in np.flatnonzero(signs[:-1] * signs[1:] < 0)[:1]:
             low, high = line[k], line[k + 1]
