@@ -305,7 +305,7 @@ def test_the_command_computes_a_store_and_continues_it(tmp_path: Path) -> None:
     asked = ("workspace", "zyyzyz_6r", "--voxel", "0.9", "--orientations", "5")
     text = succeed(*asked, "--store", str(path))
     assert text == succeed(*asked, "--store", str(path))
-    assert text.splitlines()[:-1] == succeed(*asked, "-o", str(file)).replace(str(file), str(path)).splitlines()[:-1]
+    assert text == succeed(*asked, "-o", str(file))
     data = json.loads(succeed(*asked, "--store", str(path), "-f", "json"))
     assert data["poses"]["reached"] == workspaces.opened(path).totals().reached_poses
     picture = tmp_path / "map.png"

@@ -70,6 +70,16 @@ class ArmOptions(Record):
     free_axis: str | None = None
     free_at: str | None = None
 
+    def loaded(self, degrees: bool = False, typed: PoseOptions | None = None) -> tuple[Arm, Angles]:
+        """The arm, and how its joint values are typed and shown; see :meth:`load`.
+
+        ``typed``: the poses of the command, which cannot come from standard input if the robot does.
+        """
+        if typed is not None:
+            self.apart_from(typed)
+        arm = self.load(degrees)
+        return arm, angles_of(arm, degrees)
+
     def load(self, degrees: bool = False) -> Arm:
         """The arm; ``degrees``: whether the tool's orientation is in degrees.
 

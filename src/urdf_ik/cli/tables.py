@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from urdf_ik.support.text import aligned
+from urdf_ik.support.text import aligned, plain
 from urdf_ik.typing import Array
 
 _PIPE_WIDTH = 120
@@ -57,3 +58,33 @@ def folded(text: str, indent: str = "", further: str = "") -> list[str]:
 def facts(rows: Iterable[tuple[str, str]], width: int = 14) -> list[str]:
     """Lines of a name and a text, which is folded beside it."""
     return [line for name, text in rows for line in folded(f"{name:<{width - 1}} {text}", "", " " * width)]
+
+
+def outline(data: Mapping[str, Any]) -> list[str]:
+    """An answer as lines: its facts, then a table of each list of objects; what they nest is in the JSON alone."""
+    lines: list[str] = []
+    blocks: list[str] = []
+    for key, value in plain(dict(data)).items():
+        name = key.replace("_", " ")
+        rows = value
+        if isinstance(value, dict) and value and all(isinstance(row, dict) for row in value.values()):
+            rows = [{name: each, **row} for each, row in value.items()]
+        if isinstance(rows, list) and rows and isinstance(rows[0], dict):
+            columns = {head: [cell(row.get(head)) for row in rows] for each in rows for head in each}
+            columns = {head.replace("_", " "): texts for head, texts in columns.items() if set(texts) != {"-"}}
+            words = [head for head, texts in columns.items() if any(re.search("[A-Za-z]{2}|,", text) for text in texts)]
+            blocks += ["", *grid([*columns], zip(*columns.values(), strict=True), left=words)]
+        elif (text := cell(value)) != "-":
+            lines += facts([(name, text)], max(14, len(name) + 2))
+    return [*lines, *blocks]
+
+
+def cell(value: Any) -> str:
+    """A value of an answer as text; '-' where there is none, and for what is nested."""
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {cell(each)}" for name, each in value.items()) or "-"
+    if isinstance(value, list):
+        return "-" if any(isinstance(each, list | dict) for each in value) else ", ".join(map(cell, value)) or "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "-" if value in (None, "", "nan") else f"{value + 0.0:.6g}" if isinstance(value, float) else str(value)

@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from urdf_ik.cli import console
-from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
 from urdf_ik.support import files
@@ -75,7 +75,7 @@ def calibrate(
         raise typer.BadParameter("give either --measured FILE or --ur-kinematics FILE")
     for path in filter(None, (output, report, write_ur_kinematics)):
         files.writable(path)
-    arm = chosen.load(degrees)
+    arm, angles = chosen.loaded(degrees)
     if measured is None:
         console.write(calibration.with_ur_kinematics(arm, calibration.read_ur_kinematics(str(ur_kinematics))), output)
         return
@@ -102,7 +102,7 @@ def calibrate(
     if next_poses:
         best = calibration.best_poses(found, next_poses, seed=seed)
         data["next"] = {"q": best.q, "gains": best.gains, "unchecked": best.unchecked}
-        rows = zip(angles_of(arm, degrees).shown(best.q), best.gains, strict=True)
+        rows = zip(angles.shown(best.q), best.gains, strict=True)
         cells = tuple((*(f"{value:.4f}" for value in q), f"{gain:.3f}") for q, gain in rows)
         remarks = (f"contacts not checked: {best.unchecked}",) if best.unchecked else ()
         text += f"{Section('poses to measure next', (*arm.joint_names, 'gain'), cells, remarks)}\n"

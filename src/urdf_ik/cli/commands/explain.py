@@ -12,7 +12,7 @@ from urdf_ik.cell import World
 from urdf_ik.cell.collision_model import CollisionModel
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.answers import flags
-from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import PartOfPose, PoseOptions, ReportFormat
 from urdf_ik.ik.solutions import IKSolutions, limits
@@ -49,10 +49,8 @@ def explain(
     """
     from urdf_ik.cli import targets
 
-    chosen.apart_from(typed)
     obstacles = read_world(world, chosen)
-    arm = chosen.load(degrees)
-    angles = angles_of(arm, degrees)
+    arm, angles = chosen.loaded(degrees, typed)
     asked = "pose" if task is None else task.value.replace("-", " ")
     target = targets.spread(arm, targets.target(arm, typed, None, seed, angles, asked), redundancy, angles)
     wanted = target.poses if asked == "pose" else targets.of_task(arm, target.poses, asked)

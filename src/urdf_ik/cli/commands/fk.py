@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
-from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import Format
 from urdf_ik.typing import Array
@@ -41,9 +41,7 @@ def fk(
     from urdf_ik.paths.waypoint_files import POSE_COLUMNS
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
-    chosen.apart_from(options.PoseOptions(q=q))
-    arm = chosen.load(degrees)
-    angles = angles_of(arm, degrees)
+    arm, angles = chosen.loaded(degrees, options.PoseOptions(q=q))
     vectors = angles.typed(console.joint_vectors(q, "--q", arm.joint_names))
     poses, shown = arm.fk(vectors), angles.shown(vectors)
     quats, rpy = to_quat_xyzw(poses), angles.angle(to_rpy(poses))

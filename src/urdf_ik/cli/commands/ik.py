@@ -14,7 +14,7 @@ import typer
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options
-from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.progress import Progress
@@ -157,10 +157,8 @@ def ik(
     from urdf_ik.cli import answers, targets
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
-    chosen.apart_from(typed)
     obstacles = read_world(world, chosen)
-    arm = chosen.load(degrees)
-    angles = angles_of(arm, degrees)
+    arm, angles = chosen.loaded(degrees, typed)
     keep = choice.filter_for(arm, angles, obstacles)
     with Progress("checking solutions") as progress:
         asked = "pose" if task is None else task.value.replace("-", " ")

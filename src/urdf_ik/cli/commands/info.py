@@ -7,7 +7,7 @@ from typing import Any
 
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console, tables
-from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.errors import UrdfIkError, listed
@@ -15,6 +15,7 @@ from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.model.urdf.chains import Limb
 from urdf_ik.support.angles import shown, unit_of
+from urdf_ik.support.text import counted
 
 _NUMBER = "a number, which orders the solutions of one pose and says nothing about another one"
 _SIGN = "the sign of the Jacobian's determinant, which changes only across a singularity"
@@ -56,13 +57,12 @@ def info(
         data = {"robot": model.name, "source": model.source, "root": model.root, "chains": found, "limbs": limbs}
         console.emit(printed_as, data, lambda: _chains_text(model, chosen.base))
         return
-    arm = chosen.load(degrees)
+    arm, angles = chosen.loaded(degrees)
     if pairs:
         table = arm.cell.collisions.table()
         data = {"checked": table.checked, "allowed": [[*pair, why] for pair, why in table.allowed.items()]}
         console.emit(printed_as, data, lambda: f"{table}\n")
         return
-    angles = angles_of(arm, degrees)
     console.emit(printed_as, lambda: _data(arm, angles), lambda: as_text(arm, angles))
 
 
@@ -137,60 +137,42 @@ def as_text(arm: Arm, angles: Angles) -> str:
     from urdf_ik.ik.cuspidality import in_words, is_cuspidal
     from urdf_ik.ik.solutions import branch_names
 
-    structure, chain, unit = arm.structure, arm.chain, angles.unit
-    limits = [
-        ["none" if abs(x) == float("inf") else tables.number(x) for x in ends] for ends in angles.shown(arm.limits.T).T
+    structure, data, unit = arm.structure, _data(arm, angles), f"[{angles.unit}]"
+    allowed, relations = len(arm.cell.disabled), data["structure"]
+    about: dict[str, Any] = {"robot": arm.name, "source": arm.model.source}
+    about["chain"] = f"{arm.base} to {arm.tip}, {counted(arm.dof, 'joint')}"
+    about["mimics"] = "; ".join(map(str, arm.chain.followers))
+    about[f"locked [{angles.unit}, m]"] = ", ".join(f"{name} = {value:.6g}" for name, value in data["locked"].items())
+    about["may touch"] = f"{counted(allowed, 'pair')} of links, by the SRDF; `--pairs` lists all" if allowed else ""
+    about["warnings"] = "; ".join(data["warnings"])
+    about["joints"] = [
+        {"joint": joint["name"], "type": joint["type"], "axis at q = 0": tables.numbers(joint["axis"], 3)}
+        | {name: f"{joint[name]:.6g}".replace("inf", "none") for name in ("lower", "upper")}
+        | {"unit": shown_in}
+        for joint, shown_in in zip(data["joints"], angles.units, strict=True)
     ]
-    directions = [" ".join(f"{x:>7}" for x in tables.numbers(axis)) for axis in chain.directions]
-    columns = zip(arm.joint_names, chain.joint_types, directions, limits, angles.units, strict=True)
-    joints = tables.grid(
-        ["#", "joint", "type", "axis in base at q = 0", "lower", "upper", "unit"],
-        [[i, name, kind, axis, *ends, unit] for i, (name, kind, axis, ends, unit) in enumerate(columns, 1)],
-        left=["joint", "type", "axis in base at q = 0", "unit"],
-    )
-    rows = []
-    for pair in structure.pairs:
-        turned, apart = f"{angles.angle(pair.off_angle):.1e} {unit}", f"{pair.off_distance:.1e} m"
-        off = {"parallel": turned, "coincident": f"{turned}, {apart}", "intersecting": apart}.get(pair.relation, "-")
-        distance = "0" if pair.off_distance else f"{pair.distance:.6g}"
-        axes = f"{pair.first}, {pair.first + 1}"
-        rows.append([axes, pair.relation, f"{angles.angle(pair.angle):.6g}", distance, off])
-    for triple in structure.triples:
-        meet = triple.relation == "meet"
-        off = f"{triple.imperfection:.1e} m" if meet else f"{angles.angle(triple.imperfection):.1e} {unit}"
-        axes = ", ".join(str(triple.first + k) for k in range(3))
-        rows.append([axes, "meet in a point" if meet else triple.relation, "-", "-", off])
-    header = ["axes", "relation", f"angle [{unit}]", "distance [m]", "imperfection"]
-    axes_table = tables.grid(header, rows, left=["axes", "relation", "imperfection"])
-    slides = {joint.name for joint in arm.model.joints if joint.type == "prismatic"}
-    facts = [
-        ("robot", arm.name),
-        ("source", arm.model.source),
-        ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joint{'s' if arm.dof > 1 else ''}"),
-        *[("mimics", str(follower)) for follower in chain.followers],
+    about["relations"] = [
+        {"axes": each["axes"], "relation": each["relation"], f"angle {unit}": each.get("angle")}
+        | {"distance [m]": each.get("distance")}
+        | {f"off {unit}": f"{each['off_angle']:.1e}", "off [m]": f"{each['off_distance']:.1e}"}
+        for each in (*relations["pairs"], *relations["triples"])
     ]
-    for name, value in chain.locked:
-        at = f"{value:.6g} m" if name in slides else f"{angles.angle(value):.6g} {unit}"
-        facts.append(("locked", f"{name} at {at}"))
-    if allowed := len(arm.cell.disabled):
-        facts.append(("may touch", f"{allowed} pair{'s' * (allowed > 1)} of links, by the SRDF; `--pairs` lists all"))
-    facts += [("warning", str(each)) for each in arm.model.warnings]
-    solver, branches = [("family", structure.family or _UNSOLVED)], []
-    if structure.family:
-        local = bool(branch_names.local(structure.branches))
-        solver += [
-            ("controls", arm.task if arm.task != "pose" else ""),
-            ("why", structure.reason),
-            ("solver", structure.method),
-            ("solutions", structure.solutions_in_words()),
-            ("imperfection", structure.imperfection_in_words()),
-            ("cuspidal", in_words(is_cuspidal(arm.solver)) if structure.is_6r else ""),
-            ("redundancy", "" if arm.redundancy is None else str(arm.redundancy)),
-            ("names", "" if not local else _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED),
-        ]
-        branches = [f"{'' if i else 'branches':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
-    solver = [(heading, text) for heading, text in solver if text]
-    return tables.render(tables.facts(facts), "", joints, "", axes_table, "", tables.facts(solver), branches)
+    if not structure.family:
+        return tables.render(tables.outline(about), "", tables.outline({"family": _UNSOLVED}))
+    local = bool(branch_names.local(structure.branches))
+    solver = {
+        "family": structure.family,
+        "controls": arm.task if arm.task != "pose" else "",
+        "why": structure.reason,
+        "solver": structure.method,
+        "solutions": structure.solutions_in_words(),
+        "imperfection": structure.imperfection_in_words(),
+        "cuspidal": in_words(is_cuspidal(arm.solver)) if structure.is_6r else "",
+        "redundancy": "" if arm.redundancy is None else str(arm.redundancy),
+        "names": "" if not local else _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED,
+    }
+    branches = [f"{'' if i else 'branches':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
+    return tables.render(tables.outline(about), "", tables.outline(solver), branches)
 
 
 def _columns(branches: tuple[str, ...]) -> list[str]:
@@ -214,34 +196,27 @@ def _chains_text(model: UrdfModel, base: str | None) -> str:
     chains, limbs = model.chains(base), [each for each in model.limbs(base) if each.kind != "finger"]
     if not chains:
         return tables.render(f"{model.source}: no chain of movable joints")
-    meant = [Limb(each.name, "chain", each.base, each.tip, each.joints) for each in chains if each.chosen]
+    meant = {(each.base, each.tip): each for each in chains if each.chosen}
     there = {(each.base, each.tip) for each in limbs}
-    shown = [*(each for each in meant if (each.base, each.tip) not in there), *limbs]
-    chosen = {(each.base, each.tip) for each in meant}
-    heads = ["chain", "joints", "base", "tip", "family", "meant"]
-    rows = [
-        dict(zip(heads, (each.name, len(each.joints), each.base, each.tip, _family(model, each)), strict=False))
-        | {"meant": "yes" if (each.base, each.tip) in chosen else ""}
-        for each in shown[:_LIMBS_SHOWN]
+    more = [Limb(each.name, "chain", *key, each.joints) for key, each in meant.items() if key not in there]
+    rows: list[dict[str, Any]] = [
+        {"chain": each.name, "joints": len(each.joints), "base": each.base, "tip": each.tip}
+        | {"family": _family(model, each), "meant": "yes" if (each.base, each.tip) in meant else ""}
+        for each in (*more, *limbs)[:_LIMBS_SHOWN]
     ]
-    table: list[str] = []
     for dropped in ("", "base", "tip"):  # as many columns as the terminal has room for
-        heads = [head for head in heads if head != dropped]
-        table = tables.grid(heads, [[row[head] for head in heads] for row in rows], left=[*heads[:1], *heads[2:]])
+        rows = [{name: value for name, value in row.items() if name != dropped} for row in rows]
+        table = tables.outline({"chains": rows})
         if tables.fits(table):
             break
-    notes = [f"{len(shown) - _LIMBS_SHOWN} more: --format json lists them"] if len(shown) > _LIMBS_SHOWN else []
-    for each in chains:
-        if each.chosen and each.frames:
-            notes.append(f"{each.tip} ({each.reason}); fixed to its last link, too: {listed(each.frames, 4)}")
-        if each.chosen and each.before:
-            notes.append(f"--base {model.root} takes in {listed(each.before, 4)}")
-    if fingers := [each for each in model.limbs(base) if each.kind == "finger"]:
-        notes.append("fingers: " + listed([f"{each.name} ({len(each.joints)})" for each in fingers], 4))
-    if not meant:
-        notes.append("none is meant by itself: name one with --chain, or with --base and --tip")
-    folded = [line for note in notes for line in tables.folded(note, further="  ")]
-    return tables.render(f"{model.name}: {model.source}", "", table, [""] if folded else [], folded)
+    hidden = len(more) + len(limbs) - len(rows)
+    notes = [f"{hidden} more: --format json lists them"] if hidden else []
+    for each in meant.values():
+        frames = f"; fixed to its last link, too: {listed(each.frames, 4)}" if each.frames else ""
+        before = f"; --base {model.root} takes in {listed(each.before, 4)}" if each.before else ""
+        notes.append(f"{each.tip} ({each.reason}){frames}{before}")
+    notes += [] if meant else ["none is meant by itself: name one with --chain, or with --base and --tip"]
+    return tables.render(f"{model.name}: {model.source}", table, "", *(tables.folded(note, "", "  ") for note in notes))
 
 
 def _family(model: UrdfModel, limb: Limb) -> str:

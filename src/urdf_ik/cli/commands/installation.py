@@ -55,20 +55,15 @@ def robots(*, word: str = "", everything: bool = False, printed_as: ReportFormat
 def _table(found: list[dict[str, Any]]) -> str:
     """A table, and how to get more."""
     rows = [
-        [robot["name"], robot["joints"], robot["family"] or robot["note"], robot["here"], robot["source"]]
-        for robot in (each | {"source": _SHORT.get(each["source"], each["source"])} for each in found)
+        {"name": each["name"], "joints": each["joints"], "family": each["family"] or each["note"]}
+        | {"here": each["here"], "from": _SHORT.get(each["source"], each["source"])}
+        for each in found
     ]
-    taken = sum(max((len(row[k]) for row in rows), default=0) for k in (0, 4)) + 18
-    for row in rows:
-        row[1:4] = (
-            "-" if row[1] is None else row[1],
-            printable(row[2], max(_WIDTH - taken, _LEAST_WORDS)),
-            ("yes" if row[3] else "no"),
-        )
-    table = tables.grid(["name", "joints", "family", "here", "from"], rows, left=["name", "family", "from"])
+    taken = sum(max((len(row[name]) for row in rows), default=0) for name in ("name", "from")) + 18
+    rows = [row | {"family": printable(row["family"], max(_WIDTH - taken, _LEAST_WORDS))} for row in rows]
     more = len(downloads.names())
     rest = f"robot_descriptions has {more} arms: --all lists them" if more else f"more: {extras.command('robots')}"
-    return tables.render(table if rows else "no robot has such a name", "", rest)
+    return tables.render(tables.outline({"robots": rows}) or "no robot has such a name", "", rest)
 
 
 def _robot(name: str) -> dict[str, Any]:
@@ -150,26 +145,20 @@ def _passed(test: dict[str, Any]) -> bool:
 def _findings(found: dict[str, Any]) -> str:
     """Lines and a table."""
     sets = found["instruction_sets"]
-    facts = [(name, version or "missing") for name, version in found["versions"].items()]
-    facts.append(("machine", f"{found['machine']}, instruction set {sets['used']} of {', '.join(sets['built'])}"))
-    optional = []
+    about: dict[str, Any] = {name: version or "missing" for name, version in found["versions"].items()}
+    about["machine"] = f"{found['machine']}, instruction set {sets['used']} of {', '.join(sets['built'])}"
+    optional: dict[str, Any] = {}
     for extra, packages in found["extras"].items():
-        here = ", ".join(f"{name} {version}" for name, version in packages.items() if version)
         missing = ", ".join(name for name, version in packages.items() if not version)
-        words = [here] if here else []
+        words = [f"{name} {version}" for name, version in packages.items() if version]
         words += [f"without {missing}: {extras.command(extra)}"] if missing else []
-        optional.append((extra, "; ".join(words)))
-    rows = []
-    for test in found["tests"]:
-        error = "-" if test["error"] is None else f"{test['error']:.1e}"
-        counts = [test[name] for name in ("arm", "poses", "solutions", "missed")]
-        rows.append([*counts, error, "yes" if _passed(test) else "FAIL"])
-    table = tables.grid(["arm", "poses", "solutions", "missed", "error [m, rad]", "passed"], rows, left=["arm"])
+        optional[extra] = "; ".join(words)
+    tests = {"tests": [test | {"passed": "yes" if _passed(test) else "FAIL"} for test in found["tests"]]}
     verdict = "all is well" if found["passed"] else "something is wrong: see above"
     if found["passed"] and not missing_pinocchio.installed():
         verdict = f"solving works; errors and contacts were not checked: {missing_pinocchio.UNCHECKED}"
     times = f"loading the packages took {found['loading']:.1f} s, the test {found['seconds']:.1f} s"
-    return tables.render(tables.facts(facts), "", tables.facts(optional), "", table, "", f"{verdict}; {times}")
+    return tables.render(tables.outline(about), "", tables.outline(optional | tests), "", f"{verdict}; {times}")
 
 
 def _test(name: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import typer
 
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console
-from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.console import Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat, ReviewFormat
 from urdf_ik.cli.progress import Progress
@@ -52,14 +52,13 @@ def freeze(
     """
     from urdf_ik.cli import targets
 
-    chosen.apart_from(typed)
     file = output or lock_file
     if file is None or (lock_file is not None and output is not None):
         wanted = f"name the lock file: urdf-ik freeze {chosen.robot} arm.lock.json (--lock holds a joint)"
         raise console.usage("name the lock file once" if file else wanted, "LOCK")
     files.writable(file)
-    arm = chosen.load()
-    target = targets.given(arm, typed, angles_of(arm, False))
+    arm, angles = chosen.loaded(False, typed)
+    target = targets.given(arm, typed, angles)
     own = None if target is None else target.poses
     with Progress("solving poses") as progress:
         contacts = collisions is None or ("require" if collisions else False)

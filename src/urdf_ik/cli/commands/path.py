@@ -15,7 +15,7 @@ import typer
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options, tables, targets
-from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
 from urdf_ik.cli.progress import Progress
@@ -25,6 +25,7 @@ from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
+from urdf_ik.support.text import counted
 
 SUFFIXES = (".csv", ".json", ".npz")
 _FREE = {None: "not checked", True: "free", False: "hits"}
@@ -166,9 +167,7 @@ def path(
             raise console.usage(f"{file}: plans are written as {', '.join(SUFFIXES)}; name the file so", option)
         if file is not None:
             files.writable(file)
-    chosen.apart_from(waypoints)
-    arm = chosen.load(degrees)
-    angles = angles_of(arm, degrees)
+    arm, angles = chosen.loaded(degrees, waypoints)
     found = followed(arm, angles, waypoints, path, chosen)
     plan = found.plan
     in_time, untimed = None, None
@@ -196,69 +195,64 @@ def path(
 def _text(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
-    count, took = len(plan.poses), f"in {found.seconds:.2f} s"
-    lines = [f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'s' * (count != 1)} from {found.source}"]
-    lines += [] if found.world is None else [f"world: {', '.join(found.world.names)}"]
-    lines += [plan.unlooked] if plan.unlooked else []
-    lines += [f"contacts not checked: {plan.unchecked}"] if plan.unchecked else []
+    head = f"{arm.name}: {arm.base} to {arm.tip}, {counted(len(plan.poses), 'waypoint')} from {found.source}"
+    about: dict[str, Any] = {"world": "" if found.world is None else ", ".join(found.world.names)}
+    about |= {"search": plan.unlooked, "contacts": f"not checked: {plan.unchecked}" if plan.unchecked else ""}
     if not plan.found:
-        header = ["start branch", "before waypoint", "cause", "reason"]
-        rows = [[stop.branch, stop.waypoint, stop.cause, stop.reason] for stop in plan.stops]
-        return tables.render(lines, f"no plan, {took}", "", tables.grid(header, rows, left=(header[0], *header[2:])))
-    digits, q, limits = 2 if angles.degrees else 4, angles.shown(plan.q), angles.shown(plan.solver.limits.T)
-    steps = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
-    columns = np.stack([q[0], q[-1], q.min(axis=0), q.max(axis=0), steps, *limits], axis=1)
-    named = zip(plan.solver.joint_names, angles.units, columns, strict=True)
-    rows = [
-        [name, unit, *("none" if np.isinf(x) else tables.number(x, digits) for x in row)] for name, unit, row in named
-    ]
-    header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
-    lines += [f"found {took}", "", *tables.facts(_facts(found, angles, in_time), 18), ""]
-    lines += tables.grid(header, rows, left=["joint", "unit"])
-    if plan.changes:
-        header = ["before waypoint", "from", "to", "straight joint motion"]
-        rows = [[c.waypoint, c.before, c.after, _FREE[c.free]] for c in plan.changes]
-        lines += ["", *tables.grid(header, rows, left=header[1:])]
-    if others:
-        header = ["start branch", "end branch", "cost", "clearance [m]"]
-        costs = [f"{_cost(found, each, angles):.6g}" for each in others]
-        rows = [
-            [o.branches[0], o.branches[-1], cost, tables.number(_clearance(o))]
-            for o, cost in zip(others, costs, strict=True)
+        stops = [
+            {"start branch": stop.branch, "before waypoint": stop.waypoint, "cause": stop.cause, "reason": stop.reason}
+            for stop in plan.stops
         ]
-        lines += ["", *tables.grid(header, rows, left=header[:2])]
-    return tables.render(lines)
+        return tables.render(head, tables.outline(about | {"plan": f"none, in {found.seconds:.2f} s", "stops": stops}))
+    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T)
+    columns = {"first": q[0], "last": q[-1], "least": q.min(axis=0), "most": q.max(axis=0)}
+    columns["step"] = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
+    columns |= dict(zip(("lower", "upper"), limits, strict=True))
+    joints = [
+        {"joint": name, "unit": angles.units[k]}
+        | {head: "none" if np.isinf(column[k]) else tables.number(column[k]) for head, column in columns.items()}
+        for k, name in enumerate(plan.solver.joint_names)
+    ]
+    changes = [
+        {"before waypoint": c.waypoint, "from": c.before, "to": c.after, "straight joint motion": _FREE[c.free]}
+        for c in plan.changes
+    ]
+    branches = [
+        {"start branch": each.branches[0], "end branch": each.branches[-1], "cost": _cost(found, each, angles)}
+        | {"clearance [m]": _clearance(each)}
+        for each in others
+    ]
+    about |= _facts(found, angles, in_time) | {"found": f"in {found.seconds:.2f} s"}
+    return tables.render(head, tables.outline(about | {"joints": joints, "changes": changes, "branches": branches}))
 
 
-def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[tuple[str, str]]:
+def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> dict[str, str]:
     """What is known of a plan, by its heading."""
-    plan, arm = found.plan, found.arm
+    plan, arm, margins = found.plan, found.arm, found.plan.margins
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
     used = list(dict.fromkeys(plan.branches))
+    facts = {"branch" if len(used) == 1 else "branches": "; ".join(used)}
+    facts["cost"] = f"{_cost(found, plan, angles):.6g} ({kinds[found.cost]})"
+    facts["reconfigurations"] = str(len(plan.changes))
+    if between := len(plan.motion) - len(plan.q):
+        facts["waypoints added"] = f"{between}, so that the tip keeps to the straight segments"
+    strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
+    facts["tolerance"] = f"{strays} from the straight segments, proven"
     low, high = plan.solver.limits.T
     room = np.minimum(plan.q - low, high - plan.q)
-    facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
-    facts += [
-        ("cost", f"{_cost(found, plan, angles):.6g} ({kinds[found.cost]})"),
-        ("reconfigurations", str(len(plan.changes))),
-    ]
-    if between := len(plan.motion) - len(plan.q):
-        facts.append(("waypoints added", f"{between}, so that the tip keeps to the straight segments"))
-    strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
-    facts.append(("tolerance", f"{strays} from the straight segments, proven"))
     k, joint = (int(x) for x in np.unravel_index(int(np.argmin(room)), room.shape))
     if np.isfinite(room[k, joint]):
-        shown = tables.number(angles.shown(room[k])[joint], 2 if angles.degrees else 4)
-        facts.append(("room to a limit", f"{shown} {angles.units[joint]} of {arm.joint_names[joint]} at waypoint {k}"))
+        shown = tables.number(angles.shown(room[k])[joint])
+        facts["room to a limit"] = f"{shown} {angles.units[joint]} of {arm.joint_names[joint]} at waypoint {k}"
     if plan.obstacles is not None and np.isfinite(_clearance(plan)):
-        k = int(np.nanargmin(plan.margins.clearance))
+        k = int(np.nanargmin(margins.clearance))
         pair = plan.obstacles.pair(plan.q[k])
         names = f" between {pair[0]} and {pair[1]}" if pair else ""
-        facts.append(("least clearance", f"{_clearance(plan):.4f} m{names} at waypoint {k}"))
-    k = int(np.argmin(plan.margins.manipulability))
-    facts.append(("manipulability", f"at least {plan.margins.manipulability[k]:.4g}, at waypoint {k}"))
+        facts["least clearance"] = f"{_clearance(plan):.4f} m{names} at waypoint {k}"
+    k = int(np.argmin(margins.manipulability))
+    facts["manipulability"] = f"at least {margins.manipulability[k]:.4g}, at waypoint {k}"
     if in_time is not None:
-        facts.append(("time", f"{in_time.duration:.3f} s ({in_time.method})"))
+        facts["time"] = f"{in_time.duration:.3f} s ({in_time.method})"
     return facts
 
 

@@ -8,17 +8,15 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 import typer
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options, targets
-from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.commands.path import PathOptions, followed
 from urdf_ik.cli.console import usage
 from urdf_ik.cli.options import PoseOptions
-from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.typing import Array
 
@@ -65,7 +63,7 @@ def plot(
 
     Branches of a pose stand side by side or overlaid. Limits show all turns of the solutions. A path shows each
     joint in all branches along it, limits and contacts, and the plan. Without a pose it is the arm's example,
-    without --output a window. The workspace of two turning joints is exact; any other is one layer of a map.
+    without --output a window. The workspace of two turning joints is exact; any other is one layer of --map.
 
     Examples:
         urdf-ik plot zyyzyz_6r branches -o all_branches.png
@@ -86,9 +84,7 @@ def plot(
     from urdf_ik.show import plot as pictures
     from urdf_ik.show.plot.slider_panel import require_display
 
-    chosen.apart_from(typed)
-    arm = chosen.load(degrees)
-    angles = angles_of(arm, degrees)
+    arm, angles = chosen.loaded(degrees, typed)
     if output is None:
         require_display()
     elif output.suffix.lower() not in pictures.SUFFIXES:
@@ -135,35 +131,16 @@ def _of_pose(
 
 def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> Figure:
     from urdf_ik.maps import workspaces
-    from urdf_ik.maps.grid import AXES
     from urdf_ik.show import plot
     from urdf_ik.show.plot.slider_panel import is_two_links
 
-    axis, at = layer.axis, layer.at
     if layer.map is not None:
         found = workspaces.opened(layer.map)
         workspaces.require_map_of(found.about, arm)
-        return plot.workspace_slice(found, axis, at, layer.show.value)
-    if is_two_links(arm):
-        return plot.planar_workspace(workspaces.planar(arm), q)
-    if axis not in tuple(AXES):
-        raise usage(f"no axis is called {axis!r}; there are x, y and z", "--axis")
-    grid = workspaces.grid_of(arm, arm.chain.size / 30.0, None)
-    k = AXES.index(axis)
-    if not grid.lower[k] <= at <= grid.upper[k]:
-        raise usage(f"{axis} = {at:g} m is out of reach, from {grid.lower[k]:g} to {grid.upper[k]:g} m", "--at")
-    bounds = np.array([grid.lower, grid.upper])
-    bounds[:, k] = at - 0.5 * grid.voxel, at + 0.5 * grid.voxel
-    with Progress("solving poses") as progress:
-        found = workspaces.workspace(
-            arm,
-            grid.voxel,
-            bounds=bounds,
-            manipulability=layer.show is _Value.MANIPULABILITY,
-            margin=layer.show is _Value.MARGIN,
-            progress=progress.tick,
-        )
-    return plot.workspace_slice(found, axis, at, layer.show.value)
+        return plot.workspace_slice(found, layer.axis, layer.at, layer.show.value)
+    if not is_two_links(arm):
+        raise usage("make a map first: urdf-ik workspace ROBOT -o map.npz", "--map")
+    return plot.planar_workspace(workspaces.planar(arm), q)
 
 
 def view(
@@ -201,9 +178,8 @@ def view(
     """
     from urdf_ik.show.viewer import Viewer
 
-    chosen.apart_from(typed)
-    arm = chosen.load(degrees)
-    angles, plan, first = angles_of(arm, degrees), None, None
+    arm, angles = chosen.loaded(degrees, typed)
+    plan, first = None, None
     target = targets.given(arm, typed, angles)
     world = read_world(path.settings["world"], chosen)
     if target is not None and len(target.poses) == 1:

@@ -12,7 +12,7 @@ import numpy as np
 
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
-from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles, usage
 from urdf_ik.cli.options import PoseOptions, ReportFormat
 from urdf_ik.cli.progress import Progress
@@ -121,8 +121,8 @@ def workspace(
         ArgumentError: ``output`` cannot be written, or an option has an invalid value.
         JobError: the store, the scheduler or the workers cannot be used.
     """
-    arm = chosen.load(degrees)
-    angles, asked = angles_of(arm, degrees), map.changed()
+    arm, angles = chosen.loaded(degrees)
+    asked = map.changed()
     if world is not None:
         asked["world"] = read_world(world, chosen)
     if output is not None:
@@ -139,36 +139,25 @@ def workspace(
             found = workspaces.stored_workspace(arm, work.store, **asked, client=client, progress=progress.tick)
         else:
             found = workspaces.workspace(arm, **asked, output=output, progress=progress.tick)
-    console.emit(printed_as, _map_data(found), lambda: _map_text(found, output or work.store))
+    console.emit(printed_as, _map_data(found), lambda: _map_text(found))
+    if (place := output or work.store) is not None:
+        console.say(f"map written to {place}")
 
 
 def _region_text(region: workspaces.PlanarWorkspace, angles: Angles) -> str:
-    areas = [(name, part.area) for name, part in _parts(region).items()]
-    total = region.boundary.area
-    table = tables.grid(
-        ["region", "area [m2]", "share [%]"],
-        [[name, f"{area:.6f}", f"{100.0 * area / total:.1f}"] for name, area in areas],
-        left=["region"],
-    )
-    rows = [
-        [
-            name,
-            *(tables.number(float(x), 6) for x in (*arc.centre, arc.radius)),
-            *(tables.number(float(angles.angle(x)), 4) for x in (arc.start, arc.start + arc.sweep)),
-            arc.name,
-        ]
+    """The areas of the regions, and the arcs that bound them."""
+    data, total = _region_data(region, angles), region.boundary.area
+    shares = [{"region": name, "area [m2]": f"{each['area']:.6f}", "share [%]": f"{100.0 * each['area'] / total:.1f}"}
+              for name, each in data["regions"].items()]  # fmt: skip
+    arcs = [
+        {"arc of": name, **dict(zip(("x [m]", "y [m]"), arc["centre"], strict=True))}
+        | {"radius [m]": arc["radius"], f"from [{angles.unit}]": arc["start"], f"sweep [{angles.unit}]": arc["sweep"]}
+        | {"where": written.name}
         for name, part in _parts(region).items()
-        for arc in part.arcs
+        for arc, written in zip(data["regions"][name]["arcs"], part.arcs, strict=True)
     ]
-    header = ["arc of", "x [m]", "y [m]", "radius [m]", f"from [{angles.unit}]", f"to [{angles.unit}]", "where"]
-    head = f"{region.name}: exact workspace of two turning joints, links {region.lengths[0]:g} and "
-    return tables.render(
-        f"{head}{region.lengths[1]:g} m",
-        "",
-        table,
-        "",
-        tables.grid(header, rows, left=["arc of", "where"]),
-    )
+    head = f"{region.name}: exact workspace of two turning joints"
+    return tables.render(head, "", tables.outline({"links [m]": list(region.lengths), "regions": shares, "arcs": arcs}))
 
 
 def _parts(region: workspaces.PlanarWorkspace) -> dict[str, workspaces.Region]:
@@ -199,27 +188,15 @@ def _region_data(region: workspaces.PlanarWorkspace, angles: Angles) -> dict[str
     }
 
 
-def _map_text(found: workspaces.WorkspaceMap, place: Path | None) -> str:
-    about, unit = found.about, "m2" if found.about["task"].startswith("planar") else "m3"
-    totals, cell = found.totals(), found.cell
-    volume, dexterous = totals.reached_voxels * cell, totals.dexterous_voxels * cell
-    shape = " x ".join(map(str, found.grid.shape))
-    lines = [
-        f"{about['robot']}: {about['base']} to {about['tip']}, {about['task']}",
-        f"{shape} voxels of {found.grid.voxel:g} m, {len(found.samples)} at each: {about['sampled']}",
-        f"reached: {totals.reached_poses} of {totals.poses} poses, {totals.reached_voxels} of {totals.voxels} voxels",
-        f"volume: {volume:.4f} {unit}, in every orientation {dexterous:.4f} {unit}",
-    ]
-    names = {"solutions": "solutions", "within": "within limits", "free": "free of collision"}
-    lines += [f"{names[name]}: {count}" for name, count in totals.solutions.items()]
-    if place is not None:
-        lines.append(f"map written to {place}")
-    rows = [
-        [name, f"{100.0 * share['voxels']:.1f}", f"{100.0 * share['poses']:.1f}"]
-        for name, share in totals.branch_shares.items()
-    ]
-    table = tables.grid(["branch", "voxels [%]", "poses [%]"], rows, left=["branch"])
-    return tables.render(lines, "", table)
+def _map_text(found: workspaces.WorkspaceMap) -> str:
+    """The sums of a map in the units of its task, and the share of each branch."""
+    data, totals = _map_data(found), found.totals()
+    del data["urdf_sha256"]
+    unit = "m2" if data["task"].startswith("planar") else "m3"
+    data |= {name: f"{data[name]:.4f} {unit}" for name in ("volume", "dexterous_volume")}
+    data |= {"orientations": f"{len(found.samples)} at each voxel: {found.about['sampled']}", **totals.solutions}
+    shares = {name: {f"{key} [%]": 100.0 * x for key, x in each.items()} for name, each in data["branches"].items()}
+    return tables.render(tables.outline(data | {"branches": shares}))
 
 
 def _map_data(found: workspaces.WorkspaceMap) -> dict[str, Any]:
@@ -285,7 +262,6 @@ def placement(
     from urdf_ik.model.poses import pose
     from urdf_ik.show import plot
 
-    chosen.apart_from(typed)
     if show not in placements.SHOWN:
         raise usage(f"no score is called {show!r}; there are {', '.join(placements.SHOWN)}", "--show")
     if output is not None and output.suffix.lower() not in plot.SUFFIXES:
@@ -296,8 +272,7 @@ def placement(
         rpy = console.numbers(mount, "--mount", ("roll", "pitch", "yaw"))
         turned = pose([0.0, 0.0, 0.0], rpy=np.deg2rad(rpy) if degrees else rpy)[:3, :3]
     obstacles = read_world(world, chosen)
-    arm = chosen.load(degrees)
-    angles = angles_of(arm, degrees)
+    arm, angles = chosen.loaded(degrees, typed)
     target = targets.required(arm, typed, angles, "targets")
     with work.client() as client, Progress("scoring positions") as progress:
         found = placements.placement(
@@ -324,44 +299,28 @@ def placement(
         "reached_all": int((found.reached == len(found.targets)).sum()),
         "places": [place._asdict() for place in best],
     }
-    console.emit(printed_as, data, lambda: _places_text(found, arm, angles, best, output))
+    console.emit(printed_as, data, lambda: _places_text(found, arm, angles, data, best))
+    if output is not None:
+        console.say(f"picture written to {output}")
 
 
-def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, best: Any, picture: Path | None) -> str:
+def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, data: dict[str, Any], best: Any) -> str:
     """The sums of a map of positions, and a table of the best ones."""
     from urdf_ik.model.poses import to_rpy
 
-    whole = int((found.reached == len(found.targets)).sum())
-    counts = " x ".join(map(str, found.reached.shape[:3]))
-    lines = [
-        f"{found.about['robot']}: {found.about['base']} to {found.about['tip']}, {len(found.targets)} targets",
-        f"{counts} positions, {len(found.headings)} heading{'s' * (len(found.headings) > 1)} at each; "
-        f"all targets are reached from {whole} of {found.reached.size}",
-    ]
+    about: dict[str, Any] = {name: data[name] for name in ("robot", "base", "tip", "reached_all")}
+    about |= {"targets": len(found.targets), "positions": " x ".join(map(str, found.reached.shape[:3]))}
+    about["headings"] = len(found.headings)
     if found.followed is not None:
-        lines.append(f"the path is followed from {int(found.followed.sum())} of them")
+        about["followed"] = int(found.followed.sum())
     if not found.reached.any():
         base = best[0].pose
         why = arm.explain(np.linalg.inv(base) @ found.targets[0]) or "it touches something"
-        at = ", ".join(tables.number(float(value), 3) for value in base[:3, 3])
-        lines += tables.folded(f"from ({at}) m, target 0: {why}")
-    if picture is not None:
-        lines.append(f"picture written to {picture}")
-    upright = bool(np.array_equal(found.mount, np.eye(3)))  # or roll and pitch are worth a column
-    header = [
-        "x [m]",
-        "y [m]",
-        "z [m]",
-        *[f"{name} [{angles.unit}]" for name in ("roll", "pitch", "yaw")[2 * upright :]],
+        about["why"] = f"from ({', '.join(tables.numbers(base[:3, 3], 3))}) m, target 0: {why}"
+    names = ("x [m]", "y [m]", "z [m]", *(f"{name} [{angles.unit}]" for name in ("roll", "pitch", "yaw")))
+    about["places"] = [
+        dict(zip(names, (*place.pose[:3, 3], *angles.angle(np.asarray(to_rpy(place.pose)))), strict=True))
+        | {name: value for name, value in place._asdict().items() if name != "pose"}
+        for place in best
     ]
-    header += ["reached", "branches", "margin"]
-    header += ["clear [m]"] * (found.clearance is not None) + ["followed", "cost"] * (found.followed is not None)
-    rows = []
-    for place in best:
-        turned = angles.angle(np.asarray(to_rpy(place.pose)))
-        row = [tables.number(float(value), 3) for value in (*place.pose[:3, 3], *turned[2 * upright :])]
-        row += [str(place.reached), str(place.branches), tables.number(place.margin, 3)]
-        row += [tables.number(place.clearance, 3)] * (found.clearance is not None)
-        row += ["yes" if place.followed else "no", tables.number(place.cost, 3)] * (place.followed is not None)
-        rows.append(row)
-    return tables.render(lines, "", tables.grid(header, rows))
+    return tables.render(tables.outline(about))
