@@ -31,6 +31,7 @@ _PUBLIC = {
     "export": ("compile",),
     "ik.configurations": ("OPW",),
     "ik.redundancy": ("Interval", "Intervals", "Region"),
+    "ik.task": ("Task",),
     "ik.solutions": ("IKSolutions", "Singular", "Solution"),
     "kinematics.chain": ("Chain",),
     "kinematics.dh": ("DHTable",),

@@ -162,6 +162,7 @@ class Arm:
         redundancy: ArrayLike | None = None,
         threads: inputs.Threads = 1,
         task: str | None = None,
+        tolerance: ArrayLike | None = None,
         out: IKSolutions | None = None,
     ) -> IKSolutions:
         """Every joint vector that brings the tip to ``T``.
@@ -183,6 +184,9 @@ class Arm:
                 and a direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z:
                 see ``arm.solver.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose'
                 (..., 3) m, m, rad in the arm's plane, see ``arm.solver.control.plane``.
+            tolerance: (m, rad) by which a solution may miss the pose, for poses that were rounded and arms with fewer
+                joints than six: (5e-7, 1e-6) for six decimals; default: 1e-9, as rounding leaves. ``error`` of the
+                solutions says what each misses; see :func:`urdf_ik.ik.tolerance.solve_within`.
             out: what an earlier call returned for a batch of the same shape. It is overwritten and returned, and so are
                 arrays taken from it. Fresh memory costs a large batch up to twice the time of solving.
 
@@ -203,7 +207,20 @@ class Arm:
             ((8, 6), 'shoulder front, elbow up, wrist noflip')
         """
         solver = self.solver if task is None else self.for_task(task).solver
+        if tolerance is not None:
+            from urdf_ik.ik.tolerance import solve_within
+
+            return solve_within(solver, T, tolerance, q_ref=q_ref, redundancy=redundancy, threads=threads)
         return solve(solver, T, q_ref, redundancy, threads, out)
+
+    def ik_closest(self, T: Any, weights: ArrayLike | None = None, first: str | None = None, **options: Any) -> IKSolutions:
+        """The joint vectors that miss least of ``T``: every local minimum found, the best first, with what it misses.
+
+        Arguments, errors and an example: :func:`urdf_ik.ik.closest.closest`.
+        """
+        from urdf_ik.ik.closest import closest
+
+        return closest(self.solver, T, weights, first, **options)
 
     def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
         """The solution nearest to ``q_ref``, over all branches and all values of the redundancy parameters.

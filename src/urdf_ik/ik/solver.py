@@ -15,6 +15,7 @@ from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, printable
 from urdf_ik.ik import families
 from urdf_ik.ik.families import FamilyMember, axis_added, coupled
 from urdf_ik.ik.families.registry import MOST_JOINTS
+from urdf_ik.ik.task import POSE, Task
 from urdf_ik.ik.tasks import Control, Targets, control_of
 from urdf_ik.kinematics.chain import Chain, CoupledChain, dependent_joints, kinds_of
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
@@ -49,6 +50,7 @@ class Solver:
         free_axis: a line in the tip about which it may be turned.
         chosen: names of joints whose values are redundancy parameters because the user chose them.
         velocity_limits: (n,) rad/s or m/s, the URDF's; infinite where it gives none.
+        asked: the part of the poses that counts, where targets are poses.
         arm: the :class:`urdf_ik.Arm` that the solver belongs to, which has the cell; None until an arm takes it.
     """
 
@@ -65,6 +67,7 @@ class Solver:
     free_axis: FreeAxis | None
     chosen: tuple[str, ...]
     velocity_limits: Array
+    asked: Task = POSE
     arm: Any = None  # of a room above, where its class is
 
     @property

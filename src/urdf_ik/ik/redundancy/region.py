@@ -260,7 +260,7 @@ def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Arra
     wide = int(spread.sum()) + len(parameters)
     count = 1 if not wide else min(SAMPLES << (wide - 1), MOST_SAMPLES)
     shares = np.full((count, 6 + len(parameters)), 0.5)
-    shares[:, np.flatnonzero(np.append(spread, [True] * len(parameters)))] = _spread_evenly(count, wide)
+    shares[:, np.flatnonzero(np.append(spread, [True] * len(parameters)))] = spread_evenly(count, wide)
     shares[:, 3] = np.where(spread[3], shares[:, 3], 0.0)
     poses = region.sampled(T, shares[:, :6])
     poses[0] = T
@@ -289,7 +289,7 @@ def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Arra
     return np.array(chosen).reshape(-1, solver.dof)
 
 
-def _spread_evenly(count: int, wide: int) -> Array:
+def spread_evenly(count: int, wide: int) -> Array:
     """(count, wide) shares of a unit cube, evenly spread: multiples of powers of a root of x^(wide + 1) = x + 1."""
     if not wide:
         return np.empty((count, 0))

@@ -121,6 +121,13 @@ def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution
     return Solution(frozen(q), branch, singular, index)
 
 
+class Error(NamedTuple):
+    """What solutions miss of their targets: ``position`` (..., B) m and ``rotation`` (..., B) rad."""
+
+    position: Array
+    rotation: Array
+
+
 class Step(NamedTuple):
     """How solutions were made from others.
 
@@ -275,6 +282,22 @@ class KeptSolutions(Answer):
         if not len(defaults):
             return None
         return frozen(np.full(self.shape, defaults[0]) if len(defaults) == 1 else np.tile(defaults, (*self.shape, 1)))
+
+    @property
+    def error(self) -> Error:
+        """What each solution misses of its target: ``error.position`` (..., B) m and ``error.rotation`` (..., B) rad.
+
+        NaN where there is no solution. :meth:`urdf_ik.Arm.ik` finds exact ones, to 1e-9, unless a tolerance is given.
+        """
+        reached, solver = self.solver.chain.fk(self._q), self.solver
+        if solver.targets is not None:
+            return Error(*solver.control.errors(reached, self._poses[..., None, :]))
+        T, axis = self._poses[..., None, :, :], solver.free_axis
+        if axis is not None:
+            turn = 0.0 if self._redundancy is None else self._redundancy
+            turn = turn if len(solver.parameters) == 1 else turn[..., 0]
+            T = T @ axis.rotation(np.asarray(turn)[..., None])
+        return Error(*solver.asked.errors(T, reached))
 
     @property
     def shape(self) -> tuple[int, ...]:

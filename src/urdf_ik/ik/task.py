@@ -1,0 +1,181 @@
+"""``Task``: the part of a pose that is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.model.poses import as_pose_array, check_poses
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
+from urdf_ik.typing import Array
+
+NUMBERS = {"pose": 6, "position": 3, "position and axis": 5, "orientation": 3, "axis": 2, "look at": 2}
+"""How many numbers each kind of target fixes."""
+LEVEL = "level"
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked of the tip; the other parts of its pose are free.
+
+    Attributes:
+        components: 'pose'; 'position'; 'position and axis': all but the rotation about an axis; 'orientation'; 'axis':
+            the direction of an axis alone; 'look at': an axis of the tip points at a position.
+        axis: the axis; None where there is none.
+        frame: 'tip': the direction of an axis of the tip is asked for. 'base': the rotation about an axis of the base is
+            free; about z, roll and pitch are asked for and the yaw is free.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Task.read("position", axis="x")
+        Task(components='position and axis', axis=(1.0, 0.0, 0.0), frame='tip')
+    """
+
+    components: str
+    axis: tuple[float, float, float] | None = None
+    frame: str = "tip"
+
+    @classmethod
+    def read(cls, task: Any, axis: Any = None) -> Task:
+        """From a task or its components, and 'x', 'y', 'z' or a direction (3,); default: z.
+
+        'level' is the position, roll and pitch: any yaw.
+
+        Raises:
+            ArgumentError: there is no such task, or it has no axis.
+        """
+        if isinstance(task, Task):
+            return task
+        if task == LEVEL:
+            return cls("position and axis", (0.0, 0.0, 1.0), "base")
+        if not isinstance(task, str) or task not in NUMBERS:
+            raise ArgumentError(
+                f"no task is called {quoted(task)}; tasks: {', '.join(map(repr, (*NUMBERS, LEVEL)))}, or an urdf_ik.Task"
+            )
+        if axis is None and task in ("pose", "position", "orientation"):
+            return cls(task)
+        if task in ("pose", "orientation"):
+            raise ArgumentError(f"axis={axis!r} given; the task {task!r} asks for the directions of all axes")
+        return cls("position and axis" if task == "position" else task, FreeAxis.read("z" if axis is None else axis).direction)
+
+    def __str__(self) -> str:
+        if self.axis is None:
+            return self.components
+        name = FreeAxis(self.axis).name
+        if self.frame == "base":
+            return "position, roll and pitch" if name == "z" else f"position, free to turn about {name} of the base"
+        return {"position and axis": f"position and direction of {name}", "axis": f"direction of {name}"}.get(
+            self.components, f"{name} looks at a point"
+        )
+
+    @property
+    def has_place(self) -> bool:
+        """Whether a position is asked for."""
+        return self.components in ("pose", "position", "position and axis", "look at")
+
+    @property
+    def has_turn(self) -> bool:
+        """Whether a direction or a rotation is asked for."""
+        return self.components not in ("position", "look at")
+
+    def read_targets(self, T: Any) -> Array:
+        """Targets as poses (..., 4, 4), of which only what is asked for counts.
+
+        Args:
+            T: (..., 4, 4) poses; positions (..., 3) [m] of 'position' and 'look at'; directions (..., 3) of an 'axis';
+                both, (..., 6) or a pair, of 'position and axis'.
+
+        Raises:
+            PoseError: a target of another shape, or not finite.
+        """
+        pair = self.components == "position and axis" and isinstance(T, tuple | list) and len(T) == 2
+        if pair:
+            parts = [np.asarray(each, dtype=np.float64) for each in T]
+            if all(each.shape[-1:] == (3,) for each in parts):
+                shape = np.broadcast_shapes(*(each.shape[:-1] for each in parts))
+                T = np.concatenate([np.broadcast_to(each, (*shape, 3)) for each in parts], axis=-1)
+        if not isinstance(T, np.ndarray | list | tuple) or np.shape(T)[-2:] == (4, 4):
+            return check_poses(as_pose_array(T))
+        width = {"position": 3, "look at": 3, "axis": 3, "position and axis": 6}.get(self.components)
+        target = inputs.real(T, "a target", "an array of numbers", PoseError)
+        if width is None or self.frame == "base" or target.shape[-1:] != (width,):
+            numbers = "" if width is None or self.frame == "base" else f", or of shape (..., {width})"
+            raise PoseError(f"a target of shape {target.shape} given; the task {self} takes poses (..., 4, 4){numbers}")
+        if inputs.first_bad(target) is not None:
+            raise PoseError(f"a target of the task {self} is not finite")
+        out = np.tile(np.eye(4), (*target.shape[:-1], 1, 1))
+        if self.components != "axis":
+            out[..., :3, 3] = target[..., :3]
+        if self.components in ("axis", "position and axis"):
+            out[..., :3, :3] = _turn_to(np.array(self.axis), target[..., -3:])
+        return out
+
+    def matrix(self, T: Array) -> tuple[Array, float]:
+        """``descent.Wanted.matrix`` (m, 3, 3) and its constant, of targets (m, 4, 4)."""
+        R = T[:, :3, :3]
+        if self.axis is None or not self.has_turn:
+            return R, 3.0
+        a = np.array(self.axis)
+        if self.frame == "base":
+            return 2.0 * a[:, None] * (a @ R)[:, None, :], 2.0
+        return 2.0 * (R @ a)[:, :, None] * a, 2.0
+
+    def chain(self, chain: Chain) -> Chain:
+        """The chain whose tip goes to the target's position: for 'look at' with a slide along the axis, from 0 on."""
+        if self.components != "look at":
+            return chain
+        h = chain.R_tip @ np.array(self.axis)
+        return replace(
+            chain,
+            joint_names=(*chain.joint_names, ""),
+            joint_types=(*chain.joint_types, "prismatic"),
+            H=np.vstack([chain.H, h]),
+            P=np.vstack([chain.P, np.zeros(3)]),
+            limits=np.vstack([chain.limits, [0.0, np.inf]]),
+        )
+
+    def errors(self, T: Array, reached: Array) -> tuple[Array, Array]:
+        """What poses ``reached`` (..., 4, 4) miss of targets (..., 4, 4): m and rad, zero where nothing is asked for."""
+        T, reached = np.broadcast_arrays(T, reached)
+        off = reached[..., :3, 3] - T[..., :3, 3]
+        zero = np.zeros(off.shape[:-1])
+        if self.components == "look at":
+            along = reached[..., :3, :3] @ np.array(self.axis)
+            far = np.einsum("...i,...i", -off, along)
+            return np.linalg.norm(np.cross(off, along), axis=-1), np.where(far > 0.0, 0.0, np.pi)
+        angle = zero
+        if self.has_turn:
+            A, constant = self.matrix(T.reshape(-1, 4, 4))
+            A = reached.reshape(-1, 4, 4)[:, :3, :3] @ np.swapaxes(A, 1, 2)
+            skew = np.stack([A[:, 1, 2] - A[:, 2, 1], A[:, 2, 0] - A[:, 0, 2], A[:, 0, 1] - A[:, 1, 0]], -1)
+            cosine = np.trace(A, axis1=1, axis2=2) - (constant - 2.0)
+            angle = np.arctan2(np.linalg.norm(skew, axis=1), cosine).reshape(zero.shape)
+        return (np.linalg.norm(off, axis=-1) if self.has_place else zero), angle
+
+
+POSE = Task("pose")
+
+
+def _turn_to(axis: Array, directions: Array) -> Array:
+    """Rotations (..., 3, 3) that turn unit ``axis`` (3,) to ``directions`` (..., 3).
+
+    Raises:
+        PoseError: a direction has no length.
+    """
+    length = np.linalg.norm(directions, axis=-1, keepdims=True)
+    if not (length > 0.0).all():
+        raise PoseError("a direction of the target has no length")
+    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    x = across / np.linalg.norm(across)
+    frame = np.stack([x, np.cross(axis, x), axis], axis=-1)
+    d = directions / length
+    side = np.where(np.abs(d[..., :1]) < 0.7, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    u = np.cross(d, side)
+    u /= np.linalg.norm(u, axis=-1, keepdims=True)
+    return np.asarray(np.stack([u, np.cross(d, u), d], axis=-1) @ frame.T)
