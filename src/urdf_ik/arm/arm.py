@@ -213,7 +213,9 @@ class Arm:
             return solve_within(solver, T, tolerance, q_ref=q_ref, redundancy=redundancy, threads=threads)
         return solve(solver, T, q_ref, redundancy, threads, out)
 
-    def ik_closest(self, T: Any, weights: ArrayLike | None = None, first: str | None = None, **options: Any) -> IKSolutions:
+    def ik_closest(
+        self, T: Any, weights: ArrayLike | None = None, first: str | None = None, **options: Any
+    ) -> IKSolutions:
         """The joint vectors that miss least of ``T``: every local minimum found, the best first, with what it misses.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.closest.closest`.

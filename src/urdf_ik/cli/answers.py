@@ -173,28 +173,21 @@ class CheckedSolutions:
         return {name: values for name, values in out.items() if values is not None} | self.columns
 
 
-def solve(
+def checked(
     arm: Arm,
     poses: Array,
-    pick: Callable[[IKSolutions], IKSolutions],
+    solutions: IKSolutions,
     angles: Angles,
     *,
-    redundancy: Array | None = None,
-    task: str = "pose",
     errors: bool,
     collisions: bool,
     world: World | None = None,
     tick: Callable[[int, int], None],
 ) -> CheckedSolutions:
-    """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
+    """Check the solutions of poses (N, 4, 4); ``tick(done, total)`` reports how far the checks are.
 
-    ``redundancy``: (N,) rad or m, or None for the arm's default; ``task``: the part of the poses that is the target;
     ``world``: obstacles that count as collisions.
     """
-    from urdf_ik.cli.targets import of_task
-
-    targets = poses if task == "pose" else of_task(arm, poses, task)
-    solutions = pick(arm.ik(targets, redundancy=redundancy, task=None if task == "pose" else task))
     q, valid = solutions.q, solutions.valid
     lower, upper = arm.limits.T
     within = valid & ((q >= lower - LIMIT_TOLERANCE) & (q <= upper + LIMIT_TOLERANCE)).all(axis=-1)
@@ -209,10 +202,7 @@ def solve(
         measured = position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _BATCH):
             i, b = todo[start : start + _BATCH].T
-            if task == "pose":
-                position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
-            else:
-                position[i, b], rotation[i, b] = arm.solver.control.errors(reference.pose(q[i, b]), targets[i])
+            position[i, b], rotation[i, b] = solutions.missed(reference.pose(q[i, b]), i)
             tick(start + len(i), len(todo))
     if collisions and len(todo):  # no shapes are made where nothing is to be checked
         body = arm.cell.collisions.in_world(world)

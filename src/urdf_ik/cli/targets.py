@@ -28,6 +28,8 @@ ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
 }
 EXACT = 1e-9
 """Distance from a planar arm's plane up to which a point lies in it [m]."""
+SHORTEST = 4
+"""Numbers with fewer decimals than this, as 0.2 or 3.14, are meant as they stand."""
 POINT_TASKS = ("position", "planar position")
 """Tasks whose targets have no orientation."""
 # The example is drawn from the middle of each joint's range, where its joint values are easy to picture.
@@ -40,13 +42,15 @@ class Target:
     """Poses (N, 4, 4) to solve, and a sentence on where they come from.
 
     ``redundancy``: (N,) or (N, k) rad or m, the redundancy parameters of each; None: the arm's defaults, or none.
-    ``source``: the file of the poses, or the option that they were typed with.
+    ``source``: the file of the poses, or the option that they were typed with. ``tolerance``: m and rad that their
+    decimals leave open; None: they are exact.
     """
 
     poses: Array
     note: str
     redundancy: Array | None = None
     source: str = ""
+    tolerance: tuple[float, float] | None = None
 
 
 def target(arm: Arm, typed: PoseOptions, random: int | None, seed: int, angles: Angles, task: str = "pose") -> Target:
@@ -175,7 +179,21 @@ def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles
     values = np.broadcast_to(values, (count, values.shape[1]))
     orientation: dict[str, Any] = {option.removeprefix("--").replace("-", "_"): values}
     poses = pose(positions, **orientation)
-    return Target(poses, f"target: as typed{_unit(option, values, in_degrees)}", source="--xyz")
+    place = _rounding(typed.xyz)
+    # Half a unit of each number's last digit: three numbers, or the four of a quaternion of twice the angle.
+    turn = _rounding(_typed_as(typed, option)) * (4.0 if option.startswith("--quat") else 3.0)
+    tolerance = (place * 3.0**0.5, np.deg2rad(turn) if in_degrees else turn)
+    note = f"target: as typed{_unit(option, values, in_degrees)}"
+    return Target(poses, note, source="--xyz", tolerance=tolerance)
+
+
+def _rounding(texts: Sequence[str]) -> float:
+    """Half a unit of the last decimal of typed numbers, of the longest one; of short numbers that of six decimals."""
+    decimals = max(
+        (len(part.partition(".")[2]) for text in texts for part in console.split(text) if "e" not in part.lower()),
+        default=0,
+    )
+    return 0.5 * 10.0 ** -(decimals if decimals >= SHORTEST else 6)
 
 
 def _unit(option: str, values: Array, in_degrees: bool) -> str:

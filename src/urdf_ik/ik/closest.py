@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -34,6 +35,10 @@ _STAGES = ((30.0, 15), (300.0, 5))
 _UNREACHED = ((1e4, 12),)
 
 
+_Keys = Callable[[Array, Array], tuple[Array, ...]]
+"""What is missed of the place and of the angle, each (m,), to what minima are sorted by."""
+
+
 def closest(
     solver: Solver,
     T: Any,
@@ -45,9 +50,9 @@ def closest(
 ) -> IKSolutions:
     """The joint vectors that miss least of targets: every local minimum that is found, the best first.
 
-    For targets that an arm cannot reach, or of which its joints are too few to reach all. ``IKSolutions.error`` says what
-    each misses. The minima are searched from 48 joint vectors spread evenly over the ranges of the joints, by Newton's
-    method with the exact Hessian; ``status`` is 'incomplete', since a search proves nothing.
+    For targets that an arm cannot reach, or of which its joints are too few to reach all. ``IKSolutions.error`` says
+    what each misses. The minima are searched from 48 joint vectors spread evenly over the ranges of the joints, by
+    Newton's method with the exact Hessian; ``status`` is 'incomplete', since a search proves nothing.
 
     Args:
         solver: of the arm.
@@ -130,7 +135,7 @@ def _searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tu
     if first is None:
         q = descended(wanted[owner], q, bounds, place, turn, 60)
         q, owner = _distinct(wanted, q, owner)
-        return _sorted(wanted, q, owner, lambda off, angle: (np.hypot(place * off, turn * angle),))
+        return _sorted(wanted, q, owner, bounds, lambda off, angle: (np.hypot(place * off, turn * angle),))
     for weight, rounds in _STAGES:
         pair = (weight, 1.0) if first == "position" else (1.0, weight)
         q = descended(wanted[owner], q, bounds, *pair, rounds)
@@ -146,7 +151,7 @@ def _searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tu
             pair = (weight, 1.0) if first == "position" else (1.0, weight)
             q[rest] = descended(wanted[owner[rest]], q[rest], bounds, *pair, rounds)
     q, owner = _distinct(wanted, q, owner)
-    return _sorted(wanted, q, owner, lambda off, angle: (off, angle) if first == "position" else (angle, off))
+    return _sorted(wanted, q, owner, bounds, lambda off, angle: (off, angle) if first == "position" else (angle, off))
 
 
 def _distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
@@ -169,17 +174,17 @@ def _distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array,
     return q[keep], owner[keep]
 
 
-def _sorted(wanted: Wanted, q: Array, owner: NDArray[np.intp], keys: Any) -> Array:
+def _sorted(wanted: Wanted, q: Array, owner: NDArray[np.intp], bounds: Array, keys: _Keys) -> Array:
     """(m, B, n): the joint vectors of each target in columns, the best first."""
     m, n = len(wanted.place), q.shape[1]
     off, angle = missed(wanted[owner], q)
     ranks = tuple(np.round(np.where(each < _EXACT, 0.0, each), 12) for each in keys(off, angle))
-    order = np.lexsort((*ranks[::-1], owner))
+    order = np.lexsort(np.stack([*ranks[::-1], owner]))
     owner, q = owner[order], q[order]
     start = np.searchsorted(owner, np.arange(m))
     column = np.arange(len(owner)) - start[owner]
     out = np.full((m, max(int(column.max(initial=0)) + 1, 1), n), np.nan)
-    out[owner, column] = q
+    out[owner, column] = np.where(np.isinf(bounds).all(axis=1) & ~wanted.chain.prismatic, wrapped(q), q)
     return out
 
 

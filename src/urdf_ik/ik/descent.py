@@ -1,9 +1,9 @@
 """Local minima of what joint vectors miss of targets, by Newton's method on all starts at once.
 
-The misfit of a joint vector is half of ``place^2 |p - p*|^2 / size^2 + turn^2 angle^2``. Its Hessian is exact: the second
-derivative of the tip's place by joints i <= j is w_i x v_j, with the columns v, w of the geometric Jacobian. Directions
-of negative curvature are followed downhill, and joints at their limits rest while the misfit falls beyond them
-(Nocedal and Wright, Numerical Optimization, 2006, chapters 3, 16 and 18).
+The misfit of a joint vector is half of ``place^2 |p - p*|^2 / size^2 + turn^2 angle^2``. Its Hessian is exact: the
+second derivative of the tip's place by joints i <= j is w_i x v_j, with the columns v, w of the geometric Jacobian.
+Directions of negative curvature are followed downhill, and joints at their limits rest while the misfit falls beyond
+them (Nocedal and Wright, Numerical Optimization, 2006, chapters 3, 16 and 18).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from urdf_ik.typing import Array
 
 _LONGEST = 0.6
 """Longest step of a round [rad, share of size]."""
-_CURVED = 1e-9
+_CURVED = 1e-11
 """Curvatures below this share of the greatest one count as this share."""
 _SETTLED = 1e-12
 """Projected gradient below which a start has arrived."""
@@ -70,7 +70,7 @@ class _Seen:
         v: (m, 3, k) its derivatives by the axes.
         w: (m, 3, k) directions of the axes that turn.
         A: (m, 3, 3) the tip's rotation times the transposed matrix.
-        chord: (m,) 2 - 2 cos of the angle.
+        cosine: (m,) of the angle.
         gain: (k, n) by how much each axis moves for a joint's unit.
     """
 
@@ -78,7 +78,7 @@ class _Seen:
     v: Array
     w: Array
     A: Array
-    chord: Array
+    cosine: Array
     gain: Array
 
     @property
@@ -125,7 +125,7 @@ def _seen(wanted: Wanted, q: Array) -> _Seen:
         v=J[:, :3] / chain.size,
         w=J[:, 3:],
         A=A,
-        chord=np.maximum(wanted.constant - np.trace(A, axis1=1, axis2=2), 0.0),
+        cosine=0.5 * (np.trace(A, axis1=1, axis2=2) - wanted.constant + 2.0),
         gain=gain,
     )
 
@@ -137,24 +137,21 @@ def _misfit(seen: _Seen, place: float, turn: float) -> tuple[Array, Array, Array
     slope = place**2 * np.einsum("mi,mij->mj", off, linear)
     curve = place**2 * (np.swapaxes(linear, 1, 2) @ linear + seen.place_second(off))
     if turn:
-        cosine = np.clip(1.0 - 0.5 * seen.chord, -1.0, 1.0)
-        angle = np.arccos(cosine)
-        sine = np.maximum(np.sin(angle), 1e-6)
+        # From sine and cosine together: the cosine alone knows no angle below 1e-8.
+        angle = np.arctan2(np.linalg.norm(seen.skew, axis=1), 2.0 * seen.cosine)
+        cosine, sine = np.cos(angle), np.maximum(np.sin(angle), 1e-6)
         small = angle < 1e-3
         first = np.where(small, 1.0 + angle**2 / 6.0, angle / sine)
         then = np.where(small, 1.0 / 6.0, 0.5 * (sine - angle * cosine) / sine**3)
         rotated = np.einsum("mi,mij->mj", seen.skew, seen.angular)
-        squared = np.where(small, seen.chord, angle**2)
-        value = value + 0.5 * turn**2 * squared
+        value = value + 0.5 * turn**2 * angle**2
         slope = slope - 0.5 * turn**2 * first[:, None] * rotated
         bent = first[:, None, None] * seen.chord_second() + then[:, None, None] * rotated[:, :, None] * rotated[:, None]
         curve = curve + 0.5 * turn**2 * bent
     return value, slope, curve
 
 
-def descended(
-    wanted: Wanted, q: Array, bounds: Array, place: float, turn: float, rounds: int
-) -> Array:
+def descended(wanted: Wanted, q: Array, bounds: Array, place: float, turn: float, rounds: int) -> Array:
     """Local minima (m, n) of the misfit inside bounds (n, 2), downhill from ``q`` (m, n)."""
     unit, q = wanted.unit, q.copy()
     low, high = bounds.T
@@ -185,7 +182,8 @@ def descended(
         damping = np.where(better, 0.05 * damping, 20.0 * np.maximum(damping, 1e-9))
         stuck = damping > 1e9
         if stuck.any():
-            todo, value, slope, curve, damping = (each[~stuck] for each in (todo, value, slope, curve, damping))
+            todo, damping = todo[~stuck], damping[~stuck]
+            value, slope, curve = value[~stuck], slope[~stuck], curve[~stuck]
             if not len(todo):
                 break
     return q
@@ -204,7 +202,9 @@ def _solved(curve: Array, slope: Array, rests: NDArray[np.bool_], damping: Array
     return np.where(rests, 0.0, np.einsum("mij,mj->mi", vectors, along / size))
 
 
-def constrained(wanted: Wanted, q: Array, bounds: Array, first: str, rounds: int = 40) -> tuple[Array, NDArray[np.bool_]]:
+def constrained(
+    wanted: Wanted, q: Array, bounds: Array, first: str, rounds: int = 40
+) -> tuple[Array, NDArray[np.bool_]]:
     """Minima of the other part of the misfit among joint vectors that miss nothing of the ``first`` part.
 
     Newton's method on the conditions of Karush, Kuhn and Tucker from near such a minimum; joints at their limits stay.
@@ -223,7 +223,7 @@ def constrained(wanted: Wanted, q: Array, bounds: Array, first: str, rounds: int
     low, high = bounds.T
     rests = (q <= low) | (q >= high)
     good = np.zeros(len(q), dtype=np.bool_)
-    todo = np.arange(len(q))
+    todo, pulled = np.arange(len(q)), np.full(len(q), np.inf)
     for _ in range(rounds):
         here, still = q[todo], rests[todo]
         off, slope, curve_of = _parts(_seen(wanted[todo], here), first)
@@ -241,12 +241,16 @@ def constrained(wanted: Wanted, q: Array, bounds: Array, first: str, rounds: int
         values, vectors = np.linalg.eigh(tangent @ curve @ tangent)
         pull = np.einsum("mij,mj->mi", tangent, slope)
         # On the joints that move it has arrived. Those that the misfit draws away from their limits move again.
-        settled = (np.abs(off[0]).max(axis=1) < _MISSED) & (np.abs(pull).max(axis=1) < _LOOSE)
+        least, last = np.abs(pull).max(axis=1), pulled[todo]
+        pulled[todo] = least
+        settled = (np.abs(off[0]).max(axis=1) < _MISSED) & (
+            (least < _SETTLED) | (least < _LOOSE) & (least >= 0.5 * last)
+        )
         drawn = still & np.where(here <= low, pushed < -_LOOSE, pushed > _LOOSE) & settled[:, None]
         done = settled & ~drawn.any(axis=1)
         good[todo[done]] = values[done, 0] > -_FLAT
         pull = pull + np.einsum("mij,mj->mi", tangent, np.einsum("mij,mj->mi", curve, normal))
-        flat = np.abs(values) < _RANK
+        flat = np.abs(values) <= _CURVED * np.abs(values).max(axis=1, keepdims=True)
         along = np.where(flat, 0.0, np.einsum("mij,mi->mj", vectors, pull) / np.where(flat, 1.0, np.abs(values)))
         step = normal - np.einsum("mij,mj->mi", tangent, np.einsum("mij,mj->mi", vectors, along))
         step *= np.minimum(1.0, _NEAR / np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300))
@@ -260,7 +264,7 @@ def constrained(wanted: Wanted, q: Array, bounds: Array, first: str, rounds: int
 
 
 def _parts(seen: _Seen, first: str) -> tuple[tuple[Array, Array], Array, Callable[[Array], Array]]:
-    """What is missed of the first part with its derivatives, the other part's gradient, and the Lagrangian's Hessian."""
+    """The first part's error and its derivatives, the other part's gradient, and the Lagrangian's Hessian."""
     if first == "position":
         slope = -0.5 * np.einsum("mi,mij->mj", seen.skew, seen.angular)
         return (seen.off, seen.linear), slope, lambda force: 0.5 * seen.chord_second() + seen.place_second(force)

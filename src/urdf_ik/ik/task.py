@@ -28,8 +28,8 @@ class Task:
         components: 'pose'; 'position'; 'position and axis': all but the rotation about an axis; 'orientation'; 'axis':
             the direction of an axis alone; 'look at': an axis of the tip points at a position.
         axis: the axis; None where there is none.
-        frame: 'tip': the direction of an axis of the tip is asked for. 'base': the rotation about an axis of the base is
-            free; about z, roll and pitch are asked for and the yaw is free.
+        frame: 'tip': the direction of an axis of the tip is asked for. 'base': the rotation about an axis of the base
+            is free; about z, roll and pitch are asked for and the yaw is free.
 
     Example:
         >>> import urdf_ik
@@ -55,14 +55,15 @@ class Task:
         if task == LEVEL:
             return cls("position and axis", (0.0, 0.0, 1.0), "base")
         if not isinstance(task, str) or task not in NUMBERS:
-            raise ArgumentError(
-                f"no task is called {quoted(task)}; tasks: {', '.join(map(repr, (*NUMBERS, LEVEL)))}, or an urdf_ik.Task"
-            )
+            names = ", ".join(map(repr, (*NUMBERS, LEVEL)))
+            raise ArgumentError(f"no task is called {quoted(task)}; tasks: {names}, or an urdf_ik.Task")
         if axis is None and task in ("pose", "position", "orientation"):
             return cls(task)
         if task in ("pose", "orientation"):
             raise ArgumentError(f"axis={axis!r} given; the task {task!r} asks for the directions of all axes")
-        return cls("position and axis" if task == "position" else task, FreeAxis.read("z" if axis is None else axis).direction)
+        return cls(
+            "position and axis" if task == "position" else task, FreeAxis.read("z" if axis is None else axis).direction
+        )
 
     def __str__(self) -> str:
         if self.axis is None:
@@ -141,7 +142,7 @@ class Task:
         )
 
     def errors(self, T: Array, reached: Array) -> tuple[Array, Array]:
-        """What poses ``reached`` (..., 4, 4) miss of targets (..., 4, 4): m and rad, zero where nothing is asked for."""
+        """What poses ``reached`` (..., 4, 4) miss of targets (..., 4, 4): m and rad, 0 where nothing is asked for."""
         T, reached = np.broadcast_arrays(T, reached)
         off = reached[..., :3, 3] - T[..., :3, 3]
         zero = np.zeros(off.shape[:-1])

@@ -44,7 +44,7 @@ def solve_within(solver: Solver, T: Any, tolerance: ArrayLike, **options: Any) -
     poses = found._poses.reshape(-1, 4, 4)
     open_ = np.flatnonzero(np.asarray(kept.count).reshape(-1) == 0)
     near = _within(closest(solver, poses[open_], 1.0 / pair), pair)
-    return _joined(solver, kept, open_, near)
+    return joined(kept, open_, near)
 
 
 def _within(found: IKSolutions, pair: Array) -> IKSolutions:
@@ -60,9 +60,9 @@ _ROUNDING = 1.0 + 1e-6
 _STATUS_BITS = 96
 
 
-def _joined(solver: Solver, kept: IKSolutions, at: Any, near: IKSolutions) -> IKSolutions:
+def joined(kept: IKSolutions, at: Any, near: IKSolutions) -> IKSolutions:
     """Solutions of a batch, those of the poses numbered ``at`` replaced by the nearest postures."""
-    shape, n = kept.shape, solver.dof
+    shape, n = kept.shape, kept.solver.dof
     count = max(kept.q.shape[-2], near.q.shape[-2])
     q, info = np.full((int(np.prod(shape)), count, n), np.nan), np.zeros((int(np.prod(shape)), count), np.uint8)
     q[:, : kept.q.shape[-2]] = kept.q.reshape(len(q), -1, n)

@@ -24,6 +24,7 @@ from urdf_ik.typing import Array
 
 Metric = Literal["l2", "max", "time"]
 Quality = Literal["limits", "manipulability", "clearance"]
+First = Literal["position", "orientation"]
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,56 @@ class Choice(options.Record):
         return pick
 
 
+@dataclass(frozen=True)
+class Nearest(options.Record):
+    """Options for targets that cannot be reached exactly, as typed.
+
+    Options:
+        closest: The nearest postures, with what they miss.
+        first: What --closest misses by as little as possible. Default: position.
+        tolerance (M,RAD): What a solution may miss. Default: the decimals of typed poses, else 1e-9.
+    """
+
+    GROUP = "Poses"
+    closest: bool = False
+    first: First | None = None
+    tolerance: str | None = None
+
+    def solve(self, arm: Arm, target: Target, angles: Angles, *, within_limits: bool) -> tuple[IKSolutions, str]:
+        """The solutions of poses, or the nearest postures, and a note on what they miss.
+
+        Raises:
+            typer.BadParameter: a tolerance that is no pair of numbers, or options that exclude each other.
+        """
+        if self.closest or self.first is not None:
+            found = arm.ik_closest(target.poses, first=self.first, within_limits=within_limits)
+            return found, "nearest postures, the best first"
+        found, tolerance = arm.ik(target.poses, redundancy=target.redundancy), target.tolerance
+        if self.tolerance is not None:
+            pair = console.numbers(self.tolerance, "--tolerance", ("m", "rad"))
+            tolerance = (float(pair[0]), float(angles.typed(pair[1]) if angles.degrees else pair[1]))
+        if tolerance is None or arm.solver.parameters or bool((found.count > 0).all()):
+            return found, ""
+        return near_poses(arm, found, tolerance, angles)
+
+
+def near_poses(arm: Arm, found: IKSolutions, tolerance: tuple[float, float], angles: Angles) -> tuple[IKSolutions, str]:
+    """Solutions of a batch, where there are none those within a tolerance m, rad; and a note on what these miss."""
+    from urdf_ik.ik.tolerance import joined
+
+    open_ = np.flatnonzero(found.count == 0)
+    near = arm.ik(found.poses[open_], tolerance=tolerance)
+    if not near.count.any():
+        return found, ""
+    both = joined(found, open_, near)
+    off = [float(np.nanmax(each)) for each in near.error]
+    most = f"{tolerance[0]:.1e} m, {angles.angle(tolerance[1]):.1e} {angles.unit}"
+    return (
+        both,
+        f"missed by at most {off[0]:.1e} m, {angles.angle(off[1]):.1e} {angles.unit}, as the decimals allow ({most})",
+    )
+
+
 def ik(
     *,
     typed: PoseOptions,
@@ -120,6 +171,7 @@ def ik(
     seed: int = 0,
     task: PartOfPose | None = None,
     redundancy: str | None = None,
+    nearest_posture: Nearest,
     choice: Choice,
     world: Path | None = None,
     check: bool | None = None,
@@ -140,6 +192,7 @@ def ik(
         urdf-ik ik planar_2r --task planar-position --xyz 0.1,0.05,0
         urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --collision-free --world cell.urdf
         urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --max-step 0.5
+        urdf-ik ik so101 --xyz 0.2,0.1,0.05 --rpy 0,1.57,0 --closest --within-limits
         urdf-ik ik ur5 --random 1000 --output solutions.npz
         urdf-ik ik puma_560 --q 0.1,-1,1,0.2,0.3,0 --configuration fanuc
         urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
@@ -165,13 +218,16 @@ def ik(
         target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
         target = choice.at_the_nearest(arm, target, angles) if asked == "pose" else target
-        answer = answers.solve(
+        if asked == "pose":
+            solved, note = nearest_posture.solve(arm, target, angles, within_limits=choice.within_limits)
+            target = replace(target, note=f"{target.note}; {note}" if note else target.note)
+        else:
+            solved = arm.ik(targets.of_task(arm, target.poses, asked), task=asked)
+        answer = answers.checked(
             arm,
             target.poses,
-            keep,
+            keep(solved),
             angles,
-            redundancy=target.redundancy if asked == "pose" else None,
-            task=asked,
             errors=check is not False,
             collisions=len(target.poses) <= answers.SUMMARY_ABOVE if check is None else check,
             world=obstacles,

@@ -289,15 +289,21 @@ class KeptSolutions(Answer):
 
         NaN where there is no solution. :meth:`urdf_ik.Arm.ik` finds exact ones, to 1e-9, unless a tolerance is given.
         """
-        reached, solver = self.solver.chain.fk(self._q), self.solver
+        return Error(*self.missed(self.solver.chain.fk(self._q), (..., None)))
+
+    def missed(self, reached: Array, index: Any) -> tuple[Array, Array]:
+        """What poses of the tip miss of the targets ``[index]``: distances [m] and angles [rad]."""
+        solver, T = self.solver, self._poses
         if solver.targets is not None:
-            return Error(*solver.control.errors(reached, self._poses[..., None, :]))
-        T, axis = self._poses[..., None, :, :], solver.free_axis
-        if axis is not None:
-            turn = 0.0 if self._redundancy is None else self._redundancy
-            turn = turn if len(solver.parameters) == 1 else turn[..., 0]
-            T = T @ axis.rotation(np.asarray(turn)[..., None])
-        return Error(*solver.asked.errors(T, reached))
+            target: Array = T[(*index, slice(None))] if isinstance(index, tuple) else T[index]
+            off, angle = solver.control.errors(reached, target)
+            return off, angle
+        if solver.free_axis is not None:
+            values = np.zeros(self.shape) if self._redundancy is None else self._redundancy
+            T = T @ solver.free_axis.rotation(values if len(solver.parameters) < 2 else values[..., 0])
+        T = T[(*index, slice(None), slice(None))] if isinstance(index, tuple) else T[index]
+        off, angle = solver.asked.errors(T, reached)
+        return off, angle
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -1,0 +1,56 @@
+"""A hobby arm of five servos, with decimals as CAD exporters write them, and what scipy finds for it."""
+
+from __future__ import annotations
+
+import numpy as np
+from cases import Case
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+Array = NDArray[np.float64]
+_JOINTS = (
+    ("pan", "0.0388 0 0.0624", "0 0 1", 1.92),
+    ("lift", "0.0304 0 0.0542", "0 1 0", 1.75),
+    ("elbow", "0.028 0 0.1126", "0 1 0", 1.69),
+    ("flex", "0.1349 0 0.0052", "0 1 0", 1.66),
+    ("roll", "0.0611 0.0002 0", "1 0 0", 2.74),
+)
+LINKS = ("base", "turret", "upper", "lower", "wrist", "jaw", "tool")
+
+
+def _urdf() -> str:
+    text = "".join(f'<link name="{name}"/>' for name in LINKS)
+    for k, (name, xyz, axis, limit) in enumerate(_JOINTS):
+        text += (
+            f'<joint name="{name}" type="revolute"><parent link="{LINKS[k]}"/><child link="{LINKS[k + 1]}"/>'
+            f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>'
+            f'<limit lower="{-limit}" upper="{limit}" effort="10" velocity="5"/></joint>'
+        )
+    grip = '<parent link="jaw"/><child link="tool"/><origin xyz="0.0981 -0.0002 0" rpy="0 1.5708 0"/>'
+    return f'<robot name="hobby">{text}<joint name="grip" type="fixed">{grip}</joint></robot>'
+
+
+URDF = _urdf()
+
+
+def angle_between(A: Array, B: Array) -> float:
+    """rad, between rotations (3, 3)."""
+    return 2.0 * float(np.arcsin(min(1.0, np.linalg.norm(A - B) / np.sqrt(8.0))))
+
+
+def least_angle(case: Case, T: Array, starts: Array, bounds: Array | None) -> float:
+    """The least angle [rad] that scipy's SLSQP finds from ``starts`` with the tip at the position of T."""
+
+    def chord(q: Array) -> float:
+        return 3.0 - float(np.sum(case.oracle.pose(q)[:3, :3] * T[:3, :3]))
+
+    place = {"type": "eq", "fun": lambda q: 3.0 * (case.oracle.pose(q)[:3, 3] - T[:3, 3])}
+    least = np.inf
+    for start in starts:
+        answer = minimize(
+            chord, start, method="SLSQP", constraints=[place], bounds=bounds, options={"maxiter": 200, "ftol": 1e-14}
+        )
+        reached = case.oracle.pose(answer.x)
+        if np.linalg.norm(reached[:3, 3] - T[:3, 3]) < 1e-8:
+            least = min(least, angle_between(reached[:3, :3], T[:3, :3]))
+    return least
