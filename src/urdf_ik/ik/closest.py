@@ -32,7 +32,8 @@ _EXACT = 1e-11
 """Share of the size, rad: what is missed by no more is reached."""
 _STAGES = ((30.0, 15), (300.0, 5))
 """Weights of the part that counts first beside the other, with Newton's rounds at each."""
-_UNREACHED = ((1e4, 12),)
+_HARD = 1e4
+"""Weight of the part that counts first, where it is not reached at once."""
 
 
 _Keys = Callable[[Array, Array], tuple[Array, ...]]
@@ -140,16 +141,22 @@ def _searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tu
         pair = (weight, 1.0) if first == "position" else (1.0, weight)
         q = descended(wanted[owner], q, bounds, *pair, rounds)
         q, owner = _distinct(wanted, q, owner)
+    part = 0 if first == "position" else 1
     exact, good = constrained(wanted[owner], q, bounds, first)
+    q[good] = exact[good]
+    if not good.all():
+        # Joints rest at their limits, the Jacobian is nearly singular there, or the first part is out of reach.
+        rest = wanted[owner[~good]]
+        near = descended(rest, q[~good], bounds, *((_HARD, 1.0) if part == 0 else (1.0, _HARD)), 12)
+        again, settled = constrained(rest, near, bounds, first)
+        onto = descended(rest, near, bounds, 1.0 - part, float(part), 8)
+        onto = np.where((missed(rest, onto)[part] < _EXACT)[:, None], onto, near)
+        q[~good] = np.where(settled[:, None], again, onto)
+    off = missed(wanted[owner], q)[part] < _EXACT
     reached = np.zeros(m, dtype=np.bool_)
-    reached[owner[good]] = True
-    keep = good | ~reached[owner]
-    q, owner = np.where(good[:, None], exact, q)[keep], owner[keep]
-    rest = ~reached[owner]
-    if rest.any():
-        for weight, rounds in _UNREACHED:
-            pair = (weight, 1.0) if first == "position" else (1.0, weight)
-            q[rest] = descended(wanted[owner[rest]], q[rest], bounds, *pair, rounds)
+    reached[owner[off]] = True
+    keep = off | ~reached[owner]
+    q, owner = q[keep], owner[keep]
     q, owner = _distinct(wanted, q, owner)
     return _sorted(wanted, q, owner, bounds, lambda off, angle: (off, angle) if first == "position" else (angle, off))
 

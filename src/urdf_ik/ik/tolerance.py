@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from urdf_ik._core import Solver as CoreSolver
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.closest import closest
-from urdf_ik.ik.families.parts.written import Driven, Written
+from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solver import Solver
@@ -80,10 +80,8 @@ def _loose(solver: Solver, reach: float) -> Solver:
     return replace(solver, core=made, single=None)
 
 
-def _with_reach(part: Any, reach: float) -> Any:
-    if isinstance(part, Written | Driven):
-        return replace(part, tolerances=replace(part.tolerances, reach=reach))
-    if not is_dataclass(part) or isinstance(part, type):
-        return part
-    inner = {each.name: getattr(part, each.name) for each in fields(part)}
-    return replace(part, **{name: _with_reach(value, reach) for name, value in inner.items() if is_dataclass(value)})
+def _with_reach(part: Numbers, reach: float) -> Numbers:
+    inner = {name: _with_reach(value, reach) for name, value in vars(part).items() if isinstance(value, Numbers)}
+    if hasattr(part, "tolerances"):
+        inner["tolerances"] = replace(part.tolerances, reach=reach)
+    return part.but(**inner)
