@@ -1,7 +1,5 @@
 """What every test of pictures takes."""
 
-from __future__ import annotations
-
 import pytest
 
 import urdf_ik

@@ -1,10 +1,6 @@
 """Pictures: what is drawn and how it is called, valid files; never how it looks."""
 
-from __future__ import annotations
-
 import re
-import subprocess
-import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -209,18 +205,6 @@ def test_joints_that_slide_have_a_scale_of_their_own() -> None:
     assert len(turning.patches) == arm.dof - 1
 
 
-def test_names_are_no_formulas(tmp_path: Path) -> None:
-    """Dollar signs in a robot's and its joints' names, and in a lost mesh's, are drawn and not read."""
-    text = catalogue.resolve("planar_2r").path.read_text().replace("joint_1", "$x^$").replace("joint_2", "$y_$")
-    mesh = '<visual><geometry><mesh filename="a$b^$.stl"/></geometry></visual><visual>'
-    text = re.sub('<robot name="[^"]*"', r'<robot name="$\\frac$"', text.replace("<visual>", mesh, 1))
-    arm = urdf_ik.load(text)
-    solutions = arm.ik([0.1, 0.1], task="planar position")
-    figures = [plot.arm(arm), plot.branches(solutions), plot.limits(solutions), plot.sliders(arm, window=False).figure]
-    for figure in [*figures, plot.planar_workspace(workspaces.planar(arm))]:
-        plot.save(figure, tmp_path / "picture.png")
-
-
 def test_a_limit_beyond_all_measure_is_none() -> None:
     """Joints limited to +-1e9 are marked once a solution, where the solution is, on a bar across the picture."""
     text = catalogue.resolve("planar_2r").path.read_text()
@@ -230,17 +214,6 @@ def test_a_limit_beyond_all_measure_is_none() -> None:
     marks = np.concatenate([line.get_xdata() for line in axes.lines])
     np.testing.assert_allclose(np.sort(marks), np.sort(solutions.to_array().ravel()))
     assert np.abs(axes.get_xlim()).max() < 10.0
-
-
-def test_any_number_of_branches_has_colours_of_its_own() -> None:
-    """All different, none as light as the paper, and the same for the same names."""
-    for count in (1, 8, 10, 11, 16, 96):
-        names = [f"solution {k}" for k in range(count)]
-        colours = draw.colours(names)
-        assert len({tuple(colour) for colour in colours.values()}) == count
-        lightness = [0.5 * (max(colour[:3]) + min(colour[:3])) for colour in colours.values()]
-        assert max(lightness) < 0.75
-        assert colours == draw.colours(names)
 
 
 def test_the_planar_workspace_has_both_regions_and_their_overlap() -> None:
@@ -323,12 +296,3 @@ def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
     assert result.exit_code == 2 and "outside the map" in result.stderr
     result = call("plot", "puma_560", "workspace", "--map", path, "-o", picture)
     assert result.exit_code == 2 and "zyyzyz_6r" in result.stderr
-
-
-def test_nothing_else_brings_matplotlib() -> None:
-    """The rooms of the workspace, and the other commands, load without it."""
-    code = (
-        "import sys, urdf_ik, urdf_ik.maps.workspaces, urdf_ik.cli, urdf_ik.cli.commands.regions; "
-        "sys.exit(any(name.split('.')[0] == 'matplotlib' for name in sys.modules))"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,7 +1,5 @@
 """The picture of intervals: bars and ends where they are; never how it looks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The picture of a path: what is drawn where, and how it is called; never how it looks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -136,12 +134,6 @@ def test_changes_of_branch_are_marked_and_the_curve_is_broken(arm: Arm) -> None:
     axes = figure.axes[0]
     pieces = [line for line in axes.lines if line.get_linewidth() == 1.8]
     assert len(pieces) == 1 + len({change.waypoint for change in plan.changes})
-
-
-def test_a_single_waypoint_is_drawn(arm: Arm, tmp_path: Path) -> None:
-    """There is no way from it, but there are its solutions."""
-    figure = plot.path(arm.follow(seam()[:1]))
-    plot.save(figure, tmp_path / "one.svg")
 
 
 def test_the_command_draws_it(arm: Arm, tmp_path: Path) -> None:

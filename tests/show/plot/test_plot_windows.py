@@ -1,28 +1,21 @@
 """Sliders and windows: in a notebook, without a display, and on a display that nobody sees."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib import pyplot
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pictures import is_png, stick_lines
 from typer.testing import CliRunner
 
 import urdf_ik
 from urdf_ik.cli import app
 from urdf_ik.show import plot
-from urdf_ik.show.plot import slider_panel
 
 
 @pytest.mark.parametrize("name", ["planar_2r", "zyyzyz_6r", "scara_rrpr"])
@@ -44,19 +37,6 @@ def test_sliders_move_the_arm(name: str) -> None:
         assert len(held.figure.axes[0].patches) == 4
     else:
         np.testing.assert_allclose(np.array(line.get_data_3d())[:, -1], arm.fk(target)[:3, 3], atol=1e-12)
-
-
-def test_sliders_of_joints_without_limits_or_range() -> None:
-    """Half a turn or a metre where there is no limit, also where the other one is beyond it; never an empty range."""
-    arm = SimpleNamespace(
-        limits=np.array([[-1e16, np.inf], [-np.inf, -5.0], [7.0, np.inf], [-np.inf, np.inf], [0.5, 0.5]]),
-        chain=SimpleNamespace(prismatic=np.array([False, False, False, True, True])),
-    )
-    expected = [(-180.0, 180.0), (np.degrees(-5.0) - 180.0, np.degrees(-5.0))]
-    expected += [(np.degrees(7.0), np.degrees(7.0) + 180.0), (-1.0, 1.0), (0.5, 0.501)]
-    np.testing.assert_allclose(slider_panel.ranges(arm, np.array([0.0, -5.0, 7.0, 0.0, 0.5])), expected)
-    beyond = slider_panel.ranges(arm, np.array([4.0, -20.0, 7.0, 2.5, 0.5]))
-    assert [beyond[0][1], beyond[1][0], beyond[3]] == [np.degrees(4.0), np.degrees(-20.0), (-1.0, 2.5)]
 
 
 def test_sliders_begin_where_they_were_asked_to_or_say_why_not() -> None:
@@ -93,27 +73,6 @@ def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
     """Without pyplot: they give their own PNG."""
     assert is_png(plot.arm(arm, shapes=False)._repr_png_())
     assert is_png(plot.sliders(arm, window=False).figure._repr_png_())
-
-
-def test_windows_are_known_to_what_waits_for_them(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    """When pyplot has to wait, it knows the figure's window: a toolkit's main loop ends at once without one."""
-    monkeypatch.setattr(slider_panel, "require_display", lambda: FigureCanvasAgg)
-    waited: list[tuple[object, bool]] = []
-    with matplotlib.rc_context({"backend": "agg"}):
-        monkeypatch.setattr(pyplot, "show", lambda *, block: waited.append((pyplot.gcf(), block)))
-        for figure in (plot.arm(arm, shapes=False), plot.sliders(arm).figure):
-            plot.show(figure)
-            assert waited.pop() == (figure, True) and not waited
-            pyplot.close(figure)
-        monkeypatch.setattr(pyplot, "show", lambda **_: signal.raise_signal(signal.SIGINT))
-        before = signal.signal(signal.SIGINT, signal.default_int_handler)
-        try:
-            with pytest.raises(KeyboardInterrupt):  # raised when the window is gone
-                plot.show(plot.arm(arm, shapes=False))
-            assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-        finally:
-            signal.signal(signal.SIGINT, before)
-        assert not pyplot.get_fignums()
 
 
 WINDOWS = """
@@ -160,44 +119,6 @@ def test_a_slider_is_pulled_in_a_real_window(name: str, display: str) -> None:
     assert visible == "1" and title == f"urdf-ik: {name}"
     assert float(degrees[0]) == pytest.approx(lower + 0.6 * (upper - lower), abs=0.01 * (upper - lower))
     assert all(float(value) == 0.0 for value in degrees[1:])
-
-
-@pytest.mark.slow
-def test_ctrl_c_closes_a_window(display: str) -> None:
-    """The command ends with the status of an interrupt, without a word, though nobody touches the window."""
-    command = [sys.executable, "-c", INTERRUPTED, "plot", "planar_2r", "arm"]
-    environment = os.environ | {"DISPLAY": display, "MPLBACKEND": "tkagg"}
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120.0, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
-
-
-INTERRUPTED = """
-import os, signal, threading
-signal.signal(signal.SIGINT, signal.default_int_handler)
-from matplotlib import pyplot
-from urdf_ik.cli import main
-def interrupt():
-    while not pyplot.get_fignums():
-        threading.Event().wait(0.1)
-    threading.Event().wait(1.0)
-    os.kill(os.getpid(), signal.SIGINT)
-threading.Thread(target=interrupt, daemon=True).start()
-main()
-"""
-
-
-def test_a_display_that_does_not_answer_is_named() -> None:
-    """A toolkit that is missing, a display that does not exist, a backend that there is not: an error in words."""
-    for backend, display, words in (
-        ("tkagg", ":9999", "no window can be opened|cannot open windows"),
-        ("gtk3agg", ":9999", "no window can be opened|cannot open windows"),
-        ("nonsense", ":9999", "'nonsense' is not a valid value"),
-    ):
-        environment = os.environ | {"DISPLAY": display, "MPLBACKEND": backend}
-        command = [sys.executable, "-m", "urdf_ik.cli", "plot", "planar_2r", "arm"]
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120.0, check=False)
-        assert done.returncode == 2 and "Error: " in done.stderr, done.stderr
-        assert re.search(words, done.stderr) and "Traceback" not in done.stderr
 
 
 @pytest.fixture(scope="module")

@@ -1,20 +1,14 @@
 """What tests of the viewer take."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import pytest
 
 from urdf_ik import Arm
 
-if TYPE_CHECKING:
-    from urdf_ik.show.viewer import Viewer
-
 
 @pytest.fixture
-def viewer(arm: Arm) -> Iterator[Viewer]:
+def viewer(arm: Arm) -> Iterator[object]:
     """A running viewer of the file's own ``arm``."""
     from urdf_ik.show.viewer import Viewer
 

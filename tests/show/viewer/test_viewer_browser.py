@@ -1,10 +1,8 @@
 """The viewer's page in a real browser: Chromium without a screen, drawing in software, against a running viewer.
 
 What the page does is read from the viewer's state; that it shows it, from pixels that change. URDF_IK_SCREENSHOT=FILE
-keeps a picture of the page. Arms without shapes are quickly drawn in software.
+keeps a picture of the page.
 """
-
-from __future__ import annotations
 
 import http.server
 import io
@@ -22,7 +20,6 @@ from browser import CHROMIUM, INSTALL, PATIENCE, ViewerPage, changed, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.model import catalogue
 
 pytest.importorskip("playwright.sync_api", reason=INSTALL)
 pytest.importorskip("viser", reason=INSTALL)
@@ -34,10 +31,7 @@ from urdf_ik.show.viewer import Viewer  # noqa: E402
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)]
 
 WIDTH, HEIGHT, PANEL = 900, 560, 420
-TOOL_SIZE, NARROW = (900, 700), (360, 740)
 Q = np.array([0.4, -0.3, 0.9, 0.5, 0.8, -0.2])
-MEASURE = """all => all.map(e => [
-    e.textContent, e.scrollWidth - e.clientWidth, e.scrollHeight - e.clientHeight, e.getBoundingClientRect().right])"""
 ARM = "zyyzyz_6r"
 
 
@@ -161,17 +155,6 @@ def test_a_slider_moves_the_arm_and_the_target(seen: Seen) -> None:
     seen.differs(first, 500)
 
 
-def test_choosing_a_branch_moves_the_arm_to_it(seen: Seen) -> None:
-    """A click on a branch puts the arm there and leaves the target."""
-    before, first = seen.viewer.state, seen.pixels()
-    other = next(k for k, ghost in enumerate(before.ghosts) if "elbow up" in ghost.branch and k != before.chosen)
-    seen.page.get_by_role("button", name=before.ghosts[other].branch, exact=True).click()
-    seen.wait(lambda: seen.viewer.state.chosen == other, "the branch is chosen")
-    assert np.array_equal(seen.viewer.state.target, before.target)
-    seen.page.get_by_role("button", name=f"● {before.ghosts[other].branch}").wait_for()
-    seen.differs(first, 200)
-
-
 def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     """A name chosen from the list replaces the arm; the redundancy slider turns the elbow and leaves the tip."""
     page = seen.page
@@ -261,82 +244,16 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
     assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
 
 
-def bare(name: str) -> urdf_ik.Arm:
-    """An arm of the catalogue without its shapes."""
-    text = catalogue.resolve(name).path.read_text()
-    return urdf_ik.load(re.sub(r"<(visual|collision)>.*?</\1>", "", text, flags=re.DOTALL))
-
-
-class Shown(ViewerPage):
-    """A viewer, its page, and what a person does there."""
-
-    def __init__(self, viewer: Viewer, browser: Any) -> None:
-        super().__init__(viewer, browser, TOOL_SIZE, PANEL)
-
-    def folder(self, name: str) -> None:
-        """Open or close a folder of the panel."""
-        self.page.get_by_text(name, exact=True).first.click()
-
-    def field(self, label: str) -> Any:
-        """The field that stands beside a label."""
-        row = self.page.get_by_text(label, exact=True).locator("xpath=ancestor::div[contains(@class, 'Flex-root')][1]")
-        return row.locator("input:visible")
-
-    def choose(self, label: str, option: str) -> None:
-        """Take an option of a dropdown."""
-        self.field(label).click()
-        self.page.get_by_role("option", name=option, exact=True).locator("visible=true").first.click()
-
-
-@pytest.fixture
-def shown(browser: Any) -> Iterator[Shown]:
-    """An arm of six joints in a page of its own, at a pose with eight solutions."""
-    with Viewer(bare("zyyzyz_6r"), port=0) as viewer:
-        viewer.move_target(viewer.state.arm.fk(Q))
-        assert viewer.settle(PATIENCE)
-        opened = Shown(viewer, browser)
-        yield opened
-        opened.page.close()
-
-
-def test_keys_go_to_the_next_solution_and_back(shown: Shown) -> None:
+def test_keys_go_to_the_next_solution_and_back(seen: Seen) -> None:
     """N marks another branch as the one where the arm stands, P the first one again."""
-    marked = shown.page.get_by_role("button", name=re.compile("^● "))
-    shown.wait(lambda: marked.count() == 1, "the arm stands at a solution")
+    marked = seen.page.get_by_role("button", name=re.compile("^● "))
+    seen.wait(lambda: marked.count() == 1, "the arm stands at a solution")
     first = marked.inner_text()
-    shown.page.mouse.click(60, 60)
-    shown.page.keyboard.press("n")
-    shown.wait(lambda: marked.count() == 1 and marked.inner_text() != first, "another branch is marked")
-    shown.page.keyboard.press("p")
-    shown.wait(lambda: marked.count() == 1 and marked.inner_text() == first, "the first one is marked again")
-
-
-def test_the_camera_comes_back_to_arm_and_table_by_a_key(browser: Any) -> None:
-    """After the view was turned away, F shows the arm, the path and all corners of the table in the free part."""
-    arm, world = bare("zyyzyz_6r"), urdf_ik.World()
-    half = np.array([0.4, 0.9, 0.05])
-    world.add("table", urdf_ik.Box(2.0 * half), urdf_ik.pose([1.4, 0.6, 0.2]))
-    line = urdf_ik.line(arm.fk(Q), arm.fk(Q) @ urdf_ik.pose([0.0, 0.2, 0.0]), 10)
-    with Viewer(arm, port=0, world=world, plan=arm.follow(line, world=None)) as viewer:
-        shown = Shown(viewer, browser)
-        corners = [1.4, 0.6, 0.2] + half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        links = [pose[:3, 3] for pose in arm.link_poses(viewer.state.q).values()]
-        points = np.concatenate([corners, links, line[:, :3, 3]])
-
-        def is_away() -> bool:
-            # Each round turns it again: a new page is framed once, maybe after the first round.
-            shown.client.camera.position, shown.client.camera.look_at = (50.0, 0.0, 0.0), (60.0, 0.0, 0.0)
-            return bool((shown.project(points)[:, 2] < 0.0).all())
-
-        def is_framed() -> bool:
-            drawn = shown.project(points)
-            return bool((drawn > 0.0).all() and (drawn[:, :2] < TOOL_SIZE).all())
-
-        shown.wait(is_away, "the page looks away")
-        shown.page.mouse.click(60, 60)
-        shown.page.keyboard.press("f")
-        shown.wait(is_framed, "the page shows arm, path and table")
-        shown.page.close()
+    seen.page.mouse.click(60, 60)
+    seen.page.keyboard.press("n")
+    seen.wait(lambda: marked.count() == 1 and marked.inner_text() != first, "another branch is marked")
+    seen.page.keyboard.press("p")
+    seen.wait(lambda: marked.count() == 1 and marked.inner_text() == first, "the first one is marked again")
 
 
 def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
@@ -348,7 +265,7 @@ def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
         ball = trimesh.creation.icosphere(subdivisions=6)  # 2.0 MB as vertices and faces of 4 bytes
         viewer.server.scene.add_mesh_simple("/robot/tip/ball", ball.vertices, ball.faces)
         assert 4 * (ball.vertices.size + ball.faces.size) > 1_400_000
-        shown = Shown(viewer, browser)
+        shown = ViewerPage(viewer, browser, (WIDTH, HEIGHT), PANEL)
         sent: list[int] = []
 
         def listen(socket: Any) -> None:
@@ -365,25 +282,3 @@ def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
             shown.catch_up()
         assert 0 < sum(sent) < moves * 20_000
         shown.page.close()
-
-
-def test_a_narrow_window_shows_whole_labels(browser: Any) -> None:
-    """On a telephone no label is cut off or reaches beyond the page, and the panel is as wide as the page."""
-    with Viewer(bare("zyyzyz_6r"), port=0) as viewer:
-        seen = ViewerPage(viewer, browser, NARROW, 0)
-        page = seen.page
-        page.get_by_role("button", name="Save the scene as HTML").wait_for()
-        labels = page.locator(".mantine-Button-label")
-
-        def cut_off() -> list[str]:
-            return [
-                label
-                for label, beyond, below, right in labels.evaluate_all(MEASURE)
-                if not (beyond <= 1 and below <= 1 and right <= NARROW[0])
-            ]
-
-        assert labels.count() >= len(viewer.state.ghosts) == 8
-        seen.wait(lambda: not cut_off(), "no label is cut off")
-        panel = "e => e.closest('.mantine-ScrollArea-root').offsetWidth"
-        joints = page.get_by_text("Joints").first
-        seen.wait(lambda: joints.evaluate(panel) == NARROW[0], "the panel is as wide as the page")

@@ -1,7 +1,5 @@
 """The viewer with a plan and a world: what it shows at each waypoint, without a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -215,5 +213,7 @@ def test_the_command_takes_a_path_and_a_world(arm: Arm, tmp_path: Path) -> None:
     with_path = page.stat().st_size
     succeed("view", ARM, "-o", str(page))
     assert with_path > page.stat().st_size
+    assert page.read_text().lstrip().lower().startswith("<!doctype html")
+    assert "__VISER_EMBED_DATA__=" in page.read_text()
     assert call("view", ARM, "-p", "no/seam.csv", "-o", str(page)).exit_code == 2
     assert call("view", ARM, "--world", "no/cell.urdf", "-o", str(page)).exit_code == 3

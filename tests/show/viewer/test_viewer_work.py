@@ -1,7 +1,5 @@
 """The viewer as a tool: what is copied can be pasted; postures, keys, the saved page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,10 +13,7 @@ from urdf_ik.model import catalogue
 
 pytest.importorskip("viser")
 
-from urdf_ik.show.viewer import (
-    Viewer,  # noqa: E402
-    typed_text,  # noqa: E402
-)
+from urdf_ik.show.viewer import Viewer, typed_text  # noqa: E402
 from urdf_ik.show.viewer import state as states  # noqa: E402
 from urdf_ik.show.viewer.surroundings import points_beside  # noqa: E402
 
@@ -41,15 +36,11 @@ def viewer(arm: urdf_ik.Arm) -> Iterator[Viewer]:
         yield shown
 
 
-@pytest.mark.parametrize("form", ["q = {}", "{}", "[{}]", "np.array([{}])", '{{"q": [{}]}}'])
-def test_joint_vectors_are_read_in_every_form(arm: urdf_ik.Arm, form: str) -> None:
-    """Python, JSON, or only numbers."""
-    kind, value = typed_text.read(form.format(", ".join(map(str, Q))), arm)
-    assert kind == "q" and value.tolist() == Q.tolist()
-
-
-def test_poses_are_read_in_every_form(arm: urdf_ik.Arm) -> None:
-    """A matrix, a position with a quaternion, or with roll, pitch and yaw; each the pose of `urdf_ik.pose`."""
+def test_joint_vectors_and_poses_are_read_in_every_form(arm: urdf_ik.Arm) -> None:
+    """Python, JSON, or only numbers; a matrix, a position with a quaternion, or with roll, pitch and yaw."""
+    for form in ("q = {}", "{}", "[{}]", "np.array([{}])", '{{"q": [{}]}}'):
+        kind, value = typed_text.read(form.format(", ".join(map(str, Q))), arm)
+        assert kind == "q" and value.tolist() == Q.tolist()
     T = urdf_ik.pose([0.4, 0.1, 0.3], rpy=[0.1, 0.2, 0.3])
     x, y, z, w = 0.0342708, 0.1060205, 0.1435722, 0.9833474
     texts = (
@@ -62,21 +53,9 @@ def test_poses_are_read_in_every_form(arm: urdf_ik.Arm) -> None:
         kind, value = typed_text.read(text, arm)
         assert kind == "pose"
         np.testing.assert_allclose(value, T, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("1 2 3", "3 numbers given"),
-        ("q = 1 2", "puma_560 has 6 joints"),
-        ("a b", "'ab' is no number"),
-        ("{}", "'q' or"),
-    ],
-)
-def test_what_is_neither_is_refused_in_words(arm: urdf_ik.Arm, text: str, words: str) -> None:
-    """The message says what would be valid."""
-    with pytest.raises(UrdfIkError, match=words):
-        typed_text.read(text, arm)
+    for text, words in (("1 2 3", "3 numbers given"), ("q = 1 2", "6 joints"), ("a b", "no number"), ("{}", "'q' or")):
+        with pytest.raises(UrdfIkError, match=words):
+            typed_text.read(text, arm)
 
 
 def test_what_is_copied_can_be_pasted(arm: urdf_ik.Arm) -> None:
