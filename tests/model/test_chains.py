@@ -1,7 +1,5 @@
 """Which chain of a URDF is meant where none is named: fingers, heads, tool frames, several arms, SRDF groups."""
 
-from __future__ import annotations
-
 import pytest
 from urdf_texts import arm
 

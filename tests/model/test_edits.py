@@ -1,7 +1,5 @@
 """A URDF's text with other numbers: only they change."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,9 +1,6 @@
 """Files that are no plain URDF: xacro, MJCF, and ROS packages; each held against Pinocchio or MuJoCo."""
 
-from __future__ import annotations
-
 import sys
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -230,18 +227,3 @@ def test_mujoco_models_are_read_from_files_only(mjcf: Path) -> None:
     mjcf.write_text("<mujoco><worldbody><bodi/></worldbody></mujoco>")
     with pytest.raises(UrdfError, match="MuJoCo refuses the model: .*bodi"):
         read(mjcf)
-
-
-@pytest.mark.parametrize(
-    ("name", "axis", "says"), [("j\uffff", "0 0 1", "cannot be written as a URDF"), ("j", "-1e308 0 1", "zero axis")]
-)
-def test_what_no_urdf_can_hold_is_refused(name: str, axis: str, says: str, tmp_path: Path) -> None:
-    """Names and axes that MuJoCo takes: an error of ours, and no warning about its inertia."""
-    pytest.importorskip("mujoco")
-    joint = f'<joint name="{name}" type="hinge" axis="{axis}"/>'
-    text = f'<mujoco><worldbody><body name="b"><geom size=".1"/>{joint}</body></worldbody></mujoco>'
-    (tmp_path / "arm.xml").write_text(text, encoding="utf-8")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with pytest.raises(UrdfError, match=says):
-            read(tmp_path / "arm.xml", strict=True)

@@ -1,7 +1,5 @@
 """Meshes with vertices that are not finite are refused."""
 
-from __future__ import annotations
-
 import re
 import struct
 from pathlib import Path

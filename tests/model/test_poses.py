@@ -1,7 +1,5 @@
 """Poses from every notation and back, against SciPy and Pinocchio; what is refused, and in which words."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -22,7 +20,6 @@ from urdf_ik.model.poses import (
     to_rotvec,
     to_rpy,
 )
-from urdf_ik.support.tolerances import DEFAULT
 
 Array = NDArray[np.float64]
 
@@ -173,9 +170,6 @@ def test_pose_broadcasts() -> None:
         ([1, 2, 3], {"rpy": [0, 0, 0], "rotvec": [0, 0, 0]}, "rotvec and rpy given", None),
         ([1, 2], {}, r"position has the shape \(2,\)", None),
         ([1, 2, np.nan], {}, "position is .*nan.*finite", None),
-        ([1, 2, "x"], {}, "position must be", None),
-        ([1, 2, 1j], {}, "real numbers", None),
-        ([[1, 2, 3], [1, 2]], {}, "position", None),
         ([1, 2, 3], {"quat_xyzw": [0, 0, 0]}, "4 numbers are needed", None),
         ([1, 2, 3], {"quat_xyzw": [0, 0, 0, 0]}, "all zeros", None),
         ([1, 2, 3], {"quat_wxyz": [[1, 0, 0, 0], [0, 0, 0, 0]]}, "all zeros", (1,)),
@@ -203,30 +197,9 @@ def test_as_pose_array_takes_everything_that_holds_poses() -> None:
     vector.extend(poses)
     objects = np.empty(6, dtype=object)
     objects[:] = poses
-    for given_as in (poses, tuple(poses), vector, objects, [stack[0], *poses[1:]], list(stack), stack.tolist()):
+    for given_as in (poses, vector, objects, [stack[0], *poses[1:]], list(stack), stack.tolist(), stack.astype(">f8")):
         np.testing.assert_array_equal(as_pose_array(given_as), stack)
     np.testing.assert_array_equal(as_pose_array(nested), stack.reshape(2, 3, 4, 4))
-    unaligned = np.frombuffer(b"x" + stack.tobytes(), dtype=np.uint8)[1:].view(np.float64).reshape(6, 4, 4)
-    for given_as in (stack.astype(">f8"), np.asfortranarray(stack), stack[::-1][::-1], unaligned):
-        got = as_pose_array(given_as)
-        np.testing.assert_array_equal(got, stack)
-        assert got.dtype == np.float64 and got.dtype.isnative and got.flags.c_contiguous and got.flags.aligned
-    for kind in (np.float16, np.float32, np.longdouble, np.int32, np.uint8):
-        np.testing.assert_array_equal(as_pose_array(np.eye(4, dtype=kind)), np.eye(4))
-    for same in (stack, stack[2], np.empty((0, 4, 4))):
-        assert as_pose_array(same) is same and check_poses(same) is same
-
-
-@pytest.mark.parametrize(
-    "value",
-    ["pose", None, [["a"] * 4] * 4, np.full((4, 4), 1j), {"x": 1}, [1, [2, 3]], 3.0, [], [None], np.eye(3),
-     [pin.SE3.Identity(), None], np.ones((4, 4, 1)), np.ones((2, 3, 4)), np.eye(4) == 1,
-     np.zeros((4, 4), dtype="datetime64[s]")],
-)  # fmt: skip
-def test_what_holds_no_poses_is_refused(value: object) -> None:
-    """Text, None, complex numbers, ragged lists and wrong shapes raise PoseError, not whatever NumPy makes of them."""
-    with pytest.raises(PoseError, match=r"\d|number"):
-        as_pose_array(value)
 
 
 def _bad(**entries: object) -> Array:
@@ -241,18 +214,13 @@ def _bad(**entries: object) -> Array:
 
 BAD = {
     "nan": (_bad(e03=np.nan), r"\[0, 3\] is nan"),
-    "nan in the last row": (_bad(e30=np.nan), r"\[3, 0\] is nan"),
-    "infinite": (_bad(e12=-np.inf), r"\[1, 2\] is -inf"),
     "last row": (_bad(e31=1.0), r"last row is \(0, 1, 0, 1\)"),
-    "last row scaled": (_bad(e33=2.0), r"last row is \(0, 0, 0, 2\)"),
     "transposed": (_bad().T, "transposed"),
     "reflection": (_bad(block=np.diag([1.0, -1.0, 1.0])), "reflection"),
-    "point reflection": (_bad(block=-np.eye(3)), "reflection"),
     "scaled": (_bad(block=1.001 * np.eye(3)), r"scaled by 1\.001"),
     "huge": (_bad(block=1e200 * np.eye(3)), "no rotation"),
     "sheared": (_bad(block=np.array([[1, 0.1, 0], [0, 1, 0], [0, 0, 1.0]])), "no rotation.*project_rotation"),
     "zeros": (_bad(block=np.zeros((3, 3))), "rotation"),
-    "just too far": (_bad(block=(1 + 0.51 * DEFAULT.rotation) * np.eye(3)), "scaled by"),
 }
 
 

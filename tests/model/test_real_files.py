@@ -4,11 +4,7 @@ By default a limb of each file answers a few poses; with URDF_IK_SWEEP=all every
 24 random and 24 round ones, which takes some minutes.
 """
 
-from __future__ import annotations
-
 import os
-from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -50,15 +46,6 @@ def _files() -> dict[str, Path]:
 
 
 FILES = _files()
-COUNTS: Counter[str] = Counter()
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _counts(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Print at the end what the sweep saw."""
-    yield
-    with request.config.pluginmanager.getplugin("capturemanager").global_and_fixture_disabled():
-        print(f"\nsweep: {', '.join(f'{count:,} {what}' for what, count in COUNTS.items())}")
 
 
 def _chains(model: UrdfModel) -> dict[str, tuple[str, str]]:
@@ -91,9 +78,7 @@ def _is_regular(arm: urdf_ik.Arm, J: np.ndarray, q: np.ndarray) -> bool:
 @pytest.mark.parametrize("name", FILES)
 def test_every_file_loads_or_is_refused_for_its_chains(name: str) -> None:
     """Each limb's poses are reached to 1e-9, and a regular joint vector is among the solutions of its pose."""
-    COUNTS["files"] += 1
     if name in NO_CHAIN:
-        COUNTS["files without a chain"] += 1
         with pytest.raises((UrdfError, urdf_ik.ChainError), match=NO_CHAIN[name]):
             urdf_ik.load(FILES[name])
         return
@@ -101,9 +86,7 @@ def test_every_file_loads_or_is_refused_for_its_chains(name: str) -> None:
     chains = _chains(model)
     assert chains
     for limb, (base, tip) in chains.items():
-        COUNTS["chains"] += 1
         if (name, limb) in BROKEN:
-            COUNTS["chains refused for a defect of their own"] += 1
             with pytest.raises(UrdfError, match=BROKEN[name, limb]):
                 urdf_ik.load(FILES[name], base, tip)
             continue
@@ -117,14 +100,11 @@ def test_every_file_loads_or_is_refused_for_its_chains(name: str) -> None:
                 found = arm.ik(T, redundancy=value).to_array()
             except UnsupportedArm as error:
                 assert "lock" in str(error), (limb, str(error))
-                COUNTS["chains that load and have no solver"] += 1
                 break
             assert len(found), (limb, q)
-            COUNTS["poses"] += 1
             position, angle = reference.errors(found, T)
             assert max(position.max() / max(arm.chain.size, 1.0), angle.max()) < 1e-9, (limb, q)
             if _is_regular(arm, reference.jacobian(q) * scale, q):
-                COUNTS["regular joint vectors, all found"] += 1
                 off = np.abs(np.where(arm.chain.prismatic, found - q, np.angle(np.exp(1j * (found - q)))))
                 assert off.max(axis=1).min() < 1e-6, (limb, q)
 

@@ -1,16 +1,13 @@
 """Reading URDFs: yourdfpy and Pinocchio see the same robot, and oddities are forgiven."""
 
-from __future__ import annotations
-
 import io
 import itertools
-import time
 
 import numpy as np
 import pinocchio
 import pytest
 import yourdfpy
-from urdf_texts import TINY, arm, edited, frames_of_pinocchio
+from urdf_texts import TINY, edited, frames_of_pinocchio
 
 from urdf_ik.model.urdf import read
 
@@ -31,40 +28,19 @@ def test_a_sound_urdf_is_read_whole() -> None:
     assert model.warnings == ()
 
 
-def test_the_model_cannot_be_changed_by_accident() -> None:
-    """Fields are frozen and arrays are read-only, so an arm never differs from the URDF it was read from."""
-    model = read(TINY)
-    with pytest.raises(AttributeError):
-        model.root = "arm"  # type: ignore[misc]
-    for joint in model.joints:
-        with pytest.raises(ValueError, match="read-only"):
-            joint.origin[0, 3] = 1.0
-        with pytest.raises(ValueError, match="read-only"):
-            joint.axis[0] = 1.0
-
-
 @pytest.mark.parametrize(
     ("line", "old", "new"),
     [
         (3, "/>", "><visual/><collision/><inertial/></link>"),
         (3, "/>", '><visual><geometry><cone radius="x"/></geometry></visual></link>'),
-        (
-            3,
-            "/>",
-            "><visual><geometry><:box/></geometry></visual><collision><geometry><a:b/></geometry></collision></link>",
-        ),
         (3, "/>", '><collision><geometry><mesh filename="package://no/such.stl"/></geometry></collision></link>'),
         (3, "/>", '/><transmission><joint name="turn"/></transmission><gazebo reference="base"><a b="${c}"/></gazebo>'),
         (3, "/>", '/><xacro:property name="width" value="${2 * 3}"/>'),
-        (3, "/>", "/><sensor:camera><controller:x/></sensor:camera>"),
-        (3, "/>", "/><!-- a -- b --><?pi x?>"),
         (3, "/>", "/><material/><material name='m'><color rgba='1'/></material>"),
         (12, "/>", '/><safety_controller/><dynamics damping="x"/><calibration rising=""/>'),
         (24, "/>", '/><axis xyz="0 0 0"/><limit lower="2" upper="1"/><mimic joint="nobody"/>'),
         (2, '"tiny"', '""'),
         (2, "<robot", '<robot version="1.2" xmlns="http://www.ros.org" xmlns:xi="http://x"'),
-        (1, '"1.0"', '"0.0"'),
-        (1, "<?xml", "\n \n<?xml"),
     ],
 )
 def test_what_does_not_touch_kinematics_is_forgiven(line: int, old: str, new: str) -> None:
@@ -164,8 +140,7 @@ def test_limits_have_the_defaults_of_the_standard() -> None:
         assert (reference.lowerPositionLimit[at], reference.upperPositionLimit[at]) == limits[name]
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e-3, 0.999, 7.0, 1e140])
-@pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous"])
+@pytest.mark.parametrize(("kind", "scale"), [("revolute", 1e-9), ("prismatic", 7.0), ("continuous", 1e140)])
 def test_axes_of_any_length_are_directions(kind: str, scale: float) -> None:
     """The length an axis is written with changes nothing, for us and for Pinocchio."""
     direction = np.array([2.0, -3.0, 6.0]) / 7
@@ -175,17 +150,3 @@ def test_axes_of_any_length_are_directions(kind: str, scale: float) -> None:
     unit = read(edited(7, "revolute", kind, edited(11, "0 0 1", " ".join(map(repr, direction.tolist())))))
     poses = [frames_of_pinocchio(each.xml.decode(), {"turn": 0.7})["arm"] for each in (model, unit)]
     np.testing.assert_allclose(poses[0], poses[1], atol=1e-15)
-
-
-def test_reading_is_fast() -> None:
-    """An arm takes milliseconds of the processor to read: nothing but its kinematics is built."""
-    text = arm(*(f"j{i} revolute l{i} l{i + 1}" for i in range(7)))
-    read(text)
-    best = min(_seconds(text) for _ in range(5))
-    assert best < 0.015
-
-
-def _seconds(text: str) -> float:
-    begun = time.process_time()  # of the processor: other programs take none of it
-    read(text)
-    return time.process_time() - begun

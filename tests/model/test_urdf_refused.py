@@ -1,20 +1,11 @@
 """URDFs that are refused: what is broken, with its place and a hint, and what would be dangerous to read."""
 
-from __future__ import annotations
-
-import io
-import time
 from pathlib import Path
 
-import numpy as np
-import pinocchio
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from urdf_texts import TINY, arm, edited, refused
 
-from urdf_ik.errors import UrdfIkError
-from urdf_ik.model.urdf import UrdfModel, read
+from urdf_ik.model.urdf import read
 
 JOINT = '<joint name="turn">'
 LIMIT = '<limit lower="-1" upper="2" effort="3" velocity="4"/>'
@@ -23,41 +14,24 @@ BROKEN = {
     "no robot name": (2, ' name="tiny"', "", 2, "<robot>", "no name", 'name="..."'),
     "unknown version": (2, "<robot", '<robot version="2.0"', 2, "<robot>", "'2.0'", "1.2"),
     "link without name": (4, ' name="arm"', "", 4, "<link>", "no name", 'name="..."'),
-    "link with empty name": (4, '"arm"', '""', 4, '<link name="">', "no name", 'name="..."'),
-    "joint without name": (7, ' name="turn"', "", 7, "<joint>", "no name", 'name="..."'),
     "duplicated link": (4, '"arm"', '"base"', 4, '<link name="base">', "taken by line 3", "of its own"),
-    "duplicated joint": (14, '"slide"', '"turn"', 14, JOINT, "taken by line 7", "of its own"),
     "reserved joint name": (7, '"turn"', '"universe"', 7, '<joint name="universe">', "Pinocchio's own", "another name"),
     "unknown type": (7, "revolute", "ball", 7, JOINT, "'ball'", "revolute, continuous, prismatic, fixed"),
-    "type in capitals": (7, "revolute", "Revolute", 7, JOINT, "'Revolute'", "revolute"),
-    "no type": (7, ' type="revolute"', "", 7, JOINT, "type is missing", "revolute"),
     "no parent": (8, '<parent link="base"/>', "", 7, JOINT, "<parent> is missing", "<parent link="),
-    "no child": (9, '<child link="arm"/>', "", 7, JOINT, "<child> is missing", "<child link="),
     "parent without link": (8, ' link="base"', "", 8, f"<parent> of {JOINT}", "link is missing", "<parent link="),
     "undeclared parent": (8, '"base"', '"bose"', 8, f"<parent> of {JOINT}", "'bose' is not declared", "base"),
-    "undeclared child": (9, '"arm"', '"harm"', 9, f"<child> of {JOINT}", "'harm' is not declared", "arm"),
     "two parents": (16, '"hand"', '"arm"', 16, '<child> of <joint name="slide">', "'turn' at line 7", "closed loop"),
     "cycle": (8, '"base"', '"tool"', 7, JOINT, "arm <- tool <- hand <- arm", "tree"),
-    "self loop": (8, '"base"', '"arm"', 7, JOINT, "cycle: arm <- arm", "tree"),
     "several roots": (6, "/>", '/><link name="lost"/>', 6, '<link name="lost">', "base, lost", "fixed joints"),
     "NaN in xyz": (10, "0 0 1", "0 nan 1", 10, f"<origin> of {JOINT}", "'nan' is no finite number", "3 numbers"),
-    "infinity in rpy": (10, "0 0 0.5", "0 -inf 0", 10, f"<origin> of {JOINT}", "'-inf'", "finite"),
     "overflow in xyz": (10, "0 0 1", "0 0 1e400", 10, f"<origin> of {JOINT}", "'1e400'", "finite"),
     "two values in xyz": (10, '"0 0 1"', '"0 1"', 10, f"<origin> of {JOINT}", "2 values instead of 3", "3 numbers"),
-    "four values in rpy": (10, "0 0 0.5", "0 0 0 0.5", 10, f"<origin> of {JOINT}", "4 values", "3 numbers"),
-    "empty xyz": (10, '"0 0 1"', '""', 10, f"<origin> of {JOINT}", "0 values instead of 3", "3 numbers"),
     "commas in xyz": (10, "0 0 1", "0,0,1", 10, f"<origin> of {JOINT}", "'0,0,1'", "spaces"),
     "digits only Python reads": (10, "0 0 1", "0 0 1_0", 10, f"<origin> of {JOINT}", "'1_0'", "decimal"),
-    "a word in xyz": (10, "0 0 1", "0 0 one", 10, f"<origin> of {JOINT}", "'one'", "decimal"),
     "quaternion origin": (10, "rpy", 'quat_xyzw="0 0 0 1" rpy', 10, f"<origin> of {JOINT}", "quat_xyzw", "rpy"),
     "zero axis": (11, "0 0 1", "0 0 0", 11, f"<axis> of {JOINT}", "zero axis", "0 0 1"),
     "axis without xyz": (11, ' xyz="0 0 1"', "", 11, f"<axis> of {JOINT}", "xyz is missing", "3 numbers"),
-    "short axis": (11, "0 0 1", "0 1", 11, f"<axis> of {JOINT}", "2 values instead of 3", "3 numbers"),
-    "NaN in axis": (11, "0 0 1", "0 0 NaN", 11, f"<axis> of {JOINT}", "'NaN'", "finite"),
     "lower above upper": (12, '"-1"', '"3"', 12, f"<limit> of {JOINT}", "lower 3 is greater than upper 2", "swap"),
-    "NaN limit": (12, '"-1"', '"nan"', 12, f"<limit> of {JOINT}", "'nan'", "finite"),
-    "infinite limit": (12, '"2"', '"inf"', 12, f"<limit> of {JOINT}", "'inf'", "finite"),
-    "empty limit": (12, '"2"', '""', 12, f"<limit> of {JOINT}", "0 values instead of 1", "a number"),
     "no effort": (12, ' effort="3"', "", 12, f"<limit> of {JOINT}", "no effort", "effort="),
     "no velocity": (12, ' velocity="4"', "", 12, f"<limit> of {JOINT}", "no velocity", "velocity="),
     "negative velocity": (12, '"4"', '"-4"', 12, f"<limit> of {JOINT}", "negative", "zero or more"),
@@ -70,21 +44,14 @@ BROKEN = {
     "mimic of a fixed joint": (
         7, "revolute", "fixed", 19, '<mimic> of <joint name="slide">', "a fixed joint, which does not move", "revolute"
     ),
-    "NaN in mimic": (19, '"0.5"', '"nan"', 19, '<mimic> of <joint name="slide">', "'nan'", "finite"),
     "circle of mimics": (
         12, "/>", '/><mimic joint="slide"/>', 12, f"<mimic> of {JOINT}", "turn -> slide -> turn", "by itself"
     ),
     "xacro in an origin": (10, "0 0 1", "0 0 ${height}", 10, f"<origin> of {JOINT}", "${height}", "end the file"),
     "xacro in a name": (4, '"arm"', '"$(arg prefix)arm"', 4, '<link name="$(arg prefix)arm">', "xacro", "end the file"),
-    "xacro in a reference": (8, '"base"', '"${p}base"', 8, f"<parent> of {JOINT}", "xacro", "end the file"),
     "xacro include": (3, "<link", "<xacro:include/><link", 3, "<xacro:include>", "xacro", "end the file"),
-    "xacro in a joint": (11, "<axis", "<xacro:if/><axis", 11, f"<xacro:if> of {JOINT}", "xacro", "end the file"),
     "malformed": (9, '"arm"', "arm", 9, None, "malformed XML", "correct the XML"),
-    "mismatched tag": (13, "</joint>", "</link>", 13, None, "malformed XML", "correct the XML"),
-    "attribute written twice": (4, "<link", '<link name="a"', 4, None, "name redefined", "correct the XML"),
-    "undeclared entity": (4, '"arm"', '"&arm;"', 4, None, "'arm' not defined", "correct the XML"),
     "DOCTYPE": (2, "<robot", "<!DOCTYPE robot><robot", 2, "<!DOCTYPE>", "DOCTYPE is refused", "delete"),
-    "other root": (2, "<robot", "<sdf/><robot", 2, None, "Extra content", "correct the XML"),
 }  # fmt: skip
 
 
@@ -125,26 +92,11 @@ BILLION_LAUGHS = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;
 )
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-8-sig", "utf-7"])
-@pytest.mark.parametrize(
-    "doctype",
-    [
-        '<!DOCTYPE robot SYSTEM "http://localhost:1/x.dtd">',
-        '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/passwd">]>',
-        BILLION_LAUGHS,
-    ],
-)
-def test_a_doctype_is_refused_before_an_entity_is_expanded(doctype: str, encoding: str) -> None:
-    """No entity reaches a file, the network or the memory, in any encoding and behind any comment."""
-    text = f'<?xml version="1.0" encoding="{encoding}"?>\n<!-- <robot> -->\n{doctype}<robot name="&b11;"/>'
-    begun = time.process_time()
-    error = refused(text.encode(encoding))
-    assert error.line == 3
-    assert time.process_time() - begun < 1.0
-
-
-def test_doctype_in_a_comment_is_harmless() -> None:
-    """Only a real DOCTYPE is refused, not the word in a comment."""
+@pytest.mark.parametrize("doctype", ['<!DOCTYPE r [<!ENTITY b11 SYSTEM "file:///etc/passwd">]>', BILLION_LAUGHS])
+def test_a_doctype_is_refused_before_an_entity_is_expanded(doctype: str) -> None:
+    """No entity reaches a file, the network or the memory, behind any comment; the word in a comment is harmless."""
+    text = f'<?xml version="1.0"?>\n<!-- <robot> -->\n{doctype}<robot name="&b11;"/>'
+    assert refused(text).line == 3
     assert read("<!-- <!DOCTYPE robot> -->" + arm("j revolute a b")).root == "a"
 
 
@@ -156,13 +108,6 @@ def test_another_root_element_is_refused(root: str, words: str) -> None:
     """A model of another format is distinguished from a broken URDF."""
     error = refused(f"\n<{root}/>")
     assert (error.line, error.hint is not None and words in error.hint) == (2, True)
-
-
-@pytest.mark.parametrize("text", ["", "  \n ", b"", b"\xef\xbb\xbf", "<!-- nothing -->", '<?xml version="1.0"?>'])
-def test_an_empty_text_is_refused(text: str | bytes) -> None:
-    """Nothing at all is no robot."""
-    error = refused(text)
-    assert "empty" in str(error) or "malformed" in str(error)
 
 
 def test_a_robot_without_links_is_refused_and_one_link_is_enough() -> None:
@@ -185,33 +130,3 @@ def test_the_number_of_links_is_bounded() -> None:
     error = refused(arm(*chain))
     assert "more than 500 links" in error.problem
     assert error.element == '<link name="l500">'
-
-
-MUTATIONS = st.tuples(
-    st.integers(0, len(TINY)),
-    st.integers(0, 40),
-    st.one_of(
-        st.just(""),
-        st.text(max_size=3),
-        st.sampled_from(["<", ">", '"', "&", "/", "\0", "nan", "1e999", "-", "0", "&#0;", "]]>", "<!--", "base", "${"]),
-    ),
-)
-
-
-@given(st.lists(MUTATIONS, min_size=1, max_size=3), st.integers(0, 3))
-def test_any_text_is_read_or_refused(mutations: list[tuple[int, int, str]], truncate: int) -> None:
-    """A URDF with pieces cut out or put in is read or refused, never a crash; what is read, Pinocchio reads too."""
-    text = TINY
-    for start, length, put in mutations:
-        text = text[:start] + put + text[start + length :]
-    text = text[: len(text) // truncate] if truncate else text
-    try:
-        model = read(text if text.lstrip().startswith("<") else io.StringIO(text))
-    except UrdfIkError as error:
-        assert len(str(error)) < 1000
-        return
-    assert isinstance(model, UrdfModel)
-    reference = pinocchio.buildModelFromXML(model.xml.decode())
-    assert {frame.name for frame in reference.frames if frame.type == pinocchio.BODY} == set(model.links)
-    assert all(np.isfinite(joint.origin).all() for joint in model.joints)
-    np.testing.assert_allclose([np.linalg.norm(joint.axis) for joint in model.joints], 1.0)

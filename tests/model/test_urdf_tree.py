@@ -1,7 +1,5 @@
 """The tree of links: the default chain, names that are not there, parents and children."""
 
-from __future__ import annotations
-
 import pytest
 from urdf_texts import arm
 

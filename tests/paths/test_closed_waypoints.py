@@ -1,7 +1,5 @@
 """Paths through waypoints at which every solution touches something."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Waypoint files: every documented form is read as the same poses, and what is wrong is named with its place."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Callable
@@ -83,7 +81,6 @@ HEADER = "x,y,z,qw,qx,qy,qz\n"
     ("content", "words"),
     [
         (b"", ("is empty", "accepted: CSV")),
-        (b"# nothing\n", ("nothing but comments",)),
         (HEADER, ("line 1", "no waypoint after it")),
         (GOOD, ("line 1", "7 numbers and no header", "x,y,z,qw,qx,qy,qz")),
         ("x,y,qw,qx,qy,qz\n" + GOOD, ("line 1", "no column z")),
@@ -97,17 +94,10 @@ HEADER = "x,y,z,qw,qx,qy,qz\n"
         (HEADER + GOOD + "0.5,0.4,0.3,10,0,0,0\n", ("line 3", "qw,qx,qy,qz = 10,0,0,0", "the length 10")),
         (",".join(["1"] * 16), ("line 1", "last row")),
         ('{"targets": []}', ("targets", "poses or waypoints")),
-        ('{"poses": []}', ("shape",)),
-        ("[[1, 2", ("line 1", "Expecting")),
         (json.dumps([np.eye(4).tolist(), "up"]), ("waypoint 1", '"up"', "4x4")),
-        (json.dumps([np.eye(4).tolist(), [1, 2]]), ("waypoint 1", "[1, 2]")),
         (json.dumps([np.eye(4).tolist(), np.diag([1, 1, -1, 1]).tolist()]), ("[1]", "reflection")),
-        (b"\x93NUMPY\x01", ("damaged",)),
         (numpy_file(a=T, b=T), ("a, b", "poses or waypoints or T")),
         (numpy_file(alone=XYZ), ("shape (5, 3)", "matrices (m, 4, 4)")),
-        (numpy_file(alone=np.array(["a"])), ("no real number",)),
-        (b"\xff\xfe\x00", ("neither text nor",)),
-        (HEADER + '"0,0,0,1,0,0,0\n' + GOOD, ("line 3", "1 values", "7 are needed")),
         (json.dumps([np.eye(4).tolist(), [["0"] * 4] * 4]), ("waypoint 1", '"0" is no number')),
     ],
 )

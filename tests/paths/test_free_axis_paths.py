@@ -1,10 +1,8 @@
 """Paths with a free axis of the tip: never dearer than with it fixed, and as cheap as brute force, by Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from tests.paths.test_follow import joint_path
+from paths import joint_path
 
 import urdf_ik
 from urdf_ik import ArgumentError

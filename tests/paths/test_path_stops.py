@@ -1,7 +1,5 @@
 """Paths that are not found: out of reach, at a limit or in contact, named with the waypoint, branch by branch."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from lxml import etree
@@ -9,34 +7,6 @@ from paths import described, joint_path, smooth
 
 import urdf_ik
 from urdf_ik.support.angles import TURN
-
-
-def test_a_waypoint_out_of_reach_is_named() -> None:
-    """Where all waypoints from the 24th on are out of reach, every branch stops at that one."""
-    arm = urdf_ik.load("ur5")
-    T = arm.fk(joint_path(arm, 40, 1, size=0.1))
-    T[23:, :3, 3] += [3.0, 0.0, 0.0]
-    plan = arm.follow(T, collisions=False)
-    assert not plan.found
-    assert len(plan.q) == 0
-    assert (plan.stops[0].branch, plan.stops[0].waypoint, plan.stops[0].cause) == ("every branch", 23, "reach")
-    assert {stop.waypoint for stop in plan.stops} == {23}
-    assert "reach" in plan.explain()
-
-
-def test_puma_limit_in_the_way_of_every_branch_is_named() -> None:
-    """Where every branch runs into a joint limit, the explanation names it."""
-    arm = urdf_ik.load("puma_560")
-    q = np.tile([0.0, -0.6, 0.4, 0.3, 0.8, 0.5], (81, 1))
-    low, high = arm.limits[0]
-    q[:, 0] = np.linspace(0.0, high + 0.3, 81)
-    plan = arm.follow(arm.fk(q), collisions=False)
-    assert not plan.found
-    own = [stop for stop in plan.stops if stop.cause == "limit"]
-    assert own
-    assert any(arm.joint_names[0] in stop.reason for stop in own)
-    first_outside = int(np.argmax(q[:, 0] > high))
-    assert first_outside in {stop.waypoint for stop in own}
 
 
 @pytest.mark.parametrize("kind", ["wrist, 2||3", "2||3||4, 1x2, 5x6", "general", "imperfect"])

@@ -1,7 +1,5 @@
 """Joint velocities and accelerations of plans, against differences of the plan's own joint vectors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -42,13 +40,3 @@ def test_a_redundancy_parameters_rate_moves_the_joints_alone() -> None:
     np.testing.assert_allclose((arm.jacobian(plan.q) @ swing[..., None])[..., 0], np.zeros((5, 6)), atol=1e-9)
     with pytest.raises(ArgumentError, match="1 redundancy parameters"):
         plan.velocities(still, [1.0, 2.0])
-
-
-def test_there_are_none_without_a_plan() -> None:
-    """A path out of reach has no velocities; the error says why."""
-    arm = urdf_ik.load("scara_rrpr")
-    T = arm.fk([0.3, 0.5, 0.1, 0.2])
-    away = T.copy()
-    away[0, 3] = 0.9
-    with pytest.raises(ArgumentError, match="out of reach"):
-        arm.follow(urdf_ik.line(T, away, 10)).velocities(np.zeros(6))

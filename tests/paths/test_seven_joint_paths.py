@@ -1,14 +1,10 @@
 """Paths of arms with seven joints: narrow windows, obstacles, given ends, the least sum of squares."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from paths import check, distance_to_box, joint_path
 
 import urdf_ik
-from urdf_ik.paths import PathSettings, checked_settings
-from urdf_ik.paths.planner import assembly, smoothing
 
 
 def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.ndarray, np.ndarray]:
@@ -47,26 +43,6 @@ def test_given_ends_are_kept(name: str) -> None:
     assert np.array_equal(plan.q[-1], q[-1])
 
 
-@pytest.mark.parametrize("seed", [0, 4])
-def test_an_obstacle_is_gone_round(seed: int) -> None:
-    """A box that the elbow would pass through half way: between the same two ends, the parameter takes it round."""
-    arm = urdf_ik.load("srs_7r")
-    T = arm.fk(joint_path(arm, 30, seed, size=0.4))
-    free = arm.follow(T)
-    ends = {"start": free.q[0], "end": free.q[-1]}
-    elbow, size = arm.link_poses(free.q[15])["link_4"], 0.06
-    assert distance_to_box(arm, size, elbow, free.motion) < -0.01
-    for end in (0, -1):
-        assert distance_to_box(arm, size, elbow, free.q[[end, end]]) > 0.01
-    world = urdf_ik.World()
-    world.add("box", urdf_ik.Box((size, size, size)), elbow)
-    plan = arm.follow(T, world=world, **ends)
-    check(arm, plan)
-    assert distance_to_box(arm, size, elbow, plan.motion) > 0.0
-    assert np.array_equal(plan.q[[0, -1]], free.q[[0, -1]])
-    assert plan.cost > 1.05 * arm.follow(T, **ends).cost
-
-
 @pytest.mark.parametrize("seed", [2, 10])
 def test_the_way_keeps_a_margin_from_an_obstacle(seed: int) -> None:
     """A box where the elbow would be: another plan, which keeps the margin that was asked for, and costs more."""
@@ -93,31 +69,6 @@ def test_steps_that_are_too_short_for_the_path_are_named(name: str) -> None:
         assert not plan.found
         assert {(stop.waypoint, stop.cause) for stop in plan.stops} == {(1, "limit")}
         assert "max_step" in plan.explain()
-
-
-def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
-    """No value changes the smoothed sum to first order, and the sum is less than before."""
-    arm = urdf_ik.load("srs_7r")
-    q = joint_path(arm, 40, 2, size=0.2)
-    T = arm.fk(q)
-    asked = checked_settings.checked(arm.solver, T, PathSettings(), None)
-    whole = assembly.Refined(T, np.arange(40.0), np.ones(39), np.zeros((39, 6)))
-    better = smoothing.smoothed(asked, whole, q)
-    moved = arm.redundancy_of(better)
-
-    def beside(step: float) -> np.ndarray:
-        found = arm.ik(T, redundancy=moved + step).nearest(better).q[:, 0]
-        return better + np.remainder(found - better + np.pi, 2.0 * np.pi) - np.pi
-
-    before, after = ((np.diff(each, axis=0) ** 2).sum() for each in (q, better))
-    assert after < before
-    assert np.abs(arm.fk(better) - T).max() < 1e-9
-    t = (beside(1e-6) - beside(-1e-6)) / 2e-6
-    gaps = np.diff(better, axis=0)
-    gradient = np.concatenate([[0.0], (t[1:] * gaps).sum(axis=1)]) - np.append((t[:-1] * gaps).sum(axis=1), 0.0)
-    low, high = arm.limits.T
-    loose = ((better > low + 1e-3) & (better < high - 1e-3)).all(axis=1)
-    assert np.abs(gradient[loose]).max() < 1e-3 * np.abs(t).max() * np.abs(gaps).max() * 40
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])

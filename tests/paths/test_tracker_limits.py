@@ -1,7 +1,5 @@
 """A tracker keeps the limits of speed, of acceleration and of the joints, and stops before obstacles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -59,17 +57,6 @@ def test_random_targets_break_no_limit(name: str) -> None:
     assert not len(found) or gaps(name, found, wanted).max() <= EXACT
 
 
-def test_no_limit_is_no_jump() -> None:
-    """Without velocity limits a step of the target is followed in one cycle, on the arm's branch."""
-    arm = arm_of("zyyzyz_6r")
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        q1 = START + rng.uniform(-0.25, 0.25, 6)
-        step = arm.tracker(START, DT, velocity=np.inf).step(arm.fk(q1))
-        assert step.status == "ok"
-        np.testing.assert_allclose(step.q, q1, atol=1e-8)
-
-
 def test_acceleration_is_limited() -> None:
     """Towards a far target the acceleration keeps its limit, and the arm comes to rest with little overshoot."""
     arm = arm_of("zyyzyz_6r")
@@ -94,17 +81,6 @@ def test_a_smooth_path_is_followed_with_limited_acceleration() -> None:
     steps = run(arm.tracker(Q0, DT, acceleration=3.0), arm.fk(Q))
     assert statuses(steps) == {"ok": len(Q)}
     np.testing.assert_allclose(vectors(steps), Q, atol=1e-8)
-
-
-def test_limits_are_approached_with_braking() -> None:
-    """With limited acceleration a joint stops at its limit and brakes no harder than allowed."""
-    arm = arm_of("zyyzyz_6r")
-    Q = np.tile(Q0, (600, 1))
-    Q[:, 4] = np.minimum(0.7 + 3.0 * DT * np.arange(600), 3.0)
-    tracker = arm.tracker(Q0, DT, acceleration=10.0)
-    steps = run(tracker, arm.fk(Q))
-    q = np.concatenate([[Q0, Q0], vectors(steps)])
-    assert (np.abs(np.diff(q, 2, axis=0)) / DT**2).max() <= 10.0 * (1.0 + 1e-6)
 
 
 def test_a_joint_limit_in_the_way() -> None:
