@@ -1,7 +1,5 @@
 """Measurements from arrays and files: what is read, and what is refused in words."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 
@@ -44,14 +42,6 @@ def test_the_columns_say_what_was_measured(columns: str, kind: str) -> None:
     parts = {"position": T[:, :3, 3], "distance": T[:, :1, 3], "plane": np.zeros((12, 0))}[kind]
     header = ",".join([*ARM.joint_names, *filter(None, columns.split(","))])
     assert read_measurements(ARM, csv(header, np.hstack([Q, parts]))).kind == kind
-
-
-def test_numpys_files_hold_arrays_by_name() -> None:
-    """An .npz with q and T."""
-    stream = io.BytesIO()
-    np.savez(stream, q=Q, T=T)
-    stream.seek(0)
-    np.testing.assert_array_equal(read_measurements(ARM, stream).values, T)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Universal Robots' kinematics files, against Pinocchio's model of the URDF that their description package writes."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

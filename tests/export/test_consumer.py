@@ -1,7 +1,5 @@
 """The library as a CMake project: installed, found by find_package and pkg-config, linked by C++ and C."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -48,14 +46,3 @@ def test_pkg_config_names_all_that_a_c_program_needs(prefix: Path, tmp_path: Pat
     arm = urdf_ik.load("puma_560")
     file.write_text(urdf_ik.compile(arm))
     assert f"{arm.base} {arm.tip} 6 8" in native_arms.run(str(program), str(file)).stdout.decode()
-
-
-def test_another_version_is_not_found(prefix: Path, tmp_path: Path) -> None:
-    """A project that asks for another release is not configured, from an installation or from sources."""
-    tmp_path.joinpath("CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.20)\nproject(other LANGUAGES CXX)\n"
-        "find_package(urdf_ik 99.0 CONFIG REQUIRED)\n"
-    )
-    for option in (f"-DCMAKE_PREFIX_PATH={prefix}", f"-Durdf_ik_DIR={core() / 'cmake'}"):
-        with pytest.raises(AssertionError, match="99.0"):
-            consumer.cmake("-S", str(tmp_path), "-B", str(tmp_path / "build"), option)

@@ -1,7 +1,5 @@
 """What a motion planner asks of a compiled arm: the half of the MoveIt plugin that knows nothing of ROS."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 
@@ -73,24 +71,17 @@ def test_solutions_are_inside_limits_and_nearest_first(
             assert np.abs(np.remainder(rows - q[i] + np.pi, 2 * np.pi) - np.pi).max(axis=1).min() < 1e-6
 
 
-def test_a_stale_arm_is_refused(tmp_path: Path) -> None:
-    """The planner's model is of a URDF that was calibrated since: the error says by how much, and what to do."""
+def test_what_does_not_fit_the_arm_is_refused(tmp_path: Path) -> None:
+    """A URDF that was calibrated since, and a link that is missing or moves relative to the arm's base, are named."""
     arm = urdf_ik.load("zyyzyz_6r")
-    text = arm.model.xml.decode()
-    files = [tmp_path / "now.json", tmp_path / "then.json"]
-    files[0].write_text(urdf_ik.compile(arm))
-    files[1].write_text(urdf_ik.compile(urdf_ik.load(text.replace('xyz="0 0 0.1"', 'xyz="0 0 0.1001"'))))
-    T, seeds = arm.fk(np.zeros((1, 6))), np.zeros((1, 6))
-    refused = searched(files, T, seeds)
-    assert refused.returncode == 1
-    assert "the URDF changed since; urdf-ik compile writes it anew" in refused.stderr.decode()
-
-
-@pytest.mark.parametrize("links", [("base_link", "elsewhere"), ("elsewhere", "tool0"), ("stand-in gripper", "tool0")])
-def test_links_that_are_not_fixed_to_the_arm_are_refused(links: tuple[str, str], tmp_path: Path) -> None:
-    """A link that is missing, or that moves relative to the arm's base, is named."""
-    arm, file = urdf_ik.load("zyyzyz_6r"), tmp_path / "arm.json"
-    file.write_text(urdf_ik.compile(arm))
-    refused = searched([file, file], arm.fk(np.zeros((1, 6))), np.zeros((1, 6)), *links)
-    assert refused.returncode == 1
-    assert ("elsewhere" if "elsewhere" in links else "gripper is not fixed to base_link") in refused.stderr.decode()
+    text = arm.model.xml.decode().replace('xyz="0 0 0.1"', 'xyz="0 0 0.1001"')
+    now, then = tmp_path / "now.json", tmp_path / "then.json"
+    now.write_text(urdf_ik.compile(arm))
+    then.write_text(urdf_ik.compile(urdf_ik.load(text)))
+    for other, links, words in (
+        (then, (), "the URDF changed since; urdf-ik compile writes it anew"),
+        (now, ("base_link", "elsewhere"), "elsewhere"),
+        (now, ("stand-in gripper", "tool0"), "gripper is not fixed to base_link"),
+    ):
+        refused = searched([now, other], arm.fk(np.zeros((1, 6))), np.zeros((1, 6)), *links)
+        assert refused.returncode == 1 and words in refused.stderr.decode()

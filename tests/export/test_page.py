@@ -1,7 +1,5 @@
 """The page that needs no server, in Chromium from file:// without a network: what it solves and refuses."""
 
-from __future__ import annotations
-
 from base64 import b64decode
 from collections.abc import Iterator
 from pathlib import Path
@@ -162,35 +160,6 @@ def test_a_link_holds_the_pose(tab: Any, tmp_path: Path) -> None:
 
 
 @needs_page
-def test_the_page_runs_in_a_frame_of_a_notebook(tab: Any) -> None:
-    """As the srcdoc of a frame, which has no address, the page shows its solutions, and offers no link."""
-    tab.set_content("<iframe width=900 height=500></iframe>")
-    tab.evaluate("text => { document.querySelector('iframe').srcdoc = text; }", html(urdf_ik.load("zyyzyz_6r")))
-    inner = tab.frame_locator("iframe")
-    inner.locator("#solutions li").first.wait_for()
-    assert inner.locator("#solutions li").count() == 8
-    assert inner.get_by_text("copy q").count() == 1 and inner.get_by_text("copy link").count() == 0
-
-
-@needs_page
-@pytest.mark.parametrize(
-    ("old", "new", "wanted"),
-    [
-        ('"version":1,', '"version":2,', "version 2; this module reads version 1"),
-        ('"branches":[', '"branches":', "no compiled arm"),
-        ('"kind":"spherical wrist"', '"kind":"octopus"', "octopus"),
-    ],
-)
-def test_a_page_with_a_broken_arm_says_so(tab: Any, tmp_path: Path, old: str, new: str, wanted: str) -> None:
-    """Broken JSON, another version and a damaged arm are named on the page."""
-    text = html(urdf_ik.load("zyyzyz_6r"))
-    assert text.count(old) == 1
-    (tmp_path / "arm.html").write_text(text.replace(old, new))
-    page = opened(tab, urdf_ik.load("zyyzyz_6r"), tmp_path)
-    assert wanted in page.locator("#refused").inner_text()
-
-
-@needs_page
 def test_a_urdf_that_changed_is_noticed(tab: Any, tmp_path: Path) -> None:
     """A URDF that is dropped onto the page is compared by its hash with the one that the page was made from."""
     urdf = tmp_path / "arm.urdf"
@@ -206,14 +175,6 @@ def test_a_urdf_that_changed_is_noticed(tab: Any, tmp_path: Path) -> None:
     page.get_by_text("arm.urdf is the URDF that this page was made from").wait_for()
     page.evaluate(drop, urdf.read_text() + "<!-- later -->")
     page.get_by_text("arm.urdf is not the URDF that this page was made from").wait_for()
-
-
-@needs_page
-def test_the_page_is_small_and_its_shapes_are_as_few_as_asked_for() -> None:
-    """The page of a bundled arm has at most 4 MB, and no more triangles than it is allowed to."""
-    arm = urdf_ik.load("zyyzyz_6r")
-    assert len(html(arm).encode()) < 4_000_000
-    assert len(html(arm, faces=300)) < len(html(arm))
 
 
 @pytest.mark.parametrize("faces", [300, 3000])

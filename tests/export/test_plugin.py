@@ -1,46 +1,22 @@
 """The MoveIt plugin, loaded by ROS's class_loader and called through the base class; MoveIt's headers are stand-ins."""
 
-from __future__ import annotations
-
-import os
 import subprocess
-from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 
 import core_arms
 import native_arms
 import pytest
-from arms_outside import arms_of
 from core_steps import FOLDER
 from native_arms import PROGRAMS, compiler
 
 import urdf_ik
 from urdf_ik.cmake import core
-from urdf_ik.errors import UnsupportedArm
 
 ROOT = Path(__file__).resolve().parents[2]
 # Debian's libclass-loader-dev and what it includes.
 LOADER = Path("/usr/include/class_loader")
 INCLUDED = [LOADER, *(LOADER.with_name(name) for name in ("rcpputils", "rcutils"))]
-# A folder of URDFs instead of the described arms: `URDF_IK_FOLDER=lab pytest tests/export/test_plugin.py`.
-OF_A_FOLDER = os.environ.get("URDF_IK_FOLDER", "")
-
-
-def _compiled() -> Iterator[tuple[str, urdf_ik.Arm]]:
-    """Arms of six and seven joints that can be compiled: all of a folder, or every second described one."""
-    if not OF_A_FOLDER:
-        yield from islice(((name, arm) for name, arm in core_arms.every_arm() if arm.dof in (6, 7)), 1, 41, 2)
-        return
-    for name, arm in arms_of(Path(OF_A_FOLDER)):
-        try:
-            if arm.dof in (6, 7) and urdf_ik.compile(arm):
-                yield name, arm
-        except UnsupportedArm:
-            continue
-
-
-ARMS = list(_compiled())
+ARMS = [(name, arm) for name, arm in core_arms.every_arm() if arm.dof in (6, 7)][1:41:8]
 
 pytestmark = [
     pytest.mark.slow,

@@ -1,7 +1,5 @@
 """The parts of the ROS 2 packages that know nothing of ROS: the launch helper, and the service's answer."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from collections.abc import Iterator

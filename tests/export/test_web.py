@@ -1,7 +1,5 @@
 """The npm module under Node: the bits of x86-64-v2, and errors that say what is wrong."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

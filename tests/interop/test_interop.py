@@ -1,7 +1,5 @@
 """The arm and its answers in other programs: joint states, pink, viser, rerun."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio
 import pytest
@@ -79,21 +77,3 @@ def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm, monkeypa
     assert len(handles) == len(bodies) > 0 and not shown.missing
     for body, handle in zip(bodies, handles, strict=True):
         np.testing.assert_allclose(urdf_ik.pose(handle.position, quat_wxyz=handle.wxyz), poses[body.link], atol=1e-6)
-
-
-def test_a_rerun_recording_holds_shapes_and_poses(arm: urdf_ik.Arm, tmp_path: pytest.TempPathFactory) -> None:
-    """What is logged can be saved, and is more with every pose."""
-    rerun = pytest.importorskip("rerun")
-    sizes = []
-    for count in (1, 50):
-        recording = rerun.RecordingStream("arms")
-        file = tmp_path / f"{count}.rrd"  # type: ignore[operator]
-        recording.save(str(file))
-        shown = interop.add_to_rerun(arm, "cell/arm", recording)
-        for step in range(count):
-            recording.set_time("step", sequence=step)
-            shown.show(Q + 0.01 * step)
-        recording.flush()
-        recording.disconnect()
-        sizes.append(file.stat().st_size)
-    assert 1000 < sizes[0] < sizes[1]

@@ -1,7 +1,5 @@
 """``urdf_ik.jax.ik`` against jax's own numerical derivatives and against the package's."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -68,18 +66,6 @@ def test_vmap_is_one_call_for_all_poses(monkeypatch: pytest.MonkeyPatch) -> None
     found = jax.vmap(ik, (None, None, 0))(poses[0], 0.1, several)
     np.testing.assert_array_equal(found[0], expected[0])
     np.testing.assert_array_equal(found[1], ik(poses[0], 0.1, several[1]))
-
-
-def test_a_swivel_angle_is_an_input() -> None:
-    """Derivatives by the pose, the angle and the URDF's numbers: dq_dT, dq_dredundancy and dq_dgeometry."""
-    arm = urdf_ik.load("srs_7r")
-    pose = arm.fk([0.1, 0.3, 0.2, -1.5, 0.3, 1.8, 0.4])
-    s = arm.ik(pose, redundancy=0.3)
-    by_pose, by_value = jax.jacfwd(lambda T, at: urdf_ik.jax.ik(arm, T, redundancy=at).q, argnums=(0, 1))(pose, 0.3)
-    np.testing.assert_allclose(by_pose[..., :3, 3], s.dq_dT()[..., :3], atol=1e-9)
-    np.testing.assert_allclose(by_value, s.dq_dredundancy()[..., 0], atol=1e-9)
-    G = jax.jacrev(lambda g: urdf_ik.jax.ik(arm, pose, geometry=g, redundancy=0.3).q[0])(urdf_ik.jax.geometry(arm))
-    np.testing.assert_allclose(G, s.dq_dgeometry()[0], atol=1e-8)
 
 
 def test_single_precision_is_refused_in_words() -> None:

