@@ -73,7 +73,7 @@ def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm, monkeypa
         shown.show(Q)
     finally:
         server.stop()
-    bodies, poses = link_shapes.read(arm.model).bodies, arm.link_poses(Q)
+    bodies, poses = link_shapes.read(arm.model)[0], arm.link_poses(Q)
     assert len(handles) == len(bodies) > 0 and not shown.missing
-    for body, handle in zip(bodies, handles, strict=True):
-        np.testing.assert_allclose(urdf_ik.pose(handle.position, quat_wxyz=handle.wxyz), poses[body.link], atol=1e-6)
+    for (link, _), handle in zip(bodies, handles, strict=True):
+        np.testing.assert_allclose(urdf_ik.pose(handle.position, quat_wxyz=handle.wxyz), poses[link], atol=1e-6)

@@ -91,5 +91,5 @@ def test_groups_of_an_srdf_are_the_chains() -> None:
         urdf_ik.load(TWO_ARMS, srdf=two)
     with pytest.raises(ChainError, match="no chain 'left'"):
         urdf_ik.load(TWO_ARMS, srdf=two, chain="left")
-    with pytest.raises(urdf_ik.UrdfError, match="tip_link='left_55'.*did you mean left_5"):
+    with pytest.raises(urdf_ik.UrdfError, match="tip_link='left_55'.*did you mean 'left_5"):
         chain_groups(two.replace("left_5", "left_55"), read(TWO_ARMS).links)

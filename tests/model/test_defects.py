@@ -221,7 +221,7 @@ def test_a_joint_that_is_mimicked_is_used() -> None:
 def test_a_part_of_the_arm_that_is_apart_is_no_shorter_arm() -> None:
     """Where a typing error cuts the arm in two, the default chain is refused by its cause."""
     cut = ROBOT.replace('<parent link="fore"/>', '<parent link="four"/>')
-    with pytest.raises(UrdfError, match="link 'four' is not declared.*did you mean fore"):
+    with pytest.raises(UrdfError, match="link 'four' is not declared.*did you mean 'fore"):
         urdf_ik.load(cut)
     assert urdf_ik.load(cut, "base", "fore").dof == 2
     with pytest.raises(UrdfError, match="is not declared|have no parent"):
@@ -268,8 +268,8 @@ def test_unknown_elements_and_links_of_an_srdf_are_warnings() -> None:
     """Each with its line and what may be meant; the other pairs count, and strict refuses all in one error."""
     arm = urdf_ik.load(ROBOT, "base", "tool0", srdf=SRDF.format(FAR_PAIR))
     element, link = arm.model.warnings
-    assert "<text>:2: <disable_collisionss>" in str(element) and "did you mean disable_collisions" in str(element)
-    assert "<text>:3: <disable_collisions>" in str(link) and "forre, did you mean fore" in str(link)
+    assert "<text>:2: <disable_collisionss>" in str(element) and "did you mean 'disable_collisions'" in str(element)
+    assert "<text>:3: <disable_collisions>" in str(link) and "forre; did you mean 'fore'" in str(link)
     assert len(arm.cell.disabled) == 1
     with pytest.raises(UrdfError, match=r"disable_collisionss(.|\n)*forre"):
         urdf_ik.load(ROBOT, "base", "tool0", srdf=SRDF.format(FAR_PAIR), strict=True)

@@ -37,7 +37,7 @@ BROKEN = {
     "negative velocity": (12, '"4"', '"-4"', 12, f"<limit> of {JOINT}", "negative", "zero or more"),
     "no limit": (12, LIMIT, "", 7, JOINT, "revolute joint without <limit>", "continuous"),
     "mimic of nothing": (
-        19, "turn", "trun", 19, '<mimic> of <joint name="slide">', "no such joint", "did you mean turn"
+        19, "turn", "trun", 19, '<mimic> of <joint name="slide">', "no such joint", "did you mean 'turn'"
     ),
     "mimic without joint": (19, 'joint="turn"', "", 19, '<mimic> of <joint name="slide">', "missing", "to follow"),
     "mimic of itself": (19, "turn", "slide", 19, '<mimic> of <joint name="slide">', "mimics itself", "by itself"),

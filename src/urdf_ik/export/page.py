@@ -121,9 +121,9 @@ def bodies(arm: Arm, faces: int) -> list[dict[str, Any]]:
     from urdf_ik.model import link_shapes
 
     parts: dict[tuple[str, tuple[int, ...]], list[Any]] = {}
-    for body in link_shapes.read(arm.model).bodies:
-        rgba = getattr(body.mesh.visual, "main_color", _GREY)
-        parts.setdefault((body.link, tuple(int(each) for each in rgba[:3])), []).append(body.mesh)
+    for link, shape in link_shapes.read(arm.model)[0]:
+        rgba = getattr(shape.visual, "main_color", _GREY)
+        parts.setdefault((link, tuple(int(each) for each in rgba[:3])), []).append(shape)
     meshes = {key: link_shapes.joined(held) for key, held in parts.items()}
     total = sum(len(mesh.faces) for mesh in meshes.values())
     found = []

@@ -151,16 +151,16 @@ def add_to_viser(scene: Any, arm: Arm, name: str = "/arm") -> ShownArm:
         What moves it: ``add_to_viser(...).show(q)``.
     """
     scene.add_frame(name, show_axes=False)
-    shapes = link_shapes.read(arm.model)
+    bodies, missing = link_shapes.read(arm.model)
     handles: dict[str, list[Any]] = {}
-    for k, body in enumerate(shapes.bodies):
-        handles.setdefault(body.link, []).append(scene.add_mesh_trimesh(f"{name}/{k}", body.mesh))
+    for k, (link, mesh) in enumerate(bodies):
+        handles.setdefault(link, []).append(scene.add_mesh_trimesh(f"{name}/{k}", mesh))
 
     def place(link: str, pose: Array) -> None:
         for handle in handles.get(link, ()):
             handle.position, handle.wxyz = pose[:3, 3], to_quat_wxyz(pose)
 
-    shown = ShownArm(arm, shapes.missing, place)
+    shown = ShownArm(arm, missing, place)
     shown.show(np.clip(np.zeros(arm.dof), *arm.limits.T))
     return shown
 
@@ -183,16 +183,16 @@ def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> ShownArm
         import rerun
     except ImportError:
         raise extras.missing("rerun is not installed", "interop") from None
-    shapes = link_shapes.read(arm.model)
-    for k, body in enumerate(shapes.bodies):
-        mesh = rerun.Mesh3D(vertex_positions=body.mesh.vertices, triangle_indices=body.mesh.faces)
-        rerun.log([path, body.link, f"shape_{k}"], mesh, static=True, recording=recording)
+    bodies, missing = link_shapes.read(arm.model)
+    for k, (link, mesh) in enumerate(bodies):
+        logged = rerun.Mesh3D(vertex_positions=mesh.vertices, triangle_indices=mesh.faces)
+        rerun.log([path, link, f"shape_{k}"], logged, static=True, recording=recording)
 
     def place(link: str, pose: Array) -> None:
         placed = rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3])
         rerun.log([path, link], placed, recording=recording)
 
-    return ShownArm(arm, shapes.missing, place)
+    return ShownArm(arm, missing, place)
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:

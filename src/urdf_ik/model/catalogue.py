@@ -158,8 +158,6 @@ def names() -> tuple[str, ...]:
 
 def is_here(name: str) -> bool:
     """Whether the arm of that name can be loaded without a download or an installation."""
-    if not isinstance(name, str):
-        return False
     if name in BUNDLED:
         return True
     if name in EXAMPLE_ROBOT_DATA:
@@ -184,8 +182,6 @@ def resolve(name: str) -> Entry:
         >>> resolve("zyyzyz_6r").tip
         'tool0'
     """
-    if not isinstance(name, str):
-        raise ArgumentError(f"{name!r} given; the name of an arm is a text: {', '.join(names())}")
     if name in BUNDLED:
         return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
     if name in EXAMPLE_ROBOT_DATA:
@@ -193,8 +189,8 @@ def resolve(name: str) -> Entry:
     if stem := _of_example_robot_data(name):
         return _from_example_robot_data(stem)
     if model := downloads.model_of(name):
-        found = downloads.fetch(model, _near_and_here(name))
-        return Entry(name, found.path, None, None, found.package_dirs, downloads.describe(model), found.xacro_args)
+        path, folders, arguments = downloads.fetch(model, _near_and_here(name))
+        return Entry(name, path, None, None, folders, downloads.describe(model), arguments)
     raise ArgumentError(f"no arm is called {name!r}; {_alternatives(name)}")
 
 

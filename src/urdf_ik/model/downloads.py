@@ -6,7 +6,6 @@ import contextlib
 import os
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -16,21 +15,6 @@ from urdf_ik.errors import ArgumentError
 
 _ENDINGS = ("_description", "_mj_description")
 _ARMS = {"arm", "dual_arm", "mobile_manipulator"}
-
-
-@dataclass(frozen=True)
-class Model:
-    """A model that is here.
-
-    Attributes:
-        path: its URDF, xacro or MJCF.
-        package_dirs: folders in which its packages and meshes are looked up.
-        xacro_args: arguments of the xacro that it is, or None.
-    """
-
-    path: Path
-    package_dirs: tuple[Path, ...]
-    xacro_args: Mapping[str, str] | None
 
 
 def names() -> tuple[str, ...]:
@@ -58,13 +42,11 @@ def joints_of(model: str) -> int | None:
 
 def is_here(name: str) -> bool:
     """Whether the files of a model have been downloaded."""
-    model = model_of(name)
-    if model is None:
+    if (source := repository_of(name)) is None:
         return False
     from robot_descriptions._repositories import REPOSITORIES
 
-    repository = REPOSITORIES.get(_descriptions()[model].repository)
-    if repository is None:
+    if (repository := REPOSITORIES.get(source)) is None:
         return False
     folder = cache_folder() / repository.cache_path
     return folder.is_dir() and any(each.name != ".git" for each in folder.iterdir())
@@ -81,12 +63,15 @@ def repository_of(name: str) -> str | None:
     return None if model is None else str(_descriptions()[model].repository)
 
 
-def fetch(model: str, instead: str) -> Model:
+def fetch(model: str, instead: str) -> tuple[Path, tuple[Path, ...], Mapping[str, str] | None]:
     """Where a model's files are, after a download where they have not been here.
 
     Args:
         model: its name.
         instead: what the error says of a model that cannot be downloaded.
+
+    Returns:
+        Its URDF, xacro or MJCF, the folders of its packages and meshes, and the arguments of a xacro.
 
     Raises:
         ArgumentError: they cannot be downloaded, or hold nothing that can be read.
@@ -106,7 +91,7 @@ def fetch(model: str, instead: str) -> Model:
             folders = [module.PACKAGE_PATH, module.REPOSITORY_PATH, *others]
             folders += [os.path.dirname(folder) for folder in folders]
             arguments = getattr(module, "XACRO_ARGS", {}) if attribute == "XACRO_PATH" else None
-            return Model(Path(path), tuple(dict.fromkeys(map(Path, folders))), arguments)
+            return Path(path), tuple(dict.fromkeys(map(Path, folders))), arguments
     raise ArgumentError(f"{model!r} of robot_descriptions is neither URDF nor xacro nor MJCF")
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,44 +19,25 @@ COARSE = 400
 _FINEST, _COARSER = 64, 1.3  # cells along the longest edge at first, and how much larger the next ones are
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """One body of a link.
-
-    Attributes:
-        link: the link.
-        mesh: its triangles [m] in the link's frame, with colours.
-    """
-
-    link: str
-    mesh: trimesh.Trimesh
+Body = tuple[str, trimesh.Trimesh]
+"""A link, and the triangles [m] of one of its shapes in the link's frame, with colours."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shapes:
-    """Every body that could be read, and a sentence for each that could not.
-
-    Attributes:
-        bodies: in the order of the links.
-        missing: why the others are not there.
-    """
-
-    bodies: tuple[Shape, ...]
-    missing: tuple[str, ...]
-
-
-def read(model: UrdfModel, *, coarse: bool = False) -> Shapes:
+def read(model: UrdfModel, *, coarse: bool = False) -> tuple[list[Body], tuple[str, ...]]:
     """The visual shapes of a URDF; where it has none that can be read, its collision shapes.
 
     Args:
         model: the URDF.
         coarse: with at most ``COARSE`` faces a mesh, for pictures that are drawn face by face.
+
+    Returns:
+        The bodies in the order of the links, and a sentence for each shape that cannot be read.
     """
-    visual = _of_kind(model, "visual", coarse)
-    if visual.bodies:
-        return visual
-    collision = _of_kind(model, "collision", coarse)
-    return Shapes(collision.bodies, (*visual.missing, *collision.missing))
+    bodies, missing = _of_kind(model, "visual", coarse)
+    if bodies:
+        return bodies, tuple(missing)
+    bodies, more = _of_kind(model, "collision", coarse)
+    return bodies, (*missing, *more)
 
 
 def joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
@@ -94,15 +73,16 @@ def simplified(mesh: trimesh.Trimesh, most: int) -> trimesh.Trimesh:
     return small
 
 
-def _of_kind(model: UrdfModel, kind: str, coarse: bool) -> Shapes:
+def _of_kind(model: UrdfModel, kind: str, coarse: bool) -> tuple[list[Body], list[str]]:
     tree = etree.fromstring(model.xml)
     colours = {each.get("name"): each for each in tree.iterfind("material")}
-    bodies, missing = [], []
+    bodies: list[Body] = []
+    missing: list[str] = []
     for body in tree.iterfind(f"link/{kind}"):
         link = body.getparent().get("name")
         geometry = body.find("geometry")[0]
         try:
-            meshes = _MAKE[geometry.tag](geometry, model, coarse)
+            meshes = _meshes(geometry, model, coarse)
         except Exception as error:  # whatever a file of unknown origin makes its reader raise
             missing.append(str(error) if isinstance(error, UrdfIkError) else f"{link}: a mesh cannot be read: {error}")
             continue
@@ -113,8 +93,8 @@ def _of_kind(model: UrdfModel, kind: str, coarse: bool) -> Shapes:
             mesh.apply_transform(T)
             if rgba is not None or geometry.tag != "mesh":
                 mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=_GREY if rgba is None else rgba)
-            bodies.append(Shape(link, mesh))
-    return Shapes(tuple(bodies), tuple(missing))
+            bodies.append((link, mesh))
+    return bodies, missing
 
 
 def _numbers(element: Any, name: str, count: int, otherwise: float = 0.0) -> list[float]:
@@ -131,37 +111,25 @@ def _colour(material: Any, shared: dict[str, Any]) -> list[int] | None:
     return None if own is None else [round(255 * x) for x in _numbers(own, "rgba", 4)]
 
 
-def _box(geometry: Any, *_: Any) -> list[Any]:
-    return [trimesh.creation.box(_numbers(geometry, "size", 3))]
-
-
-def _cylinder(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
-    radius, length = float(geometry.get("radius")), float(geometry.get("length"))
-    return [trimesh.creation.cylinder(radius, length, sections=16 if coarse else 32)]
-
-
-def _sphere(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
-    return [trimesh.creation.icosphere(subdivisions=2 if coarse else 3, radius=float(geometry.get("radius")))]
-
-
-def _capsule(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
-    radius, length = float(geometry.get("radius")), float(geometry.get("length"))
+def _meshes(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
+    """The triangles of one shape, without its origin."""
+    if geometry.tag == "mesh":
+        return _read_mesh(geometry, model, coarse)
+    if geometry.tag == "box":
+        return [trimesh.creation.box(_numbers(geometry, "size", 3))]
+    radius = float(geometry.get("radius"))
+    if geometry.tag == "sphere":
+        return [trimesh.creation.icosphere(subdivisions=2 if coarse else 3, radius=radius)]
+    length = float(geometry.get("length"))
+    if geometry.tag == "cylinder":
+        return [trimesh.creation.cylinder(radius, length, sections=16 if coarse else 32)]
     return [capsule(radius, length, [8, 16] if coarse else [32, 32])]
 
 
-def _mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
+def _read_mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
     path = resolve_mesh(model, geometry.get("filename"))
     scene = read_scene(path, model.source)
     meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
     scale = np.diag([*_numbers(geometry, "scale", 3, 1.0), 1.0])
     meshes = [each.apply_transform(scale) for each in meshes]
     return [simplified(joined(meshes), COARSE)] if coarse and meshes else meshes
-
-
-_MAKE: dict[str, Callable[[Any, UrdfModel, bool], list[Any]]] = {
-    "box": _box,
-    "cylinder": _cylinder,
-    "sphere": _sphere,
-    "capsule": _capsule,
-    "mesh": _mesh,
-}

@@ -11,7 +11,7 @@ from typing import Any
 from urdf_ik.errors import UrdfError
 from urdf_ik.model.urdf.defects import Defects, UrdfWarning
 from urdf_ik.model.xml import child, children, open_source, parse, tag
-from urdf_ik.support.text import nearest
+from urdf_ik.support.text import meant
 
 __all__ = ["chain_groups", "disabled_pairs", "group_states", "groups_beside", "states_beside"]
 
@@ -62,21 +62,17 @@ def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -
     for element in root.iterchildren("{*}*"):
         kind = tag(element)
         if kind and kind not in _ELEMENTS:
-            close = nearest(kind, _ELEMENTS)
-            hint = f"one of {', '.join(_ELEMENTS)}"
-            problem = "SRDF has no such element" + (f"; did you mean {' or '.join(close)}?" if close else "")
+            problem = f"SRDF has no such element{meant(kind, _ELEMENTS)}"
             place = {"source": name, "line": element.sourceline, "element": f"<{kind}>"}
-            found.add("srdf element", UrdfError(problem, hint=hint, **place))
+            found.add("srdf element", UrdfError(problem, hint=f"one of {', '.join(_ELEMENTS)}", **place))
         for each in element.iter("{*}*"):
             named = [each.get(key) for key in _LINKS] + ([each.get("name")] if tag(each) == "link" else [])
             missing |= {link: each for link in named if link and link not in links and link not in missing}
     if missing:
         first = next(iter(missing))
         shown = ", ".join(list(missing)[:_MOST]) + (f" ... ({len(missing)})" if len(missing) > _MOST else "")
-        close = nearest(first, links)
         error = UrdfError(
-            f"the URDF has no link{'s' * (len(missing) > 1)} {shown}"
-            + (f"; for {first}, did you mean {' or '.join(close)}?" if close else ""),
+            f"the URDF has no link{'s' * (len(missing) > 1)} {shown}{meant(first, links)}",
             source=name,
             line=missing[first].sourceline,
             element=f"<{tag(missing[first])}>",
@@ -193,13 +189,12 @@ def _two_links(element: Any, first: str, second: str, links: Collection[str], so
     for attribute in (first, second):
         name = element.get(attribute)
         if name not in links:
-            close = nearest(name or "", links)
             raise UrdfError(
                 f"{attribute} is missing" if name is None else f"{attribute}={name!r}: the URDF has no such link",
                 source=source,
                 line=element.sourceline,
                 element=f"<{tag(element)}>",
-                hint=f"did you mean {' or '.join(close)}?" if close else f"links: {', '.join(links)}",
+                hint=meant(name or "", links).removeprefix("; ") or f"links: {', '.join(links)}",
             )
         pair.append(name)
     return pair[0], pair[1]

@@ -28,11 +28,11 @@ Body = tuple[str, Array]
 
 def bodies(arm: Arm) -> tuple[tuple[Body, ...], tuple[str, ...]]:
     """The shapes of all links, coarsely, read from the URDF and its meshes; and why others are missing."""
-    found = link_shapes.read(arm.model, coarse=True)
+    found, missing = link_shapes.read(arm.model, coarse=True)
     # A triangle without an area has no normal, and so no shade.
-    solid = [(body.link, body.mesh.triangles[body.mesh.nondegenerate_faces()]) for body in found.bodies]
+    solid = [(link, mesh.triangles[mesh.nondegenerate_faces()]) for link, mesh in found]
     shapes = tuple((link, np.asarray(triangles, dtype=np.float64)) for link, triangles in solid if len(triangles))
-    return shapes, tuple(found.missing)
+    return shapes, missing
 
 
 def placed(arm: Arm, shapes: Iterable[Body], q: Array) -> list[Array]:

@@ -36,6 +36,12 @@ def nearest(name: object, names: Iterable[str], n: int = 3, cutoff: float = 0.6)
     return [cut[each] for each in difflib.get_close_matches(str(name)[:MOST_OF_A_NAME], cut, n, cutoff)]
 
 
+def meant(name: object, names: Iterable[str]) -> str:
+    """'; did you mean A or B?' with the names nearest to a misspelt one; '' where none is near."""
+    close = nearest(name, names)
+    return f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
+
+
 def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:
     """Rows of cells as lines with columns of equal width, two blanks between them.
 

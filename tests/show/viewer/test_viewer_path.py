@@ -196,8 +196,8 @@ def test_a_links_capsule_is_centred_too() -> None:
         '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>'
     ).model
     for coarse in (True, False):
-        (body,) = link_shapes.read(model, coarse=coarse).bodies
-        assert np.allclose(body.mesh.bounds[:, 2], (-2.0, 2.0), atol=0.01)
+        (((_, mesh),), _) = link_shapes.read(model, coarse=coarse)
+        assert np.allclose(mesh.bounds[:, 2], (-2.0, 2.0), atol=0.01)
 
 
 def test_the_command_takes_a_path_and_a_world(arm: Arm, tmp_path: Path) -> None:

@@ -8,12 +8,4 @@ from urdf_ik.model.urdf.defects import UrdfWarning
 from urdf_ik.model.urdf.reader import read
 from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
 
-__all__ = [
-    "MOVABLE",
-    "Candidate",
-    "Joint",
-    "UrdfModel",
-    "UrdfWarning",
-    "read",
-    "resolve_mesh",
-]
+__all__ = ["MOVABLE", "Candidate", "Joint", "UrdfModel", "UrdfWarning", "read", "resolve_mesh"]

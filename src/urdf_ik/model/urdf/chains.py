@@ -14,7 +14,7 @@ import numpy as np
 
 from urdf_ik.errors import ChainError
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
-from urdf_ik.support.text import nearest, quoted
+from urdf_ik.support.text import meant, quoted
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _KINDS = {
@@ -63,7 +63,7 @@ class Limb:
 
 
 @dataclass(frozen=True)
-class Ending:
+class _Ending:
     """A limb before it is named: its base, tip and joints, and the names of its joints and links.
 
     For a finger, ``arm`` holds the joint and link names of the arm that carries it.
@@ -88,7 +88,7 @@ class Ending:
         return "arm" if len(self.joints) >= _UNNAMED_ARM_JOINTS else "limb"
 
 
-def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
+def named(endings: Sequence[_Ending]) -> tuple[Limb, ...]:
     """The limbs, each with a unique name, in the given order."""
     limbs: list[Limb] = []
     kinds = [each.kind for each in endings]
@@ -111,7 +111,7 @@ def _kind_of(word: str) -> str | None:
     return _KIND_OF.get(word) or (_KIND_OF.get(word[1:]) if word[:1] in ("l", "r") else None)
 
 
-def _name(ending: Ending, kind: str) -> str:
+def _name(ending: _Ending, kind: str) -> str:
     sides: Counter[str] = Counter()
     ends: Counter[str] = Counter()
     digits = Counter(word for name in ending.names for word in _words(name) if word in _DIGITS)
@@ -223,26 +223,26 @@ class Chains:
         if not ways or not _actuated(ways[0]):
             return ()
         # Chains with more than half of the longest one's joints compete with it: another arm does, a head does not.
-        meant = [way for way in ways if 2 * _actuated(way) > _actuated(ways[0])]
-        names = _side_names(meant)
-        starts = [0 if len(meant) == 1 else _common(meant), *(_common([ways[0], way]) for way in ways[len(meant) :])]
-        starts[:1] *= len(meant)
+        rivals = [way for way in ways if 2 * _actuated(way) > _actuated(ways[0])]
+        names = _side_names(rivals)
+        starts = [0 if len(rivals) == 1 else _common(rivals), *(_common([ways[0], way]) for way in ways[len(rivals) :])]
+        starts[:1] *= len(rivals)
         return tuple(
-            self._candidate(way, start, len(meant) == 1 and k == 0, names[k] if k < len(names) else "")
+            self._candidate(way, start, len(rivals) == 1 and k == 0, names[k] if k < len(names) else "")
             for k, (way, start) in enumerate(zip(ways, starts, strict=True))
         )
 
     def limbs(self) -> tuple[Limb, ...]:
         """Every limb, from its branching point on, in the file's order; fingers follow their arm."""
         ways = [way for way in self._ways() if _actuated(way)]
-        endings: dict[tuple[str, str], Ending] = {}
+        endings: dict[tuple[str, str], _Ending] = {}
         for k, way in enumerate(ways):
             others = [other for j, other in enumerate(ways) if j != k]
             shared = [_common([way, other]) for other in others]
             # A branch with one joint, such as a camera's, does not start a new limb.
             forks = {at for at, other in zip(shared, others, strict=True) if _actuated(other[at + 1 :]) > 1}
             stops = [0, *sorted(forks - {0, len(way) - 1}), len(way) - 1]
-            hand, arm = len(way) - 1, Ending("", "", (), ())
+            hand, arm = len(way) - 1, _Ending("", "", (), ())
             for start, end in itertools.pairwise(stops):
                 last, own = end == len(way) - 1, way[start + 1 : end + 1]
                 if last or _actuated(own) >= _HAND_AFTER:
@@ -255,14 +255,14 @@ class Chains:
                     endings.setdefault((ending.base, ending.tip), ending)
         return named(list(endings.values()))
 
-    def _ending(self, way: Sequence[_Body], arm: tuple[str, ...]) -> Ending:
+    def _ending(self, way: Sequence[_Body], arm: tuple[str, ...]) -> _Ending:
         """The limb along bodies; the first body is its fixed base."""
         carriers = [body.carrier for body in way[1:] if body.carrier is not None]
         joints = tuple(joint.name for joint in carriers if _moves(joint))
         words = (*joints, *(joint.child for joint in carriers))
-        return Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words, arm)
+        return _Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words, arm)
 
-    def _fingers(self, body: _Body, depth: int, arm: tuple[str, ...]) -> Iterator[Ending]:
+    def _fingers(self, body: _Body, depth: int, arm: tuple[str, ...]) -> Iterator[_Ending]:
         """The fingers on a body, each along its longest branch."""
         for joint in body.carried:
             if joint.type in MOVABLE and self._is_finger(joint, len(body.carried), depth) and self._height(joint):
@@ -380,9 +380,8 @@ def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], c
     if chain is not None:
         every = dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)])
         names = ", ".join(quoted(name) for name in islice(every, _MOST_NAMES))
-        close = nearest(chain, [limb.name for limb in limbs])
-        meant = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
-        return ChainError(f"{source}: no chain, or more than one, is called {chain!r}{meant}; there are {names}")
+        near = meant(chain, [limb.name for limb in limbs])
+        return ChainError(f"{source}: no chain, or more than one, is called {chain!r}{near}; there are {names}")
     longest = len(candidates[0].before) + len(candidates[0].joints)
     rivals = [each for each in candidates if 2 * (len(each.before) + len(each.joints)) > longest]
     if len(rivals) == 1:

@@ -7,18 +7,18 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
-from urdf_ik.errors import UrdfError, listed
+from urdf_ik.errors import UrdfError
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 from urdf_ik.support.read_only import Frozen, frozen
-from urdf_ik.support.text import nearest, quoted
+from urdf_ik.support.text import meant, quoted
 from urdf_ik.support.tolerances import LARGEST
 
 _T = TypeVar("_T")
@@ -148,82 +148,36 @@ class Place:
         return values
 
 
-@dataclass(frozen=True)
-class RawJoint:
-    """A joint whose attributes were checked; the tree was not yet."""
+class Written(NamedTuple):
+    """A joint's element, and its ``<origin>`` and ``<axis>`` in the clean XML, digit for digit."""
 
-    name: str
-    type: str
-    parent: str
-    child: str
+    place: Place
     origin: dict[str, str]
     axis: str | None
-    lower: float
-    upper: float
-    velocity: float | None
-    effort: float | None
-    acceleration: float | None
-    jerk: float | None
-    mimic: tuple[str, float, float] | None
-    place: Place
 
-    @property
-    def line(self) -> int:
-        """Line of the ``<joint>`` tag."""
-        line: int = self.place.element.sourceline
-        return line
 
-    def read(self) -> Joint:
-        """The joint with its frame and its axis."""
-        x, y, z = map(float, self.origin.get("xyz", "0 0 0").split())
-        roll, pitch, yaw = map(float, self.origin.get("rpy", "0 0 0").split())
-        origin = pose((x, y, z), rpy=(roll, pitch, yaw))
-        axis = np.array([float(part) for part in (self.axis or "1 0 0").split()])
-        axis_length = float(np.linalg.norm(axis))
-        return Joint(
-            name=self.name,
-            type=self.type,
-            parent=self.parent,
-            child=self.child,
-            origin=frozen(origin),
-            axis=frozen(axis / axis_length),
-            lower=self.lower,
-            upper=self.upper,
-            velocity=self.velocity,
-            effort=self.effort,
-            acceleration=self.acceleration,
-            jerk=self.jerk,
-            mimic=self.mimic,
-            line=self.line,
-            rpy=(roll, pitch, yaw),
-            axis_length=axis_length,
-        )
-
-    def write(self, robot: Any) -> None:
-        """Append the joint to the clean tree, with its kinematics only."""
-        joint = etree.SubElement(robot, "joint", name=self.name, type=self.type)
-        etree.SubElement(joint, "parent", link=self.parent)
-        etree.SubElement(joint, "child", link=self.child)
-        if self.origin:
-            etree.SubElement(joint, "origin", self.origin)
-        if self.axis is not None:
-            etree.SubElement(joint, "axis", xyz=self.axis)
-        if self.effort is not None:
-            limit = etree.SubElement(joint, "limit", effort=repr(self.effort), velocity=repr(self.velocity))
-            if self.type != "continuous":
-                limit.set("lower", repr(self.lower))
-                limit.set("upper", repr(self.upper))
-            for name in ("acceleration", "jerk"):
-                if (rate := getattr(self, name)) is not None:
-                    limit.set(name, repr(rate))
-        if self.mimic is not None:
-            driver, multiplier, offset = self.mimic
-            etree.SubElement(joint, "mimic", joint=driver, multiplier=repr(multiplier), offset=repr(offset))
+def write_joint(robot: Any, joint: Joint, written: Written) -> None:
+    """Append a joint to the clean tree, with its kinematics only."""
+    element = etree.SubElement(robot, "joint", name=joint.name, type=joint.type)
+    etree.SubElement(element, "parent", link=joint.parent)
+    etree.SubElement(element, "child", link=joint.child)
+    if written.origin:
+        etree.SubElement(element, "origin", written.origin)
+    if written.axis is not None:
+        etree.SubElement(element, "axis", xyz=written.axis)
+    if joint.effort is not None:
+        bounds = () if joint.type == "continuous" else ("lower", "upper")
+        rates = [name for name in ("acceleration", "jerk") if getattr(joint, name) is not None]
+        limits = {name: repr(getattr(joint, name)) for name in ("effort", "velocity", *bounds, *rates)}
+        etree.SubElement(element, "limit", limits)
+    if joint.mimic is not None:
+        driver, multiplier, offset = joint.mimic
+        etree.SubElement(element, "mimic", joint=driver, multiplier=repr(multiplier), offset=repr(offset))
 
 
 def check_joint(
-    place: Place, links: dict[str, Any], taken: Mapping[str, RawJoint], defects: Defects
-) -> RawJoint | None:
+    place: Place, links: dict[str, Any], taken: Mapping[str, Joint], defects: Defects
+) -> tuple[Joint, Written] | None:
     """Check one ``<joint>`` and record its defects; None if it does not name two links.
 
     A link that it names and that the file does not declare is added to ``links``.
@@ -269,13 +223,16 @@ def check_joint(
     if lower > upper:
         ordered = partial(_refuse_bounds, place, lower, upper)
         lower, upper = part("bounds", ordered, (upper, lower))
-    return RawJoint(
+    roll, pitch, yaw = map(float, origin.get("rpy", "0 0 0").split())
+    direction = np.array([float(number) for number in (axis or "1 0 0").split()])
+    axis_length = float(np.linalg.norm(direction))
+    joint = Joint(
         name=name,
         type=kind,
         parent=ends[0],
         child=ends[1],
-        origin=origin,
-        axis=axis,
+        origin=frozen(pose([float(x) for x in origin.get("xyz", "0 0 0").split()], rpy=(roll, pitch, yaw))),
+        axis=frozen(direction / axis_length),
         lower=lower,
         upper=upper,
         velocity=velocity,
@@ -283,11 +240,14 @@ def check_joint(
         acceleration=acceleration,
         jerk=jerk,
         mimic=part("mimic", lambda: _mimic(place), None) if kind in MOVABLE else None,
-        place=place,
+        line=element.sourceline,
+        rpy=(roll, pitch, yaw),
+        axis_length=axis_length,
     )
+    return joint, Written(place, origin, axis)
 
 
-def _joint_name(place: Place, taken: Mapping[str, RawJoint], defects: Defects) -> str:
+def _joint_name(place: Place, taken: Mapping[str, Joint], defects: Defects) -> str:
     """The joint's name, or one made from its line number if it has no valid and unique name."""
     name, other = place.element.get("name"), None
     try:
@@ -351,8 +311,7 @@ def _undeclared(place: Place, end: str, name: str, links: Mapping[str, Any]) -> 
     if has_xacro(name):
         problem = f"link={name!r} holds an unresolved xacro expression"
         return place.error(problem, hint=XACRO_HINT, at=element)
-    close = nearest(name, links)
-    hint = f"declare it with <link name={name!r}/>" + (f", or did you mean {listed(close)}?" if close else "")
+    hint = f"declare it with <link name={name!r}/>{meant(name, links)}"
     return place.error(f"link {name!r} is not declared", hint=hint, at=element)
 
 

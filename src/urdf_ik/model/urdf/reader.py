@@ -12,6 +12,7 @@ from lxml import etree
 
 from urdf_ik.model import formats
 from urdf_ik.model.urdf import links, tree
+from urdf_ik.model.urdf.checks import write_joint
 from urdf_ik.model.urdf.defects import Defects, together
 from urdf_ik.model.urdf.urdf_model import UrdfModel
 from urdf_ik.model.xml import open_source, parse
@@ -54,9 +55,9 @@ def read(
         defects.add("collision", error, collides="<collision>" in (error.element or ""))
     name = tree.check_robot(original, opened.name, defects)
     every = tree.check_links(original, opened.name, defects)
-    joined = tree.check_joints(original, every, opened.name, defects)
-    root, joined, names = tree.check_tree(joined, every, opened.name, defects)
-    raw = tree.check_mimics(joined, defects)
+    joints, written = tree.check_joints(original, every, opened.name, defects)
+    root, joints, names = tree.check_tree(joints, written, every, opened.name, defects)
+    joints = tree.check_mimics(joints, written, defects)
 
     # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
     clean = etree.Element("robot", name=name, version="1.1")
@@ -64,8 +65,8 @@ def read(
     links.write_links(clean, names, opened.name, defects)
     if strict and defects.found:
         raise together([each.error for each in defects.found])
-    for joint in raw:
-        joint.write(clean)
+    for joint in joints:
+        write_joint(clean, joint, written[joint.name])
     xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
     return UrdfModel(
         name=name,
@@ -73,7 +74,7 @@ def read(
         path=opened.path,
         xml=xml,
         links=tuple(names),
-        joints=tuple(joint.read() for joint in raw),
+        joints=tuple(joints),
         root=root,
         mesh_roots=folders,
         warnings=tuple(defects.found),

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from urdf_ik.errors import UrdfError, listed, printable
-from urdf_ik.model.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
+from urdf_ik.model.urdf.checks import MOVABLE, Joint, Place, Written, check_joint, check_name, label_of
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, children, is_xacro, written_tag
-from urdf_ik.support.text import nearest
+from urdf_ik.support.text import meant
 
 MAX_LINKS = 500
 """Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""
@@ -67,45 +67,49 @@ def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
     return links
 
 
-def check_joints(robot: Any, links: dict[str, Any], source: str, defects: Defects) -> list[RawJoint]:
-    """Joints between two links, in the file's order; the tree and the mimics are not checked yet.
+def check_joints(
+    robot: Any, links: dict[str, Any], source: str, defects: Defects
+) -> tuple[list[Joint], dict[str, Written]]:
+    """Joints between two links, in the file's order, and their texts by name; tree and mimics are not checked yet.
 
     Raises:
         UrdfError: there are too many.
     """
-    joints: dict[str, RawJoint] = {}
+    joints: dict[str, Joint] = {}
+    written: dict[str, Written] = {}
     for count, element in enumerate(children(robot, "joint"), 1):
         place = Place(source, element, label_of(element))
         if count > MAX_LINKS:
             place.fail(f"more than {MAX_LINKS} joints", hint=f"keep to {MAX_LINKS} links: split the robot")
-        joint = check_joint(place, links, joints, defects)
-        if joint is not None:
+        if (checked := check_joint(place, links, joints, defects)) is not None:
+            joint, written[checked[0].name] = checked
             joints[joint.name] = joint
-    return list(joints.values())
+    return list(joints.values()), written
 
 
 def check_tree(
-    joints: list[RawJoint], links: dict[str, Any], source: str, defects: Defects
-) -> tuple[str, list[RawJoint], dict[str, Any]]:
+    joints: list[Joint], written: Mapping[str, Written], links: dict[str, Any], source: str, defects: Defects
+) -> tuple[str, list[Joint], dict[str, Any]]:
     """The root link, and the joints and links of its tree: of several trees the one with most moving joints.
 
     Raises:
         UrdfError: all links are parts of circles.
     """
-    parent_of: dict[str, RawJoint] = {}
+    parent_of: dict[str, Joint] = {}
     for joint in joints:
         other = parent_of.setdefault(joint.child, joint)
         if other is not joint:
-            error = joint.place.error(
+            place = written[joint.name].place
+            error = place.error(
                 f"link {joint.child!r} has two parents: this joint and {other.name!r} at line {other.line}",
                 hint="a link is the child of one joint only; a closed loop cannot be written as a URDF",
-                at=child(joint.place.element, "child"),
+                at=child(place.element, "child"),
             )
             defects.add("two parents", error, joints=[other.name, joint.name])
     first = next((link for link in links if link not in parent_of), "")
     if len(parent_of) + 1 == len(links) == len(_below(first, parent_of)):  # one tree
         return first, list(parent_of.values()), links
-    circles = _circles(links, parent_of)
+    circles = _circles(links, parent_of, written)
     trees = {root: _below(root, parent_of) for root in links if root not in parent_of}
     if not trees:
         raise circles[0][0]
@@ -127,12 +131,12 @@ def check_tree(
     return root, [joint for joint in parent_of.values() if joint.child in kept], kept
 
 
-def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
+def check_mimics(joints: list[Joint], written: Mapping[str, Written], defects: Defects) -> list[Joint]:
     """The joints, without each ``<mimic>`` that names no movable joint; a circle of mimics loses one of them."""
     by_name = {joint.name: joint for joint in joints}
     for joint in joints:
         name = joint.name
-        if joint.mimic is not None and (error := _refused_driver(joint, by_name)) is not None:
+        if joint.mimic is not None and (error := _refused_driver(joint, by_name, written[name].place)) is not None:
             by_name[name] = replace(joint, mimic=None)
             defects.add("mimic", error, joints=[name])
     sound: set[str] = set()  # joints whose mimics lead to a joint that moves by itself
@@ -142,7 +146,7 @@ def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
             if name in walked:
                 circle = list(walked)[list(walked).index(name) :]
                 first = min(circle, key=list(by_name).index)
-                defects.add("mimic", _circle_error(by_name[first], by_name), joints=[first])
+                defects.add("mimic", _circle_error(by_name[first], by_name, written[first].place), joints=[first])
                 by_name[first] = replace(by_name[first], mimic=None)
                 break
             walked[name] = None
@@ -151,7 +155,7 @@ def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
     return list(by_name.values())
 
 
-def _below(root: str, parent_of: Mapping[str, RawJoint]) -> set[str]:
+def _below(root: str, parent_of: Mapping[str, Joint]) -> set[str]:
     """The links of the tree below a link, itself included."""
     carried: dict[str, list[str]] = {}
     for link, joint in parent_of.items():
@@ -164,7 +168,9 @@ def _below(root: str, parent_of: Mapping[str, RawJoint]) -> set[str]:
     return found
 
 
-def _circles(links: Mapping[str, Any], parent_of: Mapping[str, RawJoint]) -> list[tuple[UrdfError, set[str]]]:
+def _circles(
+    links: Mapping[str, Any], parent_of: Mapping[str, Joint], written: Mapping[str, Written]
+) -> list[tuple[UrdfError, set[str]]]:
     """For each circle of links its error, and the links in it and below it."""
     circles = []
     sound: set[str] = set()
@@ -176,7 +182,8 @@ def _circles(links: Mapping[str, Any], parent_of: Mapping[str, RawJoint]) -> lis
                 shown = " <- ".join(map(printable, [*loop[:_SHOWN], *(["..."] if len(loop) > _SHOWN else []), link]))
                 problem = f"the links form a cycle: {shown}"
                 hint = "remove the joint that closes the cycle, so that the links form a tree"
-                circles.append((parent_of[link].place.error(problem, hint=hint), _below(link, parent_of)))
+                place = written[parent_of[link].name].place
+                circles.append((place.error(problem, hint=hint), _below(link, parent_of)))
                 sound.update(circles[-1][1])
                 break
             walked[link] = None
@@ -190,27 +197,26 @@ def _collides(elements: Iterable[Any]) -> bool:
     return any(child(element, "collision") is not None for element in elements)
 
 
-def _refused_driver(joint: RawJoint, joints: Mapping[str, RawJoint]) -> UrdfError | None:
+def _refused_driver(joint: Joint, joints: Mapping[str, Joint], place: Place) -> UrdfError | None:
     """The error of a joint that mimics a missing joint, or one without a single value."""
     driver = joint.mimic[0] if joint.mimic else ""
-    element = child(joint.place.element, "mimic")
+    element = child(place.element, "mimic")
     if driver not in joints:
-        close = nearest(driver, joints)
-        hint = "name a joint of this URDF" + (f"; did you mean {listed(close)}?" if close else "")
-        return joint.place.error(f"it mimics {driver!r}, and there is no such joint", hint=hint, at=element)
+        hint = f"name a joint of this URDF{meant(driver, joints)}"
+        return place.error(f"it mimics {driver!r}, and there is no such joint", hint=hint, at=element)
     if (kind := joints[driver].type) not in MOVABLE:
         why = "does not move" if kind == "fixed" else "has no single value"
         problem = f"it mimics {driver!r}, a {kind} joint, which {why}"
-        return joint.place.error(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
+        return place.error(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
     return None
 
 
-def _circle_error(joint: RawJoint, joints: Mapping[str, RawJoint]) -> UrdfError:
+def _circle_error(joint: Joint, joints: Mapping[str, Joint], place: Place) -> UrdfError:
     way, mimic = [joint.name], joint.mimic
     while mimic is not None and mimic[0] != joint.name:
         way.append(mimic[0])
         mimic = joints[mimic[0]].mimic
     shown = " -> ".join(printable(name) for name in [*way[:_SHOWN], *(["..."] if len(way) > _SHOWN else [])])
     problem = "it mimics itself" + (f", through {shown} -> {printable(joint.name)}" if len(way) > 1 else "")
-    element = child(joint.place.element, "mimic")
-    return joint.place.error(problem, hint="let one joint of the circle move by itself", at=element)
+    element = child(place.element, "mimic")
+    return place.error(problem, hint="let one joint of the circle move by itself", at=element)

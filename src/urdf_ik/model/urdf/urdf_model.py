@@ -17,7 +17,7 @@ from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning, together
 from urdf_ik.support import files
-from urdf_ik.support.text import nearest, quoted
+from urdf_ik.support.text import meant, nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,10 +272,9 @@ class UrdfModel:
         if apart := next((each for each in self.warnings if link in each.links), None):
             raise apart.error  # the file has this link, but not in the tree
         close = nearest(printable(link), self.links)
-        hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
         raise ChainError(
-            f"{printable(self.source, 200)}: there is no {what} {link!r}{hint}",
+            f"{printable(self.source, 200)}: there is no {what} {link!r}{meant(link, self.links)}",
             dict.fromkeys([*close, *self.links]),
         )
 

@@ -54,8 +54,8 @@ class Drawing:
         self._capacity = max(count, 1)
         self._colours = np.array(colours(self._capacity, dark), dtype=np.uint8)
         self._own_line = np.array(_LINE_ON_BLACK if dark else _LINE, dtype=np.uint8)
-        shapes = link_shapes.read(arm.model)
-        self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
+        shapes, self.missing = link_shapes.read(arm.model)
+        self.has_shapes = bool(shapes)
         self.root = scene.add_frame("/robot", show_axes=False)
         self._size = arm.chain.size
         self.lines: list[Any] = []
@@ -64,11 +64,11 @@ class Drawing:
         self._edges = [
             (joint.parent, joint.child) for joint in arm.model.joints if np.linalg.norm(joint.origin[:3, 3]) > 0.0
         ]
-        for k, body in enumerate(shapes.bodies):
-            self.bodies.append((body.link, scene.add_mesh_trimesh(f"/robot/body_{k}", body.mesh)))
+        for k, (link, mesh) in enumerate(shapes):
+            self.bodies.append((link, scene.add_mesh_trimesh(f"/robot/body_{k}", mesh)))
         moving = self._moving()
-        for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
-            whole = link_shapes.joined([body.mesh for body in shapes.bodies if body.link == link])
+        for link in dict.fromkeys(link for link, _ in shapes if link in moving):
+            whole = link_shapes.joined([mesh for carrier, mesh in shapes if carrier == link])
             self._forms[link] = link_shapes.simplified(whole, _MOST_FACES)
         self.ghosts = self._add_ghosts()
         self._axes: Any = None
