@@ -12,6 +12,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr int FEW_LIMBS = 4, MANY_LIMBS = 6;
 // Cuts that are tried with few limbs: what two leave open nearly always wants digits.
 inline constexpr int CUTS = 8, CUTS_WITH_FEW = 2;
+// A pair this far off the circle [rad] has no real joint vector nearby that keeps the pose to CONVERGED.
+inline constexpr double OFF_REAL = 1e-4;
 // A zero that no joint vector with an error below this belongs to is not resolved [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL.
@@ -19,11 +21,15 @@ inline constexpr double AT_A_PAIR = 0.1;
 // Newton's method stays this near to a zero [rad].
 inline constexpr double STAYS = 0.05;
 inline constexpr double BESIDE_A_ZERO = 1e-4;
+// Newton's steps before a certificate, and the size of one [rad] that is not worth taking.
 inline constexpr int CERTIFYING_ROUNDS = 5;
+inline constexpr double SETTLED_ZERO = 1e-20;
+// Hidden angles of a zero and of a certified solution that are this near to each other, and to no other, are the same [rad].
+inline constexpr double SAME_ANGLE = 1e-10, OTHER_ANGLE = 1e-8;
 
 struct CircleZero {
-    double q[6], solution[6], outer, least;  // least: smallest singular value at the solution
-    double own, error;                       // at the zero's joint vector, and at the solution
+    double q[6], solution[6], least;  // least: smallest singular value at the solution
+    double own, error;                // at the zero's joint vector, and at the solution
     bool real, certified;
 };
 // What one cut tells: its zeros on the circle and near it, and the others.
@@ -33,24 +39,70 @@ template <int L> struct CircleZeros {
     WideRoot<L> root[ROOTS];
     CircleZero at[ROOTS];
     int many = 0, first = 0;
-    bool back = false;
+    bool back = false, moved = false;  // the reversed chain; the arm with moved axes
 
+    STEP double near() const { return moved ? NEAR_REAL : OFF_REAL; }
     STEP int joint(int k) const { return back ? 5 - (first + k) % 6 : (first + k) % 6; }
 };
+
+// Columns whose solutions have certificates.
+PART unsigned certified_columns(const Loop& loop, const Columns<6>& columns) {
+    unsigned out = 0;
+    for (int from = 0; from < columns.many; from += BLOCK) {
+        Block q[6];
+        unsigned lanes = 0;
+        for (int l = 0; l < BLOCK; ++l) {
+            const bool there = from + l < columns.many && columns.valid(from + l);
+            lanes |= unsigned(there) << l;
+            for (int j = 0; j < 6; ++j) q[j].set(l, there ? columns.row(from + l)[j] : 0.0);
+        }
+        if (lanes) out |= (bits(certify_real(loop, q).holds) & lanes) << from;
+    }
+    return out;
+}
+
+// The certified column that a zero on the circle belongs to; -1 if angles do not tell.
+template <int L> PART int column_of_zero(const CircleZeros<L>& zeros, int i, const Columns<6>& columns, unsigned certified) {
+    const auto angle_at = [&](const WideRoot<L>& root) {
+        return angle(Turn<double>{zeros.p.centre.c.leading(), zeros.p.centre.s.leading()}) + 2.0 * atan2(root.x.re.leading(), 1.0);
+    };
+    const double own = angle_at(zeros.root[i]);
+    int found = -1;
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        const double apart = abs(wrap(wrap(columns.row(b)[zeros.joint(5)] - own)));
+        if (apart < SAME_ANGLE && found < 0 && certified >> b & 1) found = b;
+        else if (apart < OTHER_ANGLE) return -1;
+    }
+    for (int k = 0; k < ROOTS; ++k) {
+        if (k != i && zeros.root[k].least < OTHER_ANGLE && abs(wrap(angle_at(zeros.root[k]) - own)) < OTHER_ANGLE) return -1;
+    }
+    return found;
+}
 
 // The zeros of one cut. Returns whether all are resolved.
 template <int L>
 PART bool list_zeros(const WidePose<L>& pose, int first, bool back, const Written<6>& arm, const Goal<double>& goal,
-                     CircleZeros<L>& out) {
+                     const Columns<6>& columns, unsigned certified, CircleZeros<L>& out) {
     out.first = first, out.back = back, out.many = 0;
     set_equations(pose, first, out.equations);
     if (!half_tangent_polynomial(out.equations, out.p)) return false;
     roots_of(out.p, out.root);
-    for (const WideRoot<L>& each : out.root) {
-        if (each.least > NEAR_REAL) continue;
+    for (int i = 0; i < ROOTS; ++i) {
+        WideRoot<L>& each = out.root[i];
+        if (each.least > out.near()) continue;
         if (each.together > 1 || !(each.radius < 1e-8)) return false;
         const bool real = abs(each.x.im.leading()) <= each.radius;
         if (!real && each.x.im.negative) continue;
+        const int known = real ? column_of_zero(out, i, columns, certified) : -1;
+        if (known >= 0) {
+            CircleZero& to = out.at[out.many++];
+            for (int j = 0; j < 6; ++j) to.q[j] = to.solution[j] = columns.row(known)[j];
+            to.real = to.certified = true, to.own = to.error = 0.0;
+            to.least = weakest_at(arm, goal, to.q).value;
+            continue;
+        }
+        refine(out.p, each.x);
         Complex z[6];
         if (!(real ? joints_at(out.equations, out.p.centre, each.x.re, z) : joints_at(out.equations, out.p.centre, each.x, z))) {
             return false;
@@ -99,8 +151,8 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
             at.off.set(l, here.off.leading());
         }
         make_orthogonal(at.twist, f);
-        if (round == CERTIFYING_ROUNDS) break;
         const Six<Block> step = newton_step(f, at.error);
+        if (round == CERTIFYING_ROUNDS || !any(square_of(step) > Block(SETTLED_ZERO * SETTLED_ZERO))) break;
         for (int l = 0; l < many; ++l) {
             for (int k = 0; k < 6; ++k) turn[l][k] = turned_on(turn[l][k], max(min(step[k][l], 0.1), -0.1));
         }
@@ -119,7 +171,6 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
             q[k] = angle(Turn<double>{turn[l][k].c.leading(), turn[l][k].s.leading()});
             moved = max(moved, abs(wrap(q[k] - zero[l]->solution[k]))), from_zero = max(from_zero, abs(wrap(q[k] - zero[l]->q[k])));
         }
-        zero[l]->outer = c.outer[l];
         zero[l]->certified = (bits(c.holds) >> l & 1) && from_zero + c.inner[l] < c.outer[l];
         if (!zero[l]->certified) continue;
         for (int k = 0; k < 6; ++k) zero[l]->solution[k] = q[k];
@@ -127,13 +178,16 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
 }
 
 template <int L> PART void certify_all_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZeros<L>& zeros) {
+    bool any = false;
+    for (int i = 0; i < zeros.many; ++i) any |= zeros.at[i].real && !zeros.at[i].certified;
+    if (!any) return;
     WideMotion<CERTIFYING_LIMBS> step[7];
     for (int k = 0; k < 7; ++k) step[k] = wide_motion<CERTIFYING_LIMBS>(arm.step[k], 1.0 / arm.size);
     const auto loop = loop_of_steps(step, wide_motion<CERTIFYING_LIMBS>(motion_of(goal), 1.0 / arm.size));
     CircleZero* waiting[BLOCK];
     int many = 0;
     for (int i = 0; i < zeros.many; ++i) {
-        if (zeros.at[i].real) waiting[many++] = zeros.at + i;
+        if (zeros.at[i].real && !zeros.at[i].certified) waiting[many++] = zeros.at + i;
         if (many == BLOCK) certify_zeros(loop, waiting, many), many = 0;
     }
     if (many) certify_zeros(loop, waiting, many);
@@ -145,6 +199,7 @@ template <int L> PART void certify_all_zeros(const Written<6>& arm, const Goal<d
 template <int L> PART void follow_zeros(const Written<6>& arm, const Goal<double>& goal, CircleZeros<L>& zeros) {
     for (int i = 0; i < zeros.many; ++i) {
         CircleZero& zero = zeros.at[i];
+        if (zero.certified) continue;
         for (int j = 0; j < 6; ++j) zero.solution[j] = zero.q[j];
         zero.error = polish_one<true>(arm, goal, zero.solution, {40, FINISHED, LONG_PATIENCE}).error;
         if (zero.real && (!(zero.error <= CONVERGED) || distance(arm, zero.solution, zero.q) > STAYS)) {
@@ -187,6 +242,28 @@ template <int L>
 PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns) {
     const Loop loop = loop_of(arm, goal);
     bool all = true;
+    CBlock z[6];
+    int many = 0;
+    const auto certify_block = [&] {
+        if (!many) return;
+        const unsigned lanes = (1u << many) - 1;
+        CBlock start[6];
+        double q[6];
+        for (int k = 0; k < 6; ++k) start[k] = z[k];
+        Growth growth;
+        unsigned certified = bits(certify_complex(loop, z, lanes, 3, growth).holds);
+        if (lanes & ~certified)
+            certified |= bits(certify_precisely(loop, precise_loop(arm, goal), z, lanes & ~certified, growth).holds);
+        for (int l = 0; l < many; ++l) {
+            if (certified >> l & 1) continue;
+            all = false;
+            for (int j = 0; j < 6; ++j) q[j] = atan2(start[j].im[l], start[j].re[l]);
+            if (!(polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED)) continue;
+            const int b = free_column(columns, ~0u);
+            if (b >= 0 && is_new(arm, goal, columns, q) && is_on_curve(arm, goal, q)) keep(columns, b, q, OTHER);
+        }
+        many = 0;
+    };
     for (const WideRoot<L>& each : zeros.root) {
         if (!(each.least > NEAR_REAL) || each.x.im.negative) continue;
         Complex at[6];
@@ -194,21 +271,12 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
             all = false;
             continue;
         }
-        CBlock z[6];
-        double q[6];
-        Growth growth;
-        for (int k = 0; k < 6; ++k) {
-            const int j = zeros.joint(k);
-            z[j] = {Block(at[k].re), Block(at[k].im)}, q[j] = atan2(at[k].im, at[k].re);
+        for (int l = many; l < BLOCK; ++l) {
+            for (int k = 0; k < 6; ++k) z[zeros.joint(k)].re.set(l, at[k].re), z[zeros.joint(k)].im.set(l, at[k].im);
         }
-        Certificate c = certify_complex(loop, z, 1, 3, growth);
-        if (!(bits(c.holds) & 1)) c = certify_precisely(loop, precise_loop(arm, goal), z, 1, growth);
-        if (bits(c.holds) & 1) continue;
-        all = false;
-        if (!(polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED)) continue;
-        const int b = free_column(columns, ~0u);
-        if (b >= 0 && is_new(arm, goal, columns, q) && is_on_curve(arm, goal, q)) keep(columns, b, q, OTHER);
+        if (++many == BLOCK) certify_block();
     }
+    certify_block();
     return all;
 }
 
@@ -243,17 +311,20 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         if (weakest_at(arm, goal, columns.row(b)).value > BESIDE_A_ZERO) return Status::incomplete;
         clustered = true;
     }
-    if (!clustered && are_regular(arm, goal, zeros, columns)) return Status::complete;
+    if (!clustered && (!zeros.moved || are_regular(arm, goal, zeros, columns))) return Status::complete;
     if (keep_curve(arm, goal, columns)) return Status::continuum;
     return clustered ? Status::clustered : Status::complete;
 }
 
-template <int L> PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts) {
-    WidePose<L> pose[2] = {wide_pose<L>(arm, goal), {}};
+template <int L>
+PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts, double nudge) {
+    WidePose<L> pose[2] = {wide_pose<L>(arm, goal, nudge), {}};
     pose[1] = reversed(pose[0]);
     CircleZeros<L> zeros;
+    zeros.moved = nudge > 0.0;
+    const unsigned certified = certified_columns(loop_of(arm, goal), columns);
     for (int cut = 0; cut < cuts; ++cut) {
-        if (!list_zeros(pose[cut % 2], cut / 2, cut % 2, arm, goal, zeros)) continue;
+        if (!list_zeros(pose[cut % 2], cut / 2, cut % 2, arm, goal, columns, certified, zeros)) continue;
         follow_zeros(arm, goal, zeros);
         certify_all_zeros(arm, goal, zeros);
         return status_of_zeros(arm, goal, zeros, columns);
@@ -265,8 +336,10 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     for (const bool slides : arm.slides) {
         if (slides) return Status::incomplete;
     }
-    const Status status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW);
-    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, CUTS);
+    Status status = Status::incomplete;
+    if (!arm.exact) status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW, 0.0);
+    if (status == Status::incomplete) status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW, NUDGE);
+    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, CUTS, NUDGE);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

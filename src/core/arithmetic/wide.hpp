@@ -154,6 +154,8 @@ template <int L> struct Wide {
 };
 
 template <int L> STEP double leading(const Wide<L>& a) { return a.leading(); }
+STEP int larger(int a, int b) { return a > b ? a : b; }
+template <int L> STEP int exponent_of(const Wide<L>& a) { return a.is_zero() ? -1000 : a.exponent; }
 template <int L> STEP Wide<L> half(const Wide<L>& a) { return a.is_zero() ? a : a.times_power(-1); }
 
 // 1 / a for a != 0: Newton's method doubles the digits of the quotient in doubles.
@@ -205,6 +207,7 @@ template <class V, int L> STEP V lifted(const Wide<L>& a) {
     else return {a, Wide<L>(0.0)};
 }
 template <int L> STEP WideComplex<L> half(const WideComplex<L>& a) { return {half(a.re), half(a.im)}; }
+template <int L> STEP int exponent_of(const WideComplex<L>& a) { return larger(exponent_of(a.re), exponent_of(a.im)); }
 template <int L> PART WideComplex<L> inverse(const WideComplex<L>& a) {
     const Wide<L> w = inverse(a.re * a.re + a.im * a.im);
     return {a.re * w, -(a.im * w)};

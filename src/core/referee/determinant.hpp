@@ -12,7 +12,7 @@ inline constexpr int HARMONIC = 8, ROOTS = 16, WIDE_SAMPLES = 17;
 
 // A real polynomial in x = tan((angle - centre) / 2). error: of its value, as a share of (1 + |x|)^16.
 template <int L> struct HalfTangent {
-    Wide<L> a[ROOTS + 1];
+    Fixed<L> a[ROOTS + 1];  // below one
     Turn<Wide<L>> centre;
     double error;
     Complex rounded[ROOTS + 1];  // in e^(i angle), in doubles
@@ -37,35 +37,39 @@ template <int L> struct Seventeenths {
 
 // The determinant by elimination with row pivots, and a bound on its error: with M^-1 and the change E of M in maximum norms,
 // det(M + E) = det M det(1 + M^-1 E), and |det(1 + X) - 1| <= (1 + |X|)^12 - 1. `off`: of each entry. Infinite where it vanishes.
-template <int L> PART Wide<L> determinant(Wide<L> (&M)[UNKNOWNS][UNKNOWNS], double off, double& error) {
+// Entries are below 6, and each pivot doubles them at most.
+template <int L> PART Wide<L> determinant(Fixed<L> (&M)[UNKNOWNS][UNKNOWNS], double off, double& error) {
     Wide<L> product = 1.0;
     error = __builtin_inf();
+    double rounded[UNKNOWNS][UNKNOWNS] = {};
     for (int k = 0; k < UNKNOWNS; ++k) {
         int r = k;
-        for (int i = k + 1; i < UNKNOWNS; ++i) {
-            if (Wide<L>::is_less(M[r][k], M[i][k])) r = i;
+        Wide<L> column[UNKNOWNS];
+        for (int i = k; i < UNKNOWNS; ++i) {
+            column[i] = M[i][k].wide();
+            if (Wide<L>::is_less(column[r], column[i])) r = i;
         }
-        if (M[r][k].is_zero()) return 0.0;
+        if (column[r].is_zero()) return 0.0;
         if (r != k) {
             product = -product;
-            for (int j = 0; j < UNKNOWNS; ++j) exchange(M[k][j], M[r][j]);
+            exchange(column[k], column[r]);
+            for (int j = 0; j < UNKNOWNS; ++j) exchange(M[k][j], M[r][j]), exchange(rounded[k][j], rounded[r][j]);
         }
-        product = product * M[k][k];
-        const Wide<L> over = inverse(M[k][k]);
+        product = product * column[k];
+        const Wide<L> over = inverse(column[k]);
         for (int i = k + 1; i < UNKNOWNS; ++i) {
-            if (M[i][k].is_zero()) continue;
-            M[i][k] = M[i][k] * over;
+            if (column[i].is_zero()) continue;
+            const Wide<L> share = column[i] * over;
+            const Fixed<L> f = {share, 0};
+            rounded[i][k] = share.leading();
             for (int j = k + 1; j < UNKNOWNS; ++j) {
-                if (!M[k][j].is_zero()) M[i][j] -= M[i][k] * M[k][j];
+                if (!M[k][j].is_zero()) M[i][j].subtract(f, M[k][j]);
             }
         }
-    }
-    double rounded[UNKNOWNS][UNKNOWNS];
-    for (int i = 0; i < UNKNOWNS; ++i) {
-        for (int j = 0; j < UNKNOWNS; ++j) rounded[i][j] = M[i][j].leading();
+        for (int j = k; j < UNKNOWNS; ++j) rounded[k][j] = M[k][j].wide().leading();
     }
     const FactorBounds bounds = bounds_of(rounded);
-    const double x = bounds.inverse * (UNKNOWNS * off + ROUNDINGS * WIDE_UNIT<L> * bounds.product);
+    const double x = bounds.inverse * (UNKNOWNS * off + ROUNDINGS * FIXED_UNIT<L> * (1.0 + bounds.product));
     if (x < 0.01) error = 14.0 * x * abs(product.leading());
     return product;
 }
@@ -78,14 +82,14 @@ template <int L> PART bool half_tangent_polynomial(const WideEquations<L>& of, H
     int largest = 0;
     double lost = 0.0;
     for (int k = 0; k < WIDE_SAMPLES; ++k) {
-        W M[UNKNOWNS][UNKNOWNS];
+        Fixed<L> M[UNKNOWNS][UNKNOWNS];
         double error;
-        matrix_at(of, Turn<W>{wave.at[k].re, wave.at[k].im}, M);
+        matrix_at(of, {Fixed<L>(W(1.0), 0), {wave.at[k].re, 0}, {wave.at[k].im, 0}}, M);
         D[k] = determinant(M, 3.0 * of.error, error);
+        if (!(error < __builtin_inf())) return false;
         lost += error;
         if (W::is_less(D[largest], D[k])) largest = k;
     }
-    if (!(lost < __builtin_inf())) return false;
     // To numbers of order one.
     const int exponent = D[largest].exponent;
     const double scale = power_of_two(-exponent);
@@ -104,16 +108,21 @@ template <int L> PART bool half_tangent_polynomial(const WideEquations<L>& of, H
     const WideComplex<L> turn = WideComplex<L>(0.0) - wave.at[largest];
     out.centre = {turn.re, turn.im};
     WideComplex<L> power = 1.0;
+    W a[ROOTS + 1];
     for (int j = 0; j <= ROOTS; ++j) {
-        out.a[j] = 0.0;
-        if (j % 2 == 0) out.a[j] = W(j % 4 ? -KRAWTCHOUK.at[8][j] : KRAWTCHOUK.at[8][j]) * re[0];
+        a[j] = 0.0;
+        if (j % 2 == 0) a[j] = W(j % 4 ? -KRAWTCHOUK.at[8][j] : KRAWTCHOUK.at[8][j]) * re[0];
     }
     for (int k = 1; k <= HARMONIC; ++k) {
         power = power * turn;
         const WideComplex<L> c = W(2.0) * (power * WideComplex<L>(re[k], im[k]));
         const W part[4] = {c.re, -c.im, -c.re, c.im};
-        for (int j = 0; j <= ROOTS; ++j) out.a[j] += W(KRAWTCHOUK.at[8 + k][j]) * part[j % 4];
+        for (int j = 0; j <= ROOTS; ++j) a[j] += W(KRAWTCHOUK.at[8 + k][j]) * part[j % 4];
     }
+    int most = -1000;
+    for (const W& each : a) most = larger(most, exponent_of(each));
+    for (int j = 0; j <= ROOTS; ++j) out.a[j] = {a[j], most};
+    out.error = 17.0 * (scale * lost + ROUNDINGS * WIDE_UNIT<L>) * power_of_two(-most) + ROUNDINGS * FIXED_UNIT<L>;
     return true;
 }
 
@@ -133,28 +142,34 @@ STEP Complex quotient(const Complex& a, const Complex& b) {
 }
 template <int L> STEP Complex leading(const WideComplex<L>& a) { return {a.re.leading(), a.im.leading()}; }
 
-// p and its derivative at x, rounded: divided by (t - x) (t - conj(x)) twice, with real numbers alone.
-template <int L> PART void value_at(const HalfTangent<L>& p, const WideComplex<L>& x, Complex& value, Complex& slope) {
-    using W = Wide<L>;
-    const W r = x.re + x.re, s = x.re * x.re + x.im * x.im;
-    W b[2] = {0.0, 0.0}, c[2] = {0.0, 0.0};  // the last two of p's quotient and of the quotient's own
+// p(x) as a share of |x|^16 where |x| > 1, in size; and Newton's step. By division by (t - x) (t - conj(x)), twice, with real
+// numbers alone; where |x| > 1 the polynomial in 1 / x.
+template <int L> PART void value_at(const HalfTangent<L>& p, const WideComplex<L>& x, double& size, Complex& newton) {
+    using F = Fixed<L>;
+    const Complex at = leading(x);
+    const bool far = at.re * at.re + at.im * at.im > 1.0;
+    const WideComplex<L> in = far ? inverse(x) : x;
+    const F re = {in.re, 0}, im = {in.im, 0}, r = re + re, s = re * re + im * im;
+    F b[2] = {}, c[2] = {};  // the last two of p's quotient and of the quotient's own
     for (int k = ROOTS; k >= 0; --k) {
-        const W next = p.a[k] + r * b[0] - s * b[1];
+        const F next = p.a[far ? ROOTS - k : k] + r * b[0] - s * b[1];
         b[1] = b[0], b[0] = next;
         if (k < 2) continue;
-        const W other = next + r * c[0] - s * c[1];
+        const F other = next + r * c[0] - s * c[1];
         c[1] = c[0], c[0] = other;
     }
-    const WideComplex<L> rest = {x.re - r, x.im};
-    value = leading(WideComplex<L>(b[0], 0.0) + b[1] * rest);
-    const WideComplex<L> Q = WideComplex<L>(c[0], 0.0) + c[1] * rest;
-    slope = leading(WideComplex<L>(b[1], 0.0) + WideComplex<L>(0.0, x.im + x.im) * Q);
+    const auto rounded = [](const F& re, const F& im) { return Complex{re.wide().leading(), im.wide().leading()}; };
+    const Complex value = rounded(b[0] - b[1] * re, b[1] * im);
+    const F twice = im + im;
+    const Complex slope = rounded(b[1] - twice * (c[1] * im), twice * (c[0] - c[1] * re));
+    size = size_of(value);
+    newton = far ? quotient(at * (at * value), Complex(double(ROOTS)) * (at * value) - slope) : quotient(value, slope);
 }
 
-// Rounds of Aberth's iteration; each adds the digits of doubles once a root stands apart from the others. A root far from real is
-// known well enough at ROUGHLY, relative to its size.
+// Rounds of Aberth's iteration; each adds the digits of doubles once a root stands apart from the others. A root is known well
+// enough when a step is below this share of the distance from the nearest one.
 inline constexpr int ROUNDS_TO_ROOTS = 80;
-inline constexpr double ROUGHLY = 1e-20, NEAR_REAL = 0.01;
+inline constexpr double ROUGHLY = 1e-13, NEAR_REAL = 0.01;
 
 // How far from real an angle is whose half has the tangent x, or twice as much where it is far.
 STEP double imaginary_part(const Complex& x, double im) { return 2.0 * abs(im) / (1.0 + x.re * x.re + x.im * x.im); }
@@ -177,31 +192,46 @@ template <int L> PART void improve_roots(const HalfTangent<L>& p, WideRoot<L> (&
     for (int round = 0; round < ROUNDS_TO_ROOTS && moves; ++round) {
         for (int i = 0; i < ROOTS; ++i) {
             if (!(moves >> i & 1)) continue;
-            Complex value, slope, sum = {0.0, 0.0};
-            value_at(p, root[i].x, value, slope);
+            Complex newton, sum = {0.0, 0.0};
+            double value, nearest = 1.0;
+            value_at(p, root[i].x, value, newton);
             const Complex at = leading(root[i].x);
             const double size = 1.0 + size_of(at);
-            double powers = size;
-            for (int k = 0; k < 4; ++k) powers *= powers;
-            if (!(size_of(value) > ROUNDINGS * WIDE_UNIT<L> * powers)) {
+            if (!(value > ROUNDINGS * FIXED_UNIT<L>)) {
                 moves &= ~(1u << i);
                 continue;
             }
             for (int j = 0; j < ROOTS; ++j) {
                 const Complex apart = leading(root[i].x - root[j].x);
-                if (j != i && (apart.re != 0.0 || apart.im != 0.0)) sum += quotient(Complex(1.0), apart);
+                if (j == i || (apart.re == 0.0 && apart.im == 0.0)) continue;
+                sum += quotient(Complex(1.0), apart), nearest = min(nearest, size_of(apart));
             }
-            const Complex newton = quotient(value, slope), step = quotient(newton, Complex(1.0) - newton * sum);
+            const Complex step = quotient(newton, Complex(1.0) - newton * sum);
             if (!(size_of(step) < 1e3)) {
                 root[i].x += WideComplex<L>(0.01 * size, 0.013 * size);
                 continue;
             }
             root[i].x -= WideComplex<L>(step.re, step.im);
-            if (size_of(step) < ROUGHLY * size && imaginary_part(at, at.im) > 2.0 * NEAR_REAL) moves &= ~(1u << i);
+            if (size_of(step) < ROUGHLY * nearest) moves &= ~(1u << i);
         }
     }
 }
 
+// The last digits of a root that stands apart.
+template <int L> PART void refine(const HalfTangent<L>& p, WideComplex<L>& x) {
+    for (int bits = 60; bits < 64 * L; bits += 50) {
+        double value;
+        Complex newton;
+        value_at(p, x, value, newton);
+        if (!(value > 0.0)) return;
+        x -= WideComplex<L>(newton.re, newton.im);
+    }
+}
+
+STEP double power_16(double x) {
+    for (int k = 0; k < 4; ++k) x *= x;
+    return x;
+}
 // All roots, with discs that hold them (Smith 1970, see root_discs).
 template <int L> PART void roots_of(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
     start_roots(p, root);
@@ -209,16 +239,17 @@ template <int L> PART void roots_of(const HalfTangent<L>& p, WideRoot<L> (&root)
     int group[ROOTS];
     Complex at[ROOTS];
     for (int i = 0; i < ROOTS; ++i) {
-        Complex value, slope;
-        value_at(p, root[i].x, value, slope);
+        Complex newton;
+        double value;
+        value_at(p, root[i].x, value, newton);
         at[i] = leading(root[i].x);
-        const double leading_size = abs(p.a[ROOTS].leading()) - p.error;
-        double powers = 1.0 + size_of(at[i]), apart = 1.0;
-        for (int k = 0; k < 4; ++k) powers *= powers;
+        const double leading_size = abs(p.a[ROOTS].wide().leading()) - p.error;
+        const double size = size_of(at[i]), longest = power_16(max(size, 1.0)) * SLACK_OF_SUMS;
+        double apart = 1.0;
         for (int j = 0; j < ROOTS; ++j) {
             if (j != i) apart *= size_of(leading(root[i].x - root[j].x));
         }
-        const double above = SLACK_OF_SUMS * ROOTS * (size_of(value) * SLACK_OF_SUMS + p.error * powers);
+        const double above = SLACK_OF_SUMS * ROOTS * (value * longest + p.error * power_16(1.0 + size));
         root[i].radius = leading_size > 0.0 && apart > 0.0 ? above / (leading_size * apart) : __builtin_inf();
         group[i] = i;
     }
@@ -252,16 +283,19 @@ template <int L> STEP bool is_zero(const WideComplex<L>& a) { return a.re.is_zer
 // A null vector by elimination, with pivots from any column once the zeros are used up: the last pivot is what rounding leaves of
 // zero.
 inline constexpr int SPARSE = 6;
-template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKNOWNS]) {
+template <class V> PART bool null_vector(FixedOf<V> (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKNOWNS]) {
+    using F = FixedOf<V>;
     constexpr int N = UNKNOWNS;
     int column[N];
     double last = 0.0;
+    V over[N];
     for (int j = 0; j < N; ++j) column[j] = j;
     for (int k = 0; k < N - 1; ++k) {
         int r = k, c = k;
         double most = -1.0;
         for (int i = k; i < N; ++i) {
             for (int j = k; j < (k < SPARSE ? k + 1 : N); ++j) {
+                if (M[i][j].is_zero()) continue;
                 const double size = square_of(M[i][j]);
                 if (size > most) most = size, r = i, c = j;
             }
@@ -275,12 +309,12 @@ template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKN
             exchange(column[k], column[c]);
             for (int i = 0; i < N; ++i) exchange(M[i][k], M[i][c]);
         }
-        const V over = inverse(M[k][k]);
+        over[k] = inverse(M[k][k].wide());
         for (int i = k + 1; i < N; ++i) {
-            if (is_zero(M[i][k])) continue;
-            const V f = M[i][k] * over;
+            if (M[i][k].is_zero()) continue;
+            const F f = {M[i][k].wide() * over[k], 0};
             for (int j = k + 1; j < N; ++j) {
-                if (!is_zero(M[k][j])) M[i][j] -= f * M[k][j];
+                if (!M[k][j].is_zero()) M[i][j].subtract(f, M[k][j]);
             }
         }
     }
@@ -289,8 +323,10 @@ template <class V> PART bool null_vector(V (&M)[UNKNOWNS][UNKNOWNS], V (&x)[UNKN
     x[column[N - 1]] = 1.0;
     for (int k = N - 2; k >= 0; --k) {
         V sum = 0.0;
-        for (int j = k + 1; j < N; ++j) sum += M[k][j] * x[column[j]];
-        x[column[k]] = (V(0.0) - sum) * inverse(M[k][k]);
+        for (int j = k + 1; j < N; ++j) {
+            if (!M[k][j].is_zero()) sum += M[k][j].wide() * x[column[j]];
+        }
+        x[column[k]] = (V(0.0) - sum) * over[k];
     }
     return true;
 }
@@ -307,12 +343,16 @@ template <int L> STEP Vec<double> rounded(const Vec<Wide<L>>& a) { return {a.x.l
 // The turns of joints a + 3, a + 4 and a + 5 at a root.
 template <int L, class V> PART bool other_turns(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x,
                                                 Turn<V> (&turn)[3]) {
-    const V square = x * x, over = inverse(V(1.0) + square), c = (V(1.0) - square) * over, s = (x + x) * over;
-    const V c0 = lifted<V>(centre.c), s0 = lifted<V>(centre.s);
-    turn[2] = {c * c0 - s * s0, s * c0 + c * s0};
-    V M[UNKNOWNS][UNKNOWNS], v[UNKNOWNS];
-    matrix_at(of, turn[2], M);
+    // (1, cos, sin) times 1 + x^2; far from real that is nearly zero, and far out large.
+    const V square = x * x, c = V(1.0) - square, s = x + x, c0 = lifted<V>(centre.c), s0 = lifted<V>(centre.s);
+    const V weight[3] = {V(1.0) + square, c * c0 - s * s0, s * c0 + c * s0};
+    const int exponent = larger(larger(exponent_of(weight[0]), exponent_of(weight[1])), exponent_of(weight[2]));
+    V v[UNKNOWNS];
+    FixedOf<V> M[UNKNOWNS][UNKNOWNS];
+    matrix_at(of, {FixedOf<V>(weight[0], exponent), {weight[1], exponent}, {weight[2], exponent}}, M);
     if (!null_vector(M, v)) return false;
+    const V over = inverse(weight[0]);
+    turn[2] = {weight[1] * over, weight[2] * over};
     // v is (1, cos, sin) of joint a + 3 times C^3, S^3, C^2 S and C S^2, with the cosine and sine of half the angle of joint a + 4.
     int i = 0;
     for (int k = 3; k < UNKNOWNS; k += 3) {

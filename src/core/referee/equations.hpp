@@ -7,8 +7,8 @@
 // linear in (1, cos, sin) of each. A line's numbers after each joint has turned by 0, pi or pi / 2 give their coefficients.
 #pragma once
 
+#include "arithmetic/fixed.hpp"
 #include "arithmetic/scatter.hpp"
-#include "arithmetic/wide.hpp"
 #include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -85,7 +85,8 @@ template <int L> struct WidePose {
     Frame<Wide<L>> G;
 };
 
-template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<double>& goal) {
+// nudge: how far the axes are moved.
+template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<double>& goal, double nudge) {
     using W = Wide<L>;
     WidePose<L> out;
     const double scale = 1.0 / arm.size;
@@ -102,7 +103,7 @@ template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<d
     out.G.p = out.G.p + out.G.R * centre - centre;
     Scatter generic = Scatter::number(1);
     const auto moved = [&](const Vec<W>& v) {
-        return Vec<W>{v.x + W(NUDGE * generic.next()), v.y + W(NUDGE * generic.next()), v.z + W(NUDGE * generic.next())};
+        return Vec<W>{v.x + W(nudge * generic.next()), v.y + W(nudge * generic.next()), v.z + W(nudge * generic.next())};
     };
     for (auto& [p, d] : out.axis) {
         p = p - centre;
@@ -165,8 +166,8 @@ template <int L> struct WideEquations {
     int first;  // a
     W factor[NUMBERS][PRODUCTS];  // of the lines that joints a and a + 1 reach, rows and columns permuted
     int row[NUMBERS], column[PRODUCTS];
-    W A[6][3][PRODUCTS];
-    double error;  // of each coefficient
+    Fixed<L> A[6][3][PRODUCTS];  // below one
+    double error;                // of each coefficient
 
     STEP const WideLine<W>& axis(int k) const { return pose.axis[(first + k) % 6]; }
     // A line after the inverse turns of joints a + 3, a + 4 and a + 5, and G at its place among them.
@@ -266,7 +267,7 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
     }
     const FactorBounds bounds = bounds_of(square);
     const WideLine<W> line = out.axis(2);
-    W w[NUMBERS];
+    W w[NUMBERS], A[6][3][PRODUCTS];
     double longest = 0.0;
     const auto undo = [&](int i) {
         return [&out, i](int k, const WideLine<W>& l) { return turned_about(l, out.axis(3 + k), sample_turn<W>(i, true)); };
@@ -281,25 +282,37 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
                 for (int e = 0; e < 6; ++e) {
                     W sum = w[out.row[PRODUCTS + e]];
                     for (int l = 0; l < PRODUCTS; ++l) sum -= C[e][l] * w[out.row[l]];
-                    out.A[e][k][3 * j + i] = sum;
+                    A[e][k][3 * j + i] = sum;
                 }
             }
         }
     }
-    to_coefficients(out.A);
-    out.error = ROUNDINGS * WIDE_UNIT<L> * longest * largest * largest * (1.0 + bounds.inverse * bounds.product);
+    to_coefficients(A);
+    int exponent = -1000;
+    const auto each_of = [&](const auto& take) {
+        for (int e = 0; e < 6; ++e) {
+            for (int k = 0; k < 3; ++k) {
+                for (int i = 0; i < PRODUCTS; ++i) take(A[e][k][i], out.A[e][k][i]);
+            }
+        }
+    };
+    each_of([&](const W& a, Fixed<L>&) { exponent = larger(exponent, exponent_of(a)); });
+    each_of([&](const W& a, Fixed<L>& to) { to = {a, exponent}; });
+    const double error = ROUNDINGS * WIDE_UNIT<L> * longest * largest * largest * (1.0 + bounds.inverse * bounds.product);
+    out.error = error * power_of_two(-exponent) + FIXED_UNIT<L>;
 }
 
 // The matrix at the hidden angle, by rows: the equations, polynomials of degree two in t = tan(x / 2), and t times them; columns:
-// 1, t^3, t and t^2, each times (1, cos, sin) of joint a + 3. Each row has zeros in three of the first six.
-template <int L, class V> PART void matrix_at(const WideEquations<L>& of, const Turn<V>& turn, V (&M)[UNKNOWNS][UNKNOWNS]) {
+// 1, t^3, t and t^2, each times (1, cos, sin) of joint a + 3. Each row has zeros in three of the first six. hidden: proportional to
+// (1, cos, sin) of the hidden angle.
+template <int L, class F> PART void matrix_at(const WideEquations<L>& of, const F (&hidden)[3], F (&M)[UNKNOWNS][UNKNOWNS]) {
     constexpr int place[4] = {0, 6, 9, 3};  // of 1, t, t^2, t^3
     for (int e = 0; e < 6; ++e) {
         const auto& a = of.A[e];
         for (int j = 0; j < 3; ++j) {
-            const auto at = [&](int i) { return lifted<V>(a[0][i]) + a[1][i] * turn.c + a[2][i] * turn.s; };
-            const V f = at(j), g = at(3 + j), h = at(6 + j), part[3] = {f + g, h + h, f - g};
-            M[e][place[3] + j] = 0.0, M[6 + e][place[0] + j] = 0.0;
+            const auto at = [&](int i) { return hidden[0] * a[0][i] + hidden[1] * a[1][i] + hidden[2] * a[2][i]; };
+            const F f = at(j), g = at(3 + j), h = at(6 + j), part[3] = {f + g, h + h, f - g};
+            M[e][place[3] + j] = M[6 + e][place[0] + j] = F{};
             for (int i = 0; i < 3; ++i) M[e][place[i] + j] = part[i], M[6 + e][place[i + 1] + j] = part[i];
         }
     }

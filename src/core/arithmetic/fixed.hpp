@@ -1,0 +1,137 @@
+// Numbers of L 64-bit limbs with a fixed point, for eliminations, whose entries have one size: a product is taken away in a quarter
+// of the time that numbers with exponents (wide.hpp) need. Integers only: the same bits everywhere.
+#pragma once
+
+#include "arithmetic/wide.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A number is below 2^15 in size. A product is off by less than two FIXED_UNIT<L>.
+inline constexpr int WHOLE_BITS = 16;
+template <int L> inline constexpr double FIXED_UNIT = WIDE_UNIT<L> * (1 << (WHOLE_BITS - 2));
+
+// a - (b & mask).
+template <int L> STEP void subtract_limbs(std::uint64_t* a, const std::uint64_t* b, std::uint64_t mask) {
+    std::uint64_t borrow = 0;
+#pragma GCC unroll 8
+    for (int i = 0; i < L; ++i) {
+        const std::uint64_t y = b[i] & mask, x = a[i] - y, below = a[i] < y;
+        a[i] = x - borrow, borrow = below | (x < borrow);
+    }
+}
+
+// A number in two's complement, the lowest limb first.
+template <int L> struct Fixed {
+    std::uint64_t m[L];
+
+    Fixed() = default;
+    // x 2^-exponent, cut off.
+    PART Fixed(const Wide<L>& x, int exponent) : m{} {
+        const int shift = WHOLE_BITS - x.exponent + exponent;
+        if (x.is_zero() || shift >= 64 * L) return;
+        const int words = shift / 64, rest = shift % 64;
+        std::uint64_t t[2 * L + 1] = {};
+        __builtin_memcpy(t, x.m, sizeof x.m);
+        for (int i = 0; i < L; ++i) m[i] = t[i + words] >> rest | t[i + words + 1] << 1 << (63 - rest);
+        if (x.negative) *this = -*this;
+    }
+    PART Wide<L> wide() const {
+        Wide<L> out;
+        const Fixed above = sign() ? -*this : *this;
+        __builtin_memcpy(out.m, above.m, sizeof m);
+        out.exponent = WHOLE_BITS, out.negative = sign();
+        return out.normalised();
+    }
+    STEP std::uint64_t sign() const { return 0 - (m[L - 1] >> 63); }
+    STEP bool is_zero() const {
+        std::uint64_t any = 0;
+        for (const std::uint64_t each : m) any |= each;
+        return !any;
+    }
+    friend STEP Fixed operator-(const Fixed& a) {
+        Fixed out = {};
+        subtract_limbs<L>(out.m, a.m, ~std::uint64_t(0));
+        return out;
+    }
+    STEP Fixed& operator-=(const Fixed& b) {
+        subtract_limbs<L>(m, b.m, ~std::uint64_t(0));
+        return *this;
+    }
+    friend PART Fixed operator*(const Fixed& a, const Fixed& b) { return product(a, b); }
+    PART void subtract(const Fixed& a, const Fixed& b) { *this -= product(a, b); }
+    static STEP Fixed product(const Fixed& a, const Fixed& b) {
+        // Products of limbs that are less than a unit together are left out.
+        std::uint64_t p[2 * L] = {};
+#pragma GCC unroll 8
+        for (int i = 0; i < L; ++i) {
+            std::uint64_t carry = 0;
+#pragma GCC unroll 8
+            for (int j = L - 2 - i > 0 ? L - 2 - i : 0; j < L; ++j) {
+                const Product64 each = product64(a.m[i], b.m[j], p[i + j], carry);
+                p[i + j] = each.low, carry = each.high;
+            }
+            p[i + L] = carry;
+        }
+        subtract_limbs<L>(p + L, b.m, a.sign()), subtract_limbs<L>(p + L, a.m, b.sign());
+        Fixed out;
+        for (int i = 0; i < L; ++i) out.m[i] = p[L + i] << WHOLE_BITS | p[L + i - 1] >> (64 - WHOLE_BITS);
+        return out;
+    }
+    friend STEP Fixed operator-(Fixed a, const Fixed& b) { return a -= b; }
+    STEP Fixed& operator+=(const Fixed& b) {
+        std::uint64_t carry = 0;
+#pragma GCC unroll 8
+        for (int i = 0; i < L; ++i) {
+            const std::uint64_t x = m[i] + b.m[i], over = x < b.m[i];
+            m[i] = x + carry, carry = over | (m[i] < x);
+        }
+        return *this;
+    }
+    friend STEP Fixed operator+(Fixed a, const Fixed& b) { return a += b; }
+};
+template <int L> STEP double square_of(const Fixed<L>& a) {
+    const double x = a.wide().leading();
+    return x * x;
+}
+
+template <int L> struct FixedComplex {
+    Fixed<L> re, im;
+
+    FixedComplex() = default;
+    FixedComplex(const WideComplex<L>& x, int exponent) : re(x.re, exponent), im(x.im, exponent) {}
+    STEP WideComplex<L> wide() const { return {re.wide(), im.wide()}; }
+    STEP bool is_zero() const { return re.is_zero() && im.is_zero(); }
+    STEP FixedComplex& operator-=(const FixedComplex& b) {
+        re -= b.re, im -= b.im;
+        return *this;
+    }
+    PART void subtract(const FixedComplex& a, const FixedComplex& b) {
+        re.subtract(a.re, b.re), re += a.im * b.im;
+        im.subtract(a.re, b.im), im.subtract(a.im, b.re);
+    }
+    friend PART FixedComplex operator*(const FixedComplex& a, const FixedComplex& b) {
+        FixedComplex out;
+        out.re = a.re * b.re - a.im * b.im, out.im = a.re * b.im + a.im * b.re;
+        return out;
+    }
+    friend PART FixedComplex operator*(const FixedComplex& a, const Fixed<L>& b) {
+        FixedComplex out;
+        out.re = a.re * b, out.im = a.im * b;
+        return out;
+    }
+    friend STEP FixedComplex operator-(FixedComplex a, const FixedComplex& b) { return a -= b; }
+    friend STEP FixedComplex operator+(const FixedComplex& a, const FixedComplex& b) {
+        FixedComplex out;
+        out.re = a.re + b.re, out.im = a.im + b.im;
+        return out;
+    }
+};
+template <int L> STEP double square_of(const FixedComplex<L>& a) { return square_of(a.re) + square_of(a.im); }
+
+// The number with a fixed point that belongs to one with an exponent.
+template <class V> struct FixedFor;
+template <int L> struct FixedFor<Wide<L>> { using type = Fixed<L>; };
+template <int L> struct FixedFor<WideComplex<L>> { using type = FixedComplex<L>; };
+template <class V> using FixedOf = typename FixedFor<V>::type;
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
