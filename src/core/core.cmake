@@ -32,7 +32,6 @@ set(URDF_IK_UNITS
   families/general/elimination.cpp
   families/imperfect/certified.cpp
   families/imperfect/starts.cpp
-  families/imperfect/divided.cpp
   families/imperfect/imperfect.cpp
   families/imperfect/imperfect_too.cpp
   families/mimics/coupled.cpp

@@ -211,9 +211,8 @@ PART void add(const Model& arm, const Goal<double>& goal, const Columns<Model::j
 }
 
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
-// near: the candidate is near a singularity, so its flags are computed. On an imperfect arm such a candidate may lead to two
-// solutions or to no solution. Starts beside it find both. A result counts as a solution only if it converged to rounding, since
-// near a double root the error falls with the square of the distance.
+// near: the candidate is near a singularity, so its flags are computed. On an imperfect arm a result counts as a solution only if
+// it converged to rounding, since near a double root the error falls with the square of the distance.
 void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], int b, int marks, bool near,
             const Columns<6>& columns);
 

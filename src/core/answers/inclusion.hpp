@@ -85,64 +85,6 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
     box(branches_from<Family, Ball<Block>>(arm, within(target, turn, shift), first, signs), first, to);
 }
 
-// A block of boxes of any branches: joint angles within `rest` of middle + along t, |t| <= 1, offsets included; and the arcs.
-struct BoxBlock {
-    Block middle[6], along[6], rest[6];
-    Block c[6], s[6], chord[6];
-    Block low, high;  // where t can be
-    unsigned empty;
-};
-// The angle of a turn. rest is infinite where the arc is not narrow.
-STEP void slant_of(const Turn<Slanted<Block>>& turn, Block& middle, Block& along, Block& rest) {
-    const auto &c = turn.c, &s = turn.s;
-    const Block over = inverse_sqrt(c.at.mid * c.at.mid + s.at.mid * s.at.mid + TINY), c0 = c.at.mid * over, s0 = s.at.mid * over;
-    middle = atan2(s0, c0);
-    // The sine of the angle from there; |asin x - x| <= 0.19 |x|^3 up to x = 1/2.
-    using B = Ball<Block>;
-    const B start = s.at * B(c0) - c.at * B(s0), change = s.slope * B(c0) - c.slope * B(s0);
-    along = change.mid;
-    const Block off = INFLATED * (abs(start.mid) + start.rad + change.rad), most = abs(along) + off;
-    const Block dc = c.all.mid - c0, ds = s.all.mid - s0, radius = root(c.all.rad * c.all.rad + s.all.rad * s.all.rad);
-    const auto narrow = (most < Block(0.5)) & (root(dc * dc + ds * ds) + radius < Block(1.4));
-    rest = select(narrow, off + 0.19 * most * most * most + 8.0 * ROUNDED, Block(__builtin_inf()));
-}
-// Boxes of targets that move with t by `moving`, and are within `turn` and `shift` of that; each with its branch's signs and with
-// arcs that its angles are known to lie in; not every family makes use of these.
-template <class Family>
-PART void include_within(const typename Family::Arm& arm, const Seen<Block>& target, const Seen<Block>& moving, const Block& turn,
-                         const Block& shift, const Signs<Block>& signs, const Arcs<Block>& known, BoxBlock& to) {
-    using Number = Slanted<Block>;
-    const Signs<Number> wide = {Number(signs.shoulder), Number(signs.elbow), Number(signs.wrist)};
-    const auto vector = [](const Vec<Block>& a, const Vec<Block>& by, const Block& radius) {
-        const auto number = [&](const Block& at, const Block& slope) {
-            return Number({at, radius}, Ball<Block>(slope), {at, radius + abs(slope)});
-        };
-        return Vec<Number>{number(a.x, by.x), number(a.y, by.y), number(a.z, by.z)};
-    };
-    const Seen<Number> seen = {
-        {vector(target.R.x, moving.R.x, turn), vector(target.R.y, moving.R.y, turn), vector(target.R.z, moving.R.z, turn)},
-        vector(target.p, moving.p, shift)};
-    const auto branch = [&] {
-        if constexpr (requires { Family::template branch<Number>(arm, seen, wide, known); }) {
-            return Family::template branch<Number>(arm, seen, wide, known);
-        } else {
-            return Family::template branch<Number>(arm, seen, wide);
-        }
-    };
-    const Branch<Number> at = branch();
-    to.empty = known.empty, to.low = known.low, to.high = known.high;
-    const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
-    for (const Number* margin : margins) to.empty |= bits(margin->greatest() < Block(-EMPTY_MARGIN));
-    for (int j = 0; j < 6; ++j) {
-        const Turn<Number>& t = at.turn[j];
-        slant_of(t, to.middle[j], to.along[j], to.rest[j]);
-        to.c[j] = t.c.all.mid, to.s[j] = t.s.all.mid;
-        // One disc, or a rectangle.
-        const Block c = t.c.all.rad, s = t.s.all.rad;
-        to.chord[j] = select(abs(c - s) > Block(0.0), root(c * c + s * s), c);
-    }
-}
-
 // What a pose's solutions tell of its boxes. A solution is in a box too if it is so near to it that what the box holds stands as
 // one with it.
 struct Filled {

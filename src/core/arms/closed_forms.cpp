@@ -100,12 +100,7 @@ template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
     read(*v.group("family"), arm.family), read(*v.group("elimination"), arm.elimination);
     arm.written = arm.both.written = arm.both.ideal = arm.family.written;
     read_motions(v, "inner_steps", arm.both.written.step, 7), read_motions(v, "ideal_steps", arm.both.ideal.step, 7);
-    arm.both.boxes = v.integer("boxes");
     arm.family.written.exact = false;
-    arm.loose = arm.family;
-    arm.family.written.beside = arm.loose.written.raw = true;
-    const double almost = ALMOST_FREE * arm.family.ideal.imperfection;
-    arm.loose.written.tolerances.continuum = almost * almost;
 }
 
 // Add a family to `makers`, and the solvers of arms near it to `imperfect`.

@@ -28,7 +28,7 @@ template <int N> void read(const Values& v, Written<N>& to) {
     read_motions(v, "steps", to.step, N + 1);
     v.read("slides", to.slides), v.read("size", to.size);
     read(*v.group("tolerances"), to.tolerances);
-    to.exact = true, to.beside = to.raw = false;
+    to.exact = true;
     to.task = static_cast<Task>(v.integer("task"));
     if (v.has("aimed")) v.read("aimed", to.aimed);
     if (v.has("normal")) v.read("normal", to.normal);

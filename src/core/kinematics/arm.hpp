@@ -31,9 +31,7 @@ template <int N> struct Written {
     bool slides[N];
     double size;  // reference length of the tolerances [m]
     Tolerances tolerances;
-    // For closed forms. exact: the closed form holds for this arm exactly. On other arms, beside: near singularities, try starts
-    // beside each candidate too. raw: keep candidates unpolished; the caller polishes them.
-    bool exact, beside, raw;
+    bool exact;  // whether the closed form holds for this arm exactly
     Task task;
     double aimed[3];   // the aimed axis, in the tip (Task::position_and_axis, planar_pose)
     double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)

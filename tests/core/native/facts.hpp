@@ -24,8 +24,5 @@ void test_trig();
 void test_polynomials();
 void test_subproblems();
 void test_balls();
-void test_slanted();
-void test_along_valley();
 void test_circle();
-void test_on_surface();
 void test_wide();

@@ -7,10 +7,7 @@ int main() {
     test_polynomials();
     test_subproblems();
     test_balls();
-    test_slanted();
-    test_along_valley();
     test_circle();
-    test_on_surface();
     test_wide();
     std::printf("%d facts, %d wrong\n", facts, wrong);
     return wrong != 0;

@@ -160,8 +160,6 @@ template <LastAxes kind> struct ParallelShoulder {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastAxes::general;
     static constexpr unsigned root_bit = 1;  // see Rooted
-    // Joints that lead in a box; see Inclusion.
-    static constexpr int before_elbow = 1, after_elbow = 5;
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         const auto& ideal = arm.ideal;

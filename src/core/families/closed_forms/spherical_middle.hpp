@@ -112,8 +112,6 @@ template <LastPair kind> struct SphericalMiddle {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastPair::general;
     static constexpr unsigned root_bit = 2;  // see Rooted
-    // Joints that lead in a box; see Inclusion.
-    static constexpr int before_elbow = 1, after_elbow = 5;
 
     static STEP Twists twists(const Arm& arm) {
         return {arm.ideal.cos_alpha[1], arm.ideal.sin_alpha[1], arm.ideal.cos_alpha[2], arm.ideal.sin_alpha[2]};

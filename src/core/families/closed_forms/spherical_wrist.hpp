@@ -26,8 +26,6 @@ template <Shoulder kind> struct SphericalWrist {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Shoulder::general;
     static constexpr unsigned root_bit = 2;  // see Rooted
-    // Joints that lead in a box; see Inclusion.
-    static constexpr int before_elbow = 1, after_elbow = 5;
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
     // Angles of a block that are computed together, which gives the processor independent work: t1 of both fronts and
@@ -185,25 +183,18 @@ template <Shoulder kind> struct SphericalWrist {
         }
     }
 
-    template <class V, class Known = NoArcs>
-    static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs, const Known& known = {}) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
         Place<V> at;
         if constexpr (kind == Shoulder::parallel_23) {
-            Front<V> front = face(arm, seen.p, signs.shoulder);
-            known.face(seen.p, front.k, signs.shoulder, front.t1, front.X);
-            front.ux = front.X - ideal.a[0];
-            at = bend_elbow(arm, seen.p, front, signs.elbow, {});
+            at = bend_elbow(arm, seen.p, face(arm, seen.p, signs.shoulder), signs.elbow, {});
         } else {
             at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, signs.root);
-            at.t1 = known.met(0, at.t1);
         }
-        at.t2 = known.met(1, at.t2), at.t3 = known.met_by_root(2, at.t3);
         const Rot<V> M = wrist_rotation(seen.R, ideal, at);
-        Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
-        bend.turn = known.met(4, bend.turn);
-        const WristTurns<V> turns = known.wrist(3, 5, M, bend.turn, t);
+        const Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
+        const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
         const V arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
         return {{at.t1, at.t2, unit(at.t3.c, at.t3.s), turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
                 at.margin1,

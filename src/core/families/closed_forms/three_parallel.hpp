@@ -82,8 +82,6 @@ template <Hand kind> struct ThreeParallel {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
     static constexpr unsigned root_bit = 1;  // see Rooted
-    // Joints that lead in a box; see Inclusion.
-    static constexpr int before_elbow = 5, after_elbow = 1;
 
     // Angles of a block that are computed together, which gives the processor independent work: joints 1 and 5 of both
     // shoulders; phi and joint 6 of both, or of all four wrists; the elbow's bend for these; joint 2 of all branches.
@@ -188,29 +186,23 @@ template <Hand kind> struct ThreeParallel {
         }
     }
 
-    template <class V, class Known = NoArcs>
-    static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs, const Known& known = {}) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
         Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size), V(0.0)};
-        if constexpr (by_signs) {
-            first = face(arm, seen.p, signs.shoulder);
-            known.face(seen.p, first.k, signs.shoulder, first.turn, first.X);
-        }
+        if constexpr (by_signs) first = face(arm, seen.p, signs.shoulder);
         const Seen<V> from = seen_along(arm, seen, first.turn);
         Bend<V> bend = {{V(0.0), V(0.0)}, V(1.0)};
         if constexpr (by_signs) bend = wrist_bend(from.R.z, t, signs.wrist);
         else bend.turn = skew_bend(arm, from.R.z.z, from.p.z);
-        bend.turn = known.met(4, bend.turn);
-        const WristTurns<V> turns = known.wrist(-1, 5, from.R, bend.turn, t);
+        const WristTurns<V> turns = wrist_turns(from.R, bend.turn, t);
         const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
-        Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
-        e.second = known.met(1, e.second);
+        const Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
         const V arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
         const V margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
         const V arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
-        const Turn<V> t3 = known.met(2, unit(e.bend.c, e.bend.s));
+        const Turn<V> t3 = unit(e.bend.c, e.bend.s);
         Turn<V> t4 = turns.first;
         unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<V>{t3.c, arm.turn_3 * t3.s});
         return {{first.turn, e.second, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)},

@@ -375,7 +375,8 @@ bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<
     if (!search.account.reals) return false;
     Eliminant of;
     eliminate(arm, arm.counter, goal, of);
-    if (!count_zeros(arm, arm.counter, on_circle(of), search)) return false;
+    if (!count_zeros(arm, arm.counter, on_circle(of), search) && !count_precisely(arm, goal, search)) return false;
+    if (search.by_zeros) return false;
     keep_certified(arm, goal, search);
     return true;
 }

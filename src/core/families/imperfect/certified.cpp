@@ -1,5 +1,5 @@
 // See certified.hpp. Compiled once for every instruction set.
-#include "families/imperfect/divided.hpp"
+#include "families/imperfect/certified.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -28,6 +28,13 @@ STEP Middle middle_of(const Boxes& boxes, const IdealFrames& ideal, int first) {
     return out;
 }
 
+// Targets of the ideal arm for a block of boxes: within `turn` and `shift` of the middle.
+struct Targets {
+    Seen<Block> middle;
+    Block turn, shift;
+};
+// The targets for the joint vectors within `half` of `turn`. chord: of half of the arcs; a whole circle has a chord of 2.
+//
 // Turning joint j by an angle of chord x replaces the displacement X of what joint j carries by one that has been turned with the
 // joint. So the target turns by at most turn_j x, and shifts by at most (shift_j + turn_j (length_j + 2 e)) x: a point that is e
 // from the tip of the arm as written is at most length_j + e from joint j, and X shifts it by at most shift_j + turn_j e.
@@ -36,8 +43,8 @@ STEP Middle middle_of(const Boxes& boxes, const IdealFrames& ideal, int first) {
 // velocity z_j - D z'_j, where z_j and z'_j are the joint's axes in both arms, and moves the target's point by the difference of
 // the velocities that both axes give to it. The second derivative by joints i <= j turns X by one more axis: at most turn_j, and
 // shift_j + turn_j (length_i + length_j + 3 e) for a point.
-Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Turn<Block> (&turn)[6],
-                   const Block (&chord)[6], const Block (&along)[6], const Block (&rest)[6]) {
+PART Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Turn<Block> (&turn)[6],
+                        const Block (&chord)[6], const Block (&half)[6]) {
     Block turned = CORRECTION_ROUNDING;
     for (int j = 0; j < 6; ++j) turned += apart.turn[j + 1] * chord[j];
     Frame<Block> joint_W[6], joint_I[6];
@@ -46,50 +53,41 @@ Targets targets_of(const BothArms& arm, const Displacement& apart, const Goal<Bl
     const Vec<Block> off = goal.p - W.p;
     Block reach = root(dot(off, off)), shifted = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
     for (int j = 0; j < 6; ++j) reach += apart.length[j + 1] * chord[j];
+    Block turned_once = CORRECTION_ROUNDING, shifted_once = shifted;
     for (int j = 0; j < 6; ++j) {
         shifted += (apart.shift[j + 1] + apart.turn[j + 1] * (apart.length[j + 1] + 2.0 * reach)) * chord[j];
     }
     const Seen<Block> middle = {each(goal.R, through), I.p + through(off)};
-    Block turned_once = CORRECTION_ROUNDING,
-          shifted_once = CORRECTION_ROUNDING * (2.0 * apart.length[0] + root(dot(goal.p, goal.p)));
     Block before = 0.0, lever = 0.0;  // of the joints up to j: sums of half, and of half times length
-    Vec<Block> turning = {0.0, 0.0, 0.0}, shifting = turning;
     for (int j = 0; j < 6; ++j) {
         const Vec<Block>&z = joint_I[j].R.z, &other = joint_W[j].R.z;
         const Vec<Block> w = z - through(other);
         const Vec<Block> v = cross(z, middle.p - joint_I[j].p) - through(cross(other, goal.p - joint_W[j].p));
         const double t = apart.turn[j + 1], l = apart.length[j + 1];
-        const Block half = abs(along[j]) + rest[j];
-        turning = turning + along[j] * w, shifting = shifting + along[j] * v;
         // Pairs of joints up to j: each pair of different ones counts twice, with the half of Taylor's formula once.
-        const Block pairs = half * (before + 0.5 * half), levers = half * (lever + l * before + l * half);
-        turned_once += rest[j] * root(dot(w, w)) + half * CORRECTION_ROUNDING + t * pairs;
-        shifted_once += rest[j] * root(dot(v, v)) + half * (CORRECTION_ROUNDING * (l + reach)) +
+        const Block pairs = half[j] * (before + 0.5 * half[j]), levers = half[j] * (lever + l * before + l * half[j]);
+        turned_once += half[j] * (root(dot(w, w)) + CORRECTION_ROUNDING) + t * pairs;
+        shifted_once += half[j] * (root(dot(v, v)) + CORRECTION_ROUNDING * (l + reach)) +
                         (apart.shift[j + 1] + 3.0 * t * reach) * pairs + t * levers;
-        before += half, lever += half * l;
+        before += half[j], lever += half[j] * l;
     }
-    // A turn by the vector a moves a column by its cross product with a, up to half of a's square.
-    turned_once += 0.5 * dot(turning, turning);
     const auto crude = !((turned_once < turned) & (shifted_once < shifted));
-    const Block one = select(crude, Block(0.0), Block(1.0));
-    turning = one * turning, shifting = one * shifting;
-    const Seen<Block> moving = {each(middle.R, [&](const Vec<Block>& a) { return cross(turning, a); }), shifting};
-    return {middle, moving, INFLATED * select(crude, turned, turned_once), INFLATED * select(crude, shifted, shifted_once)};
+    return {middle, INFLATED * select(crude, turned, turned_once), INFLATED * select(crude, shifted, shifted_once)};
 }
 
 // The next pass for a block of boxes, from the displacements of the joint vectors in each box.
 PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Inclusion& family, int first,
                  Boxes& boxes, unsigned& open) {
     Turn<Block> turn[6];
-    Block chord[6], half[6], along[6], total = 0.0;
+    Block chord[6], half[6], total = 0.0;
     for (int j = 0; j < 6; ++j) {
         const Block c = load<Block>(boxes.c[j] + first), s = load<Block>(boxes.s[j] + first);
         const auto arc = c * c + s * s > Block(0.5);
         turn[j] = {select(arc, c, Block(1.0)), select(arc, s, Block(0.0))};
-        chord[j] = select(arc, load<Block>(boxes.chord[j] + first), Block(2.0)), half[j] = half_angle(chord[j]), along[j] = 0.0;
+        chord[j] = select(arc, load<Block>(boxes.chord[j] + first), Block(2.0)), half[j] = half_angle(chord[j]);
         total += chord[j];
     }
-    const Targets targets = targets_of(arm, apart, goal, turn, chord, along, half);
+    const Targets targets = targets_of(arm, apart, goal, turn, chord, half);
     Boxes next;
     family.include(family.arm, targets.middle, targets.turn, targets.shift, first, next);
     Block left = 0.0;
@@ -106,7 +104,13 @@ PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Bloc
     }
 }
 
-Rooted root_of(const Loop& loop, const Block (&middle)[6], const Block& half, unsigned wanted) {
+// A certified root from the middle of each box, for a block of boxes.
+struct Rooted {
+    Block q[6], radius;  // joint values; there is no other root within radius, which holds the box
+    unsigned found;
+};
+// middle, half: of each box; only lanes in `wanted` are computed.
+PART Rooted root_of(const Loop& loop, const Block (&middle)[6], const Block& half, unsigned wanted) {
     // The other lanes repeat a box, so that they cost nothing more.
     const int one = __builtin_ctz(wanted);
     Rooted out;
@@ -161,21 +165,19 @@ PART void certify_boxes(const IdealFrames& ideal, const Loop& loop, const Boxes&
     }
 }
 
-bool Certified::add(const double (&q)[6], double radius, int branch, bool singular) {
-    for (int i = 0; i < many; ++i) {
+void Certified::add(const double (&at)[6], double room, int branch) {
+    for (int b = 0; b < 8; ++b) {
+        if (!(found >> b & 1)) continue;
         double most = 0.0;
-        for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(q[j] - root[i].q[j]))));
-        if (most <= max(radius, root[i].radius)) return false;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(at[j] - q[b][j]))));
+        if (most <= max(room, radius[b])) return;
     }
-    if (many == Certified::most) return false;
-    Root& to = root[many++];
-    for (int j = 0; j < 6; ++j) to.q[j] = q[j];
-    to.radius = radius, to.branch = branch, to.singular = singular;
-    return true;
+    for (int j = 0; j < 6; ++j) q[branch][j] = at[j];
+    radius[branch] = room, found |= 1u << branch;
 }
 
 Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
-                      const Seen<double>& seen, const Inclusion& family, bool divides, Known& known) {
+                      const Seen<double>& seen, const Inclusion& family, Known& known) {
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const Displacement& apart = ideal.displacement;
     const double far = ideal.size + sqrt(dot(seen.p, seen.p));
@@ -200,10 +202,9 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
         if (!(known.found >> b & 1)) continue;
         double q[6];
         for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - ideal.offset[j]);
-        if (!out.add(q, radii[b], b, false)) known.found &= ~(1u << b);
+        out.add(q, radii[b], b);
     }
-    if (!known.open) out.status = Status::complete;
-    else if (divides) divide({written, both, ideal, goal, target, loop, family}, boxes, known.open, out);
+    known.found = out.found;
     return out;
 }
 

@@ -27,45 +27,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double CLOSE_BY = 1e-4;
 // Up to this imperfection boxes are tried.
 inline constexpr double BOXED = 1e-3;
-// Boxes are not divided where the arms differ by less than FINEST, which is little more than the rounding of a loop: nothing tells
-// the members of what the ideal arm leaves free apart. Below KEEPS_CURVES these members keep the pose to about the tolerance of
-// solutions, so curves are looked for first.
-inline constexpr double FINEST = 1e-13, KEEPS_CURVES = 1e-9;
-// A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
-// apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
-inline constexpr double FAR_OFF = 4e-3;
-
-// Collects candidates until a block is full; Newton's method then runs on all of them side by side.
-struct Waiting {
-    const Written<6>& written;
-    const Goal<double>& goal;
-    const Columns<6>& columns;
-    Block q[6];
-    int marks[BLOCK], filled = 0;
-
-    STEP void add(const double* candidate, int kinds) {
-        for (int j = 0; j < 6; ++j) q[j].set(filled, candidate[j]);
-        marks[filled] = kinds;
-        if (++filled == BLOCK) follow();
-    }
-    PART void follow() {
-        const int many = filled;
-        if (!many) return;
-        for (; filled < BLOCK; ++filled) {
-            for (int j = 0; j < 6; ++j) q[j].set(filled, q[j][0]);
-        }
-        filled = 0;
-        // Most of them may lead to no solution.
-        const auto end = polish_block<true>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE});
-        for (int l = 0; l < many; ++l) {
-            double at[6];
-            for (int j = 0; j < 6; ++j) at[j] = q[j][l];
-            if (!(end.error[l] <= CONVERGED) || !is_new(written, goal, columns, at)) continue;
-            urdf_ik::URDF_IK_LEVEL::add(written, goal, columns, 0, at,
-                                        end.least[l] < NEAR_FOLD ? singular_marks(written, goal, at, marks[l]) : 0);
-        }
-    }
-};
+// Below this imperfection the members of a curve of the ideal arm's solutions keep the pose to about the tolerance of solutions.
+inline constexpr double KEEPS_CURVES = 1e-9;
 
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
@@ -86,105 +49,54 @@ template <class Family> struct Imperfect {
         include<Family>(of, target, turn, shift, first, of.ideal.signs, to);
     }
 
-    static PART void include_boxes(const void* arm, const Targets& targets, const Signs<Block>& signs, const Arcs<Block>& known,
-                                   BoxBlock& to) {
-        include_within<Family>(*static_cast<const typename Family::Arm*>(arm), targets.middle, targets.moving, targets.turn,
-                               targets.shift, signs, known, to);
-    }
-
     static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }
 
-    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
-        const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
-        unsigned open = 255;
-        bool loose = by_quartic;
-        const double off = arm.family.ideal.imperfection;
-        const bool close = off < CLOSE_BY;
-        if constexpr (!by_quartic) {
-            Known known;
-            Certified all;
-            if (off < BOXED) {
-                const Inclusion family = {
-                    &arm.family, include_branches, include_boxes, {0, Family::before_elbow, Family::after_elbow}};
-                const auto certified = [&](bool divides) {
-                    known = {};
-                    return certify_all(arm.family.written, arm.both, arm.family.ideal, goal, seen, family, divides, known);
-                };
-                all = certified(off >= KEEPS_CURVES);
-                // A curve of solutions has no boxes that end, and decides the status.
-                if (all.status == Status::incomplete && off > FINEST && off < KEEPS_CURVES) {
-                    Family::closely(arm.family, goal, seen, reference, columns, 255);
-                    if (keep_curve(arm.family.written, goal, columns)) {
-                        set_status(columns.flags[0], Status::continuum);
-                        return;
-                    }
-                    columns.clear();
-                    all = certified(true);
-                }
-            }
-            if (all.status != Status::incomplete) {
-                for (int i = 0; i < all.many; ++i) {
-                    const auto& each = all.root[i];
-                    keep(columns, each.branch, each.q, each.singular ? singular_marks(arm.family.written, goal, each.q, 0) : 0);
-                }
-                set_status(columns.flags[0], all.status);
-                return;
-            }
-            known = follow_branches(arm.both, seen, {&arm.family, answer}, known);
-            open = known.open;
-            loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
-            const Written<6>& written = arm.family.written;
-            // The branches' own solutions first: they take the branch's column.
-            for (int k = 0; k < 16; ++k) {
-                const int b = k % 8;
-                const bool own = k < 8;
-                if (!((own ? known.found : known.reached & ~known.found) >> b & 1)) continue;
-                double q[6];
-                for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
-                if (own) keep(columns, b, q, 0);
-                else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
-            }
-            if (!open && !arm.both.boxes) {
-                if (!are_all(arm.elimination, goal, columns)) set_status(columns.flags[0], refer(written, goal, columns));
-                return;
-            }
-            if ((close || loose) && are_all(arm.elimination, goal, columns)) return;
+    // Whether boxes prove the branches' solutions, which are kept. known: what is left open.
+    static PART bool is_proven(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, Known& known,
+                               const Columns<6>& columns) {
+        const auto& [family, written, elimination, both] = arm;
+        const Certified all =
+            certify_all(family.written, both, family.ideal, goal, seen, {&family, include_branches}, known);
+        if (known.open) return false;
+        for (int b = 0; b < 8; ++b) {
+            if (all.found >> b & 1) keep(columns, b, all.q[b], 0);
         }
-        if (by_quartic || close) Family::closely(arm.family, goal, seen, reference, columns, open);
-        if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
-        Status status = complete(arm.elimination, goal, columns);
-        if (status == Status::incomplete) {
-            if (by_quartic) all_around(arm, goal, seen, columns);
-            if (keep_curve(arm.family.written, goal, columns)) status = Status::continuum;
-        }
-        if (status == Status::incomplete) status = refer(arm.family.written, goal, columns);
-        set_status(columns.flags[0], status);
+        set_status(columns.flags[0], Status::complete);
+        return true;
     }
 
-    // A joint that the ideal arm leaves free has a few values on the arm as written: the ideal arm is solved with its nearly free
-    // joints at values around the circle. A joint that is free on a part of the circle only is put at the nearer end of this part.
-    // A branch whose solution is the same for three values that do not all lie on one half of the circle does not depend on them
-    // and is not solved again.
-    static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        Waiting waiting = {arm.family.written, goal, columns, {}, {}};
-        double first[6 * 8], room[6 * 8];
-        std::uint8_t flags[8];
-        const Columns<6> there = {room, flags, 8};
-        unsigned fixed = 255;
-        for (int k = 0; k < AROUND; ++k) {
-            Reference<6> at = reference_of<6>(nullptr);
-            for (double& each : at.q) each = PI * (2.0 * (5 * k % AROUND) / AROUND - 1.0);
-            there.clear();
-            Family::closely(arm.loose, goal, seen, at, there, k < 3 ? 255u : ~fixed & 255u);
-            for (int b = 0; b < 8; ++b) {
-                bool same = k > 0;
-                for (int j = 0; j < 6; ++j) same = same && there.row(b)[j] == first[6 * b + j];
-                if (k > 0 && !same) fixed &= ~(1u << b);
-                if (k == 0) __builtin_memcpy(first + 6 * b, there.row(b), sizeof(double) * 6);
-                if (there.valid(b) && !same) waiting.add(there.row(b), flags[b] & ~VALID);
-            }
+    // Keeps what Newton's method reaches from the branches. Their own solutions come first: they take the branch's column.
+    static PART void keep_reached(const Arm& arm, const Goal<double>& goal, const Known& known, const Columns<6>& columns) {
+        const Written<6>& written = arm.family.written;
+        for (int k = 0; k < 16; ++k) {
+            const int b = k % 8;
+            const bool own = k < 8;
+            if (!((own ? known.found : known.reached & ~known.found) >> b & 1)) continue;
+            double q[6];
+            for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
+            if (own) keep(columns, b, q, 0);
+            else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
         }
-        waiting.follow();
+    }
+
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+        const Written<6>& written = arm.family.written;
+        const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
+        const double off = arm.family.ideal.imperfection;
+        Known known;
+        if constexpr (!by_quartic) {
+            if (off < BOXED && is_proven(arm, goal, seen, known, columns)) return;
+        }
+        if (by_quartic || off < KEEPS_CURVES) Family::closely(arm.family, goal, seen, reference, columns, 255);
+        if (off < KEEPS_CURVES && keep_curve(written, goal, columns)) return set_status(columns.flags[0], Status::continuum);
+        if constexpr (!by_quartic) {
+            if (off >= KEEPS_CURVES) keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
+        }
+        Status status = Status::complete;
+        if (off >= CLOSE_BY) status = complete(arm.elimination, goal, columns);
+        else if (!are_all(arm.elimination, goal, columns)) status = Status::incomplete;
+        if (status == Status::incomplete) status = refer(written, goal, columns);
+        set_status(columns.flags[0], status);
     }
 };
 

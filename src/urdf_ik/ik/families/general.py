@@ -109,10 +109,6 @@ SINGULAR = Family(
 )
 
 
-# Most boxes of joint vectors that are looked at to prove that no solution is missing: they decide how long a pose may
-# take, and how often it stays open. Fewer of arms that are at least so far off [rad, share of size], whose boxes hardly
-# shrink.
-_BOXES, _COARSE_BOXES, _COARSE = 8000, 64, 5e-4
 # Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
 # they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and
 # 4e-3 such exchanges were too rare to rely on.
@@ -128,14 +124,6 @@ def beside(plan: FamilyMember, chain: Chain) -> FamilyMember:
         branches=(*plan.branches, *further),
         solver=Solver(_imperfect(plan.solver.arm, chain)),
     )
-
-
-def without_boxes(arm: Any) -> Any:
-    """The numbers of a solver; of an arm near a family, those of one that proves a pose at once or leaves it open.
-
-    For arms that are asked at many values of a redundancy parameter.
-    """
-    return arm.but(boxes=0) if arm.kind == "imperfect" else arm
 
 
 def _imperfect(family: Any, chain: Chain) -> Numbers:
@@ -155,5 +143,4 @@ def _imperfect(family: Any, chain: Chain) -> Numbers:
         elimination=elimination_arm(chain, near=bool(ideal.imperfection < _NEAR)),
         inner_steps=inner,
         ideal_steps=steps,
-        boxes=_BOXES if ideal.imperfection < _COARSE else _COARSE_BOXES,
     )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.general import SINGULAR, without_boxes
+from urdf_ik.ik.families.general import SINGULAR
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import FamilyMember, columns, self_motion
 from urdf_ik.ik.families.parts.written import Numbers, written
@@ -384,7 +384,7 @@ def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> Fa
         turns=turns,
         last=last,
         value=parameter.default,
-        solver=without_boxes(plan.solver.arm),
+        solver=plan.solver.arm,
         before=-1,  # an end joint
         opposite=False,
     )
