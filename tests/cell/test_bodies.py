@@ -8,7 +8,6 @@ import pinocchio as pin
 import pytest
 
 import urdf_ik
-from urdf_ik.cell.coal_shapes import covering_balls, hull, one_ball
 
 # A turning joint, one that follows it the other way round at twice the angle, a slider that follows it too, and a ball.
 MIMIC = (
@@ -51,7 +50,7 @@ def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
     """The balls' centres are those of Pinocchio's placements, in the base link."""
     arm = ARMS[name]
     check = arm.cell.collisions.present_check().links
-    balls = [one_ball(each.geometry)[0] for each in check.arm.geometry.geometryObjects]
+    balls = [solid.one_ball()[0] for solid in check.arm.solids]
     for q in np.random.default_rng(0).uniform(-2, 2, (10, arm.dof)):
         placed = check.arm.bodies.place(q[None])
         placing = check.place(q)
@@ -93,8 +92,8 @@ def test_no_point_goes_farther_than_it_may(name: str) -> None:
 def test_balls_hold_their_shapes(name: str) -> None:
     """Every point of a shape's surface lies in one of its balls, and in its one ball."""
     rng = np.random.default_rng(2)
-    for each in ARMS[name].cell.collisions.shapes.geometry.geometryObjects:
-        shape = each.geometry
+    for solid in ARMS[name].cell.collisions.shapes.solids:
+        shape = solid.exact
         if isinstance(shape, coal.BVHModelBase):
             vertices = np.array(shape.vertices())
             corners = vertices[[[t[0], t[1], t[2]] for t in map(shape.tri_indices, range(shape.num_tris))]]
@@ -117,19 +116,17 @@ def test_balls_hold_their_shapes(name: str) -> None:
                 for p in points
             ]
             points = points[inside]
-        centres, radii = covering_balls(shape)
+        centres, radii = solid.covering_balls()
         away = np.linalg.norm(points[:, None] - centres, axis=2) - radii
         assert away.min(axis=1).max() <= 1e-8
-        centre, radius = one_ball(shape)
+        centre, radius = solid.one_ball()
         assert np.linalg.norm(points - centre, axis=1).max() <= radius + 1e-8
 
 
 def test_hulls_are_never_farther_apart_than_their_meshes() -> None:
     """Distances of hulls are those of meshes or less, for all pairs of an arm's meshes in many places."""
-    objects = [
-        (each.geometry, hull(each.geometry)) for each in ARMS["ur5"].cell.collisions.shapes.geometry.geometryObjects
-    ]
-    meshes = [(mesh, convex) for mesh, convex in objects if convex is not None]
+    solids = ARMS["ur5"].cell.collisions.shapes.solids
+    meshes = [(solid.exact, solid.hull) for solid in solids if solid.hull is not None]
     assert len(meshes) > 3
     rng, here = np.random.default_rng(3), coal.Transform3s()
     for _ in range(150):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 import re
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 
 import urdf_ik
 from urdf_ik.cell import CollisionModel, Nearest
@@ -298,6 +300,54 @@ def test_incomplete_geometry_is_said_and_never_called_free(shapes: tuple[str, st
     for place in (body.in_collision_with, body.distance_with):
         with pytest.raises(UrdfError, match=says):
             place(poses)
+
+
+@pytest.mark.parametrize("ending", ["stl", "obj"])
+def test_hull_and_balls_from_the_cache_change_no_distance(
+    ending: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mirrored, scaled body of 320 faces: distances are Pinocchio's, first and with a cache that knows the file."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    body = trimesh.creation.icosphere(subdivisions=2, radius=100.0)
+    body.apply_transform(np.diag([1.0, 0.6, 0.3, 1.0]))
+    body.apply_translation([30.0, 0.0, 0.0])
+    body.export(tmp_path / f"body.{ending}")
+    mesh = f'<mesh filename="body.{ending}" scale="-0.001 0.001 0.001"/>'
+    path = tmp_path / "arm.urdf"
+    path.write_text(table(mesh, mesh))
+    plain = pin.buildModelFromUrdf(str(path))
+    shapes = pin.buildGeomFromUrdf(plain, str(path), pin.GeometryType.COLLISION, package_dirs=[str(tmp_path)])
+    shapes.addCollisionPair(pin.CollisionPair(0, 1))
+    places = np.random.default_rng(3).uniform(-0.4, 0.4, (30, 2))
+    expected = []
+    for q in places:
+        data = shapes.createData()
+        pin.computeDistances(plain, plain.createData(), shapes, data, q)
+        expected.append(max(data.distanceResults[0].min_distance, 0.0))
+    assert 0.0 < np.mean(np.array(expected) > 0.0) < 1.0
+    for _ in range(2):
+        checked = CollisionModel(urdf.read(path))
+        np.testing.assert_allclose(checked.distance(places), expected, atol=2e-6)
+        np.testing.assert_array_equal(checked.in_collision(places), np.array(expected) == 0.0)
+    assert len(list((tmp_path / "cache").rglob("mesh*.npz"))) == 1
+
+
+def test_a_mesh_in_mm_is_asked_about(tmp_path: Path) -> None:
+    """A body of 100 mm that is read as 100 m is far larger than an arm with 0.4 m between its axes."""
+    trimesh.creation.box([100.0, 80.0, 60.0]).export(tmp_path / "box.stl")
+    turn = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    joints = "".join(
+        f'<joint name="{name}" type="revolute"><origin xyz="{x} 0 0"/><parent link="{a}"/><child link="{b}"/>{turn}'
+        for name, x, a, b in (("p", 0.0, "base", "arm"), ("q", 0.4, "arm", "hand"))
+    )
+    for scale, asked in ((1.0, True), (0.001, False)):
+        shape = f'<mesh filename="box.stl" scale="{scale} {scale} {scale}"/>'
+        path = tmp_path / "arm.urdf"
+        path.write_text(f'<robot name="a">{link("base", shape)}{link("arm")}{link("hand", shape)}{joints}</robot>')
+        with warnings.catch_warnings(record=True) as seen:
+            warnings.simplefilter("always")
+            CollisionModel(urdf.read(path))
+        assert [re.search("141 m wide.*in mm", str(each.message)) is not None for each in seen] == [True] * asked
 
 
 # ---------------------------------------------------------------- against Pinocchio, asked plainly

@@ -73,11 +73,11 @@ def pairwise(model: CollisionModel, world: World, q: Array) -> dict[tuple[str, s
     for each in world:
         place, solid = base * pin.SE3(each.pose), each.shape.geometry()
         there = coal.Transform3s(place.rotation, place.translation)
-        for link, shape, at in zip(arm.links, shapes.geometryObjects, placed.oMg, strict=True):
+        for link, shape, at in zip(arm.links, arm.solids, placed.oMg, strict=True):
             if (link, each.name) in checked:
                 here = coal.Transform3s(at.rotation, at.translation)
                 result = coal.DistanceResult()
-                coal.distance(shape.geometry, here, solid, there, coal.DistanceRequest(), result)
+                coal.distance(shape.exact, here, solid, there, coal.DistanceRequest(), result)
                 apart = max(result.min_distance - each.shape.inflation, 0.0)
                 out[link, each.name] = min(apart, out.get((link, each.name), np.inf))
     return out

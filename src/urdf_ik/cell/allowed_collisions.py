@@ -60,21 +60,23 @@ def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> 
 def always_colliding(check: LinkCheck, share: float, samples: int, seed: int) -> set[Pair]:
     """Pairs of links that touch in at least this share of random joint vectors."""
     lower, upper = check.arm.reference.ranges.T
-    rng = np.random.default_rng(seed)
-    free = dict.fromkeys((pair.names for pair in check.pairs), 0)
+    Q = np.random.default_rng(seed).uniform(lower, upper, (samples, len(lower)))
     tolerated = round((1.0 - share) * samples)
-    for _ in range(samples):
-        watched = {names for names, count in free.items() if count <= tolerated}
-        if not watched:
-            return set()
-        placing = check.place(rng.uniform(lower, upper))
-        touching: set[Pair] = set()
-        for k, pair in enumerate(check.pairs):
-            if pair.names in watched and pair.names not in touching and check.touches(placing, k):
-                touching.add(pair.names)
-        for names in watched - touching:
-            free[names] += 1
-    return {names for names, count in free.items() if count <= tolerated}
+    watched = {pair.names for pair in check.pairs}
+    for touches in (check.hulls_touch, check.touches):  # the meshes of few pairs need to be read
+        free = dict.fromkeys(watched, 0)
+        for q in Q:
+            if not watched:
+                break
+            placing = check.place(q)
+            touching: set[Pair] = set()
+            for k, pair in enumerate(check.pairs):
+                if pair.names in watched and pair.names not in touching and touches(placing, k):
+                    touching.add(pair.names)
+            for names in watched - touching:
+                free[names] += 1
+            watched = {names for names in watched if free[names] <= tolerated}
+    return watched
 
 
 def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[Pair]]:

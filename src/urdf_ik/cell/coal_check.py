@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from urdf_ik.cell import coal_shapes
+from urdf_ik.cell.coal_shapes import Solid
 from urdf_ik.cell.distance_bounds import QUERY_ERROR, Bodies, DistanceBounds, Placed
 from urdf_ik.cell.obstacle_index import ObstacleIndex, Standing, index_of
 from urdf_ik.cell.pinocchio_reference import Reference
@@ -44,7 +44,7 @@ class ArmShapes:
 
     Attributes:
         reference: Pinocchio's model.
-        geometry: Pinocchio's geometry model, without pairs.
+        geometry: Pinocchio's geometry model, which places the shapes.
         links: link of each shape.
         offsets: from the link to its shape.
         solids: the shapes with their hulls.
@@ -52,15 +52,14 @@ class ArmShapes:
         ball_centres: (S, 3) m of the single balls that hold the shapes, each in its link's frame.
     """
 
-    def __init__(self, reference: Reference, chain: Chain, shapes: Any) -> None:
-        self.reference, self.geometry = reference, shapes
-        frames, objects = reference.pin_model.frames, shapes.geometryObjects
+    def __init__(self, reference: Reference, chain: Chain, geometry: Any, solids: Sequence[Solid]) -> None:
+        self.reference, self.geometry, self.solids = reference, geometry, solids
+        frames, objects = reference.pin_model.frames, geometry.geometryObjects
         self.links = [frames[body.parentFrame].name for body in objects]
         # Pinocchio's placement of a shape is relative to the movable joint that carries the link.
         self.offsets = [frames[body.parentFrame].placement.actInv(body.placement) for body in objects]
-        self.solids = [coal_shapes.solid(body.geometry) for body in objects]
-        single = [coal_shapes.one_ball(body.geometry) for body in objects]
-        several = [coal_shapes.covering_balls(body.geometry) for body in objects]
+        balls = {id(solid): (solid.one_ball(), solid.covering_balls()) for solid in solids}
+        single, several = zip(*(balls[id(solid)] for solid in solids), strict=True)
         self.ball_centres = np.array(
             [offset.act(centre) for offset, (centre, _) in zip(self.offsets, single, strict=True)]
         )
@@ -109,18 +108,14 @@ def transform(pose: Any) -> Any:
 class _Work(threading.local):
     """Scratch memory, one a thread."""
 
-    def __init__(self, model: Any, shapes: Any) -> None:
+    def __init__(self, model: Any, geometry: Any) -> None:
         self.data = model.createData()
-        self.geometry = shapes.createData()
+        self.geometry = geometry.createData()
         self.request = coal.CollisionRequest()
-        # Pinocchio's own requests warm-start each query from the last one, so the seventh digit of an answer would
-        # depend on earlier queries. Fresh requests do not.
-        for k in range(len(self.geometry.distanceRequests)):
-            self.geometry.distanceRequests[k] = coal.DistanceRequest()
 
 
 class LinkCheck:
-    """Pinocchio's geometry model of an arm with convex hulls, and the pairs of links that must not touch.
+    """An arm's shapes, and the pairs of links that must not touch.
 
     No world is part of it: all worlds share it.
 
@@ -130,37 +125,15 @@ class LinkCheck:
     """
 
     def __init__(self, arm: ArmShapes, pairs: Sequence[ShapePair]) -> None:
-        """Build the model of pairs of shapes."""
         self.arm, self.pairs = arm, tuple(pairs)
-        shapes = arm.geometry.copy()
-        shapes.removeAllCollisionPairs()
-        hull_of = list(range(shapes.ngeoms))
-        for i, solid in enumerate(arm.solids):
-            if solid.hull is not None:
-                whole = shapes.geometryObjects[i]
-                hull_of[i] = shapes.addGeometryObject(
-                    pin.GeometryObject(f"hull/{whole.name}", whole.parentJoint, whole.placement, solid.hull)
-                )
-        for pair in self.pairs:
-            shapes.addCollisionPair(pin.CollisionPair(pair.first, pair.second))
-        # For each pair the index of the pair of its hulls in the model, -1 where neither shape has one.
-        self._hulls: list[int] = []
-        for pair in self.pairs:
-            first, second = hull_of[pair.first], hull_of[pair.second]
-            differs = (first, second) != (pair.first, pair.second)
-            self._hulls.append(len(shapes.collisionPairs) if differs else -1)
-            if differs:
-                shapes.addCollisionPair(pin.CollisionPair(first, second))
-        self._hull_of = [(i, hull) for i, hull in enumerate(hull_of) if i != hull]
-        self._model = shapes
-        self._work = _Work(arm.reference.pin_model, shapes)
+        self._work = _Work(arm.reference.pin_model, arm.geometry)
         self._base = arm.reference.pin_model.frames[arm.reference.base_frame]
 
     def place(self, q: Array) -> _Placing:
         """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
         work, reference = self._work, self.arm.reference
         configuration = reference.configuration(q)
-        pin.updateGeometryPlacements(reference.pin_model, work.data, self._model, work.geometry, configuration)
+        pin.updateGeometryPlacements(reference.pin_model, work.data, self.arm.geometry, work.geometry, configuration)
         return _Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement, {}, {})
 
     def place_at(self, link_poses: Mapping[str, Array]) -> _Placing:
@@ -169,8 +142,6 @@ class LinkCheck:
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
         for i, (link, offset) in enumerate(zip(self.arm.links, self.arm.offsets, strict=True)):
             shapes.oMg[i] = se3[link] * offset
-        for i, hull in self._hull_of:
-            shapes.oMg[hull] = shapes.oMg[i]
         return _Placing(shapes, se3.get(self.arm.reference.base), {}, {})
 
     @property
@@ -180,20 +151,42 @@ class LinkCheck:
 
     def has_hulls(self, pair: int) -> bool:
         """Whether one of the shapes of a pair has a hull."""
-        return self._hulls[pair] >= 0
+        first, second = self._solids(pair)
+        return first.hull is not None or second.hull is not None
+
+    def hulls_touch(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
+        """Whether the convex hulls of a pair of links come within a margin [m]."""
+        return self._touches(placing, pair, [_hull(solid) for solid in self._solids(pair)], margin)
 
     def touches(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
         """Whether the distance of a pair of links is within a margin [m]; its convex hulls are checked first."""
-        request, hulls = self._work.request, self._hulls[pair]
-        request.security_margin = margin
-        if hulls >= 0 and not pin.computeCollision(self._model, placing.shapes, hulls, request):
+        if self.has_hulls(pair) and not self.hulls_touch(placing, pair, margin):
             return False
-        return bool(pin.computeCollision(self._model, placing.shapes, pair, request))
+        return self._touches(placing, pair, [solid.exact for solid in self._solids(pair)], margin)
 
     def distance(self, placing: _Placing, pair: int, hulls: bool) -> float:
         """Distance of a pair of links [m], or of its hulls, which is a lower bound; zero or less in collision."""
-        number = self._hulls[pair] if hulls else pair
-        return float(pin.computeDistance(self._model, placing.shapes, number).min_distance)
+        first, second = (_hull(solid) if hulls else solid.exact for solid in self._solids(pair))
+        here, there = self._places(placing, pair)
+        result = coal.DistanceResult()
+        coal.distance(first, here, second, there, coal.DistanceRequest(), result)
+        return float(result.min_distance)
+
+    def _solids(self, pair: int) -> tuple[Solid, Solid]:
+        return self.arm.solids[self.pairs[pair].first], self.arm.solids[self.pairs[pair].second]
+
+    def _places(self, placing: _Placing, pair: int) -> tuple[Any, Any]:
+        return placing.link(self.pairs[pair].first), placing.link(self.pairs[pair].second)
+
+    def _touches(self, placing: _Placing, pair: int, bodies: Sequence[Any], margin: float) -> bool:
+        here, there = self._places(placing, pair)
+        request = self._work.request
+        request.security_margin = margin
+        return bool(coal.collide(bodies[0], here, bodies[1], there, request, coal.CollisionResult()))
+
+
+def _hull(solid: Solid) -> Any:
+    return solid.exact if solid.hull is None else solid.hull
 
 
 class CoalCheck:
@@ -397,9 +390,5 @@ class CoalCheck:
         transforms = placing.link(shape), placing.obstacle(obstacle)
         grown = obstacle.shape.inflation
         if link_solid.hull is not None or obstacle_solid.hull is not None:
-            hulls = (
-                link_solid.exact if link_solid.hull is None else link_solid.hull,
-                obstacle_solid.exact if obstacle_solid.hull is None else obstacle_solid.hull,
-            )
-            yield *hulls, grown, transforms
+            yield _hull(link_solid), _hull(obstacle_solid), grown, transforms
         yield link_solid.exact, obstacle_solid.exact, grown, transforms

@@ -18,6 +18,7 @@ from urdf_ik.cell.spatial_search import DistanceField, cell_codes
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import UrdfModel, resolve_mesh
+from urdf_ik.support import kept_arrays
 from urdf_ik.typing import Array
 
 BALLS = 4
@@ -30,10 +31,10 @@ LARGE_FILE = 2**22
 """Size of a mesh's file from which on it is cut into pieces [bytes]."""
 
 
-def build(model: UrdfModel, pin_model: Any) -> Any:
-    """Pinocchio's geometry model of every ``<collision>`` of a URDF.
+def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list[Solid]]:
+    """Every ``<collision>`` of a URDF: Pinocchio's geometry model, which places them, and the shapes.
 
-    Mesh names are replaced by the paths that :func:`resolve_mesh` found, so Pinocchio opens no other file.
+    Pinocchio opens no mesh: in its model a speck stands in for each.
 
     Raises:
         UrdfError: there is no collision shape, or not all of them can be read: a check would call free what is not.
@@ -41,26 +42,37 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     if broken := [warning.error for warning in model.warnings if warning.collides]:
         raise broken[0]
     tree = etree.fromstring(model.xml)
-    for mesh in tree.iterfind("link/collision/geometry/mesh"):
-        mesh.set("filename", str(resolve_mesh(model, mesh.get("filename"))))
+    files: dict[str, tuple[Path, tuple[float, ...]]] = {}
+    for link in tree.iterfind("link"):
+        for i, geometry in enumerate(link.iterfind("collision/geometry")):
+            if (mesh := geometry.find("mesh")) is not None:
+                scale = tuple(float(x) for x in mesh.get("scale", "1 1 1").split())
+                files[f"{link.get('name')}_{i}"] = resolve_mesh(model, mesh.get("filename")), scale
+                geometry.replace(mesh, etree.Element("sphere", radius=str(SPECK)))
     for visual in tree.findall("link/visual"):
         visual.getparent().remove(visual)
+    solids: dict[tuple[Path, tuple[float, ...]], Solid] = {}
     try:
-        geometry = pin.buildGeomFromUrdfString(pin_model, etree.tostring(tree).decode(), pin.GeometryType.COLLISION)
-    except (ValueError, RuntimeError, MemoryError) as error:
+        placed = pin.buildGeomFromUrdfString(pin_model, etree.tostring(tree).decode(), pin.GeometryType.COLLISION)
+        for file in files.values():
+            if file not in solids:
+                solids[file] = MeshFile(*file, model.source)
+    except (OSError, ValueError, RuntimeError, MemoryError) as error:
         raise UrdfError(f"a collision shape cannot be read: {reason_of(error)}", source=model.source) from None
-    if not geometry.ngeoms:
+    if not placed.ngeoms:
         raise UrdfError(
             "no link has a collision shape",
             source=model.source,
             hint="add <collision> to the links that must not touch",
         )
-    for shape in geometry.geometryObjects:
-        if isinstance(shape.geometry, coal.BVHModelBase):
-            meshes.check_vertices(shape.geometry.vertices(), Path(shape.meshPath), model.source)
-        if isinstance(shape.geometry, coal.Sphere):
-            shape.geometry = Sphere(shape.geometry.radius).geometry()
-    return geometry
+    shapes = []
+    for body in placed.geometryObjects:
+        exact = body.geometry
+        if body.name in files:
+            shapes.append(solids[files[body.name]])
+        else:
+            shapes.append(Solid(Sphere(exact.radius).geometry() if isinstance(exact, coal.Sphere) else exact))
+    return placed, shapes
 
 
 def why_unreadable(model: UrdfModel) -> str:
@@ -78,85 +90,188 @@ def why_unreadable(model: UrdfModel) -> str:
     return "no collision shapes" if bare else "a collision shape cannot be read"
 
 
-def one_ball(geometry: Any) -> tuple[Array, float]:
-    """A ball that holds a shape: its centre (3,) in the shape's frame and its radius [m]."""
-    geometry.computeLocalAABB()
-    return np.array(geometry.aabb_center), float(geometry.aabb_radius)
+class Solid:
+    """A shape as coal has it. A mesh's convex hull is made when a query first needs it.
 
-
-def covering_balls(geometry: Any) -> tuple[Array, Array]:
-    """Balls that together hold a shape: centres (BALLS, 3) in its frame and radii (BALLS,) [m].
-
-    It is cut into slices across its longest side, and one ball holds a slice, of a mesh the slice's triangles.
+    Attributes:
+        exact: coal's geometry of the shape.
     """
-    centre, radius = one_ball(geometry)
-    centres, radii = np.repeat(centre[None], BALLS, axis=0), np.full(BALLS, radius)
-    if not isinstance(geometry, coal.BVHModelBase):
-        half = 0.5 * (np.array(geometry.aabb_local.max_) - np.array(geometry.aabb_local.min_))
-        side = int(np.argmax(half))
-        slices = half.copy()
-        slices[side] /= BALLS
-        if np.isfinite(half).all() and (radius := float(np.linalg.norm(slices))) < radii[0]:
-            centres[:, side] += (2.0 * np.arange(BALLS) - BALLS + 1.0) * slices[side]
-            radii[:] = radius
+
+    def __init__(self, exact: Any) -> None:
+        self.exact = exact
+
+    @property
+    def is_mesh(self) -> bool:
+        """Whether the shape is a mesh or a cloud."""
+        return isinstance(self.exact, coal.BVHModelBase)
+
+    @property
+    def corners(self) -> Array:
+        """Corners (t, 3, 3) of the triangles of a mesh [m]."""
+        return np.asarray(np.array(self.exact.vertices())[_triangles(self.exact)])
+
+    @property
+    def points(self) -> Array:
+        """Vertices (v, 3) of a mesh [m]."""
+        return np.array(self.exact.vertices())
+
+    @cached_property
+    def hull(self) -> Any:
+        """The convex hull of a mesh as coal's ``Convex``; None for other shapes, and where the mesh is flat.
+
+        Its queries take a hundredth of the time.
+        """
+        return convex(*hull_of(self.points)) if self.is_mesh else None
+
+    def one_ball(self) -> tuple[Array, float]:
+        """A ball that holds the shape: its centre (3,) in the shape's frame and its radius [m]."""
+        if self.is_mesh:
+            centre = 0.5 * np.sum(_box(self.points), axis=0)
+            return centre, _farthest(self.points, centre)
+        self.exact.computeLocalAABB()
+        return np.array(self.exact.aabb_center), float(self.exact.aabb_radius)
+
+    def covering_balls(self) -> tuple[Array, Array]:
+        """Balls that together hold the shape: centres (BALLS, 3) in its frame and radii (BALLS,) [m].
+
+        It is cut into slices across its longest side, and one ball holds a slice, of a mesh the slice's triangles.
+        """
+        centre, radius = Solid.one_ball(self)
+        centres, radii = np.repeat(centre[None], BALLS, axis=0), np.full(BALLS, radius)
+        if not self.is_mesh:
+            box = self.exact.aabb_local
+            half = 0.5 * (np.array(box.max_) - np.array(box.min_))
+            side = int(np.argmax(half))
+            slices = half.copy()
+            slices[side] /= BALLS
+            if np.isfinite(half).all() and (radius := float(np.linalg.norm(slices))) < radii[0]:
+                centres[:, side] += (2.0 * np.arange(BALLS) - BALLS + 1.0) * slices[side]
+                radii[:] = radius
+            return centres, radii
+        corners = self.corners
+        low, high = _box(corners.reshape(-1, 3))
+        side = int(np.argmax(high - low))
+        middle = corners[:, :, side] @ np.full(3, 1.0 / 3.0)
+        slices = np.clip(((middle - low[side]) / ((high - low)[side] or 1.0) * BALLS).astype(int), 0, BALLS - 1)
+        for i in range(BALLS):
+            slice_corners = corners[slices == i].reshape(-1, 3)
+            if not len(slice_corners):
+                centres[i], radii[i] = centres[0], radii[0]
+                continue
+            centres[i] = 0.5 * np.sum(_box(slice_corners), axis=0)
+            radii[i] = _farthest(slice_corners, centres[i])
         return centres, radii
-    vertices = np.array(geometry.vertices())
-    corners = vertices[_triangles(geometry)]
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    side = int(np.argmax(high - low))
-    middle = corners.mean(axis=1)[:, side]
-    slices = np.clip(((middle - low[side]) / ((high - low)[side] or 1.0) * BALLS).astype(int), 0, BALLS - 1)
-    for i in range(BALLS):
-        slice_corners = corners[slices == i].reshape(-1, 3)
-        if not len(slice_corners):
-            centres[i], radii[i] = centres[0], radii[0]
-            continue
-        centres[i] = 0.5 * (slice_corners.min(axis=0) + slice_corners.max(axis=0))
-        radii[i] = np.linalg.norm(slice_corners - centres[i], axis=1).max()
-    return centres, radii
 
 
-def hull(geometry: Any) -> Any:
-    """The convex hull of a mesh as coal's ``Convex``; None for other shapes, and where the mesh is flat."""
-    if not isinstance(geometry, coal.BVHModelBase):
-        return None
+class MeshFile(Solid):
+    """A mesh's file. Coal reads it when a query first comes near it.
+
+    Its hull and its balls are kept in the user's cache folder, by the content of the file.
+    """
+
+    is_mesh = True
+
+    def __init__(self, path: Path, scale: tuple[float, ...], source: str) -> None:
+        """Read the file.
+
+        Raises:
+            UrdfError: a vertex is not finite.
+            OSError, ValueError, RuntimeError: it cannot be read.
+        """
+        self._path, self._scale = path, np.array(scale)
+        content = path.read_bytes()
+        self._stl = _stl_corners(content)
+
+        def computed() -> dict[str, Array | NDArray[np.intp]]:
+            meshes.check_vertices(self.points, path, source)
+            corners, faces = hull_of(self.points)
+            ball, balls = Solid.one_ball(self), Solid.covering_balls(self)
+            return {"corners": corners, "faces": faces, "ball": np.append(*ball), "balls": np.column_stack(balls)}
+
+        self._kept: Any = kept_arrays.arrays(f"mesh{BALLS}", [content, self._scale.tobytes()], computed)
+
+    @cached_property
+    def exact(self) -> Any:
+        """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
+        return coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(self._path), self._scale)
+
+    @property
+    def corners(self) -> Array:
+        """Corners (t, 3, 3) of the triangles [m]."""
+        return super().corners if self._stl is None else self._stl * self._scale
+
+    @cached_property
+    def points(self) -> Array:
+        """Vertices (v, 3) [m]."""
+        if self._stl is None:
+            return super().points
+        rows = self._stl.reshape(-1, 3).view("V12").ravel().tolist()
+        vertices = np.frombuffer(b"".join(dict.fromkeys(rows)), np.float32).reshape(-1, 3)
+        return np.asarray(vertices * self._scale)
+
+    @cached_property
+    def hull(self) -> Any:
+        """The convex hull as coal's ``Convex``; None where the mesh is flat."""
+        return convex(self._kept["corners"], self._kept["faces"])
+
+    def one_ball(self) -> tuple[Array, float]:
+        """A ball that holds the shape: its centre (3,) in the shape's frame and its radius [m]."""
+        return self._kept["ball"][:3], float(self._kept["ball"][3])
+
+    def covering_balls(self) -> tuple[Array, Array]:
+        """Balls that together hold the shape: centres (BALLS, 3) in its frame and radii (BALLS,) [m]."""
+        return self._kept["balls"][:, :3], self._kept["balls"][:, 3]
+
+
+def hull_of(points: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Corners (k, 3) and faces (f, 3), outward, of the convex hull of points (v, 3); none where they are flat."""
     from scipy import spatial  # slow to import, and only meshes need it
 
-    vertices = np.array(geometry.vertices())
     try:
-        convex = spatial.ConvexHull(vertices, qhull_options="Qt Pp")
-    except spatial.QhullError:
-        return None
-    corners = vertices[convex.vertices]
-    place = np.zeros(len(vertices), dtype=np.intp)
-    place[convex.vertices] = np.arange(len(corners))
-    faces = place[convex.simplices]
+        hull = spatial.ConvexHull(points, qhull_options="Qt Pp")
+    except (spatial.QhullError, ValueError):
+        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)
+    corners = points[hull.vertices]
+    place = np.zeros(len(points), dtype=np.intp)
+    place[hull.vertices] = np.arange(len(corners))
+    faces = place[hull.simplices]
     a, b, c = (corners[faces[:, i]] for i in range(3))
-    inwards = np.einsum("ti,ti->t", np.cross(b - a, c - a), convex.equations[:, :3]) < 0.0
+    inwards = np.einsum("ti,ti->t", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
     faces[inwards] = faces[inwards, ::-1]
+    return corners, faces
+
+
+def convex(corners: Array, faces: NDArray[np.intp]) -> Any:
+    """A ``coal.Convex``; None without faces."""
+    if not len(faces):
+        return None
     points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    for corner in corners:
-        points.append(corner)
-    for face in faces.tolist():
-        triangles.append(coal.Triangle(*face))
+    points.extend(corners)
+    triangles.extend(coal.Triangle(*face) for face in faces.tolist())
     return coal.Convex(points, triangles)
 
 
-class Solid(NamedTuple):
-    """A shape as coal has it.
-
-    Attributes:
-        exact: the shape.
-        hull: its convex hull, whose queries take a hundredth of the time; None without a hull.
-    """
-
-    exact: Any
-    hull: Any
+_STL_HEADER = 84
+_STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def solid(exact: Any) -> Solid:
-    """A shape with its hull."""
-    return Solid(exact, hull(exact))
+def _stl_corners(content: bytes) -> NDArray[np.float32] | None:
+    """Corners (t, 3, 3) of the triangles of a binary STL; None for any other content."""
+    count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
+    if not count or len(content) != _STL_HEADER + _STL.itemsize * count:
+        return None
+    return np.ascontiguousarray(np.frombuffer(content, _STL, offset=_STL_HEADER)["corners"])
+
+
+def _box(points: Array) -> tuple[Array, Array]:
+    """Least and greatest coordinates (3,) of points (k, 3): NumPy is ten times slower along the first axis."""
+    return np.array([column.min() for column in points.T]), np.array([column.max() for column in points.T])
+
+
+def _farthest(points: Array, centre: Array) -> float:
+    """Greatest distance of points (k, 3) from a centre (3,) [m]."""
+    away = points - centre
+    return float(np.sqrt(np.einsum("ki,ki->k", away, away).max()))
 
 
 class _RoundedBox(NamedTuple):
@@ -231,7 +346,7 @@ class _Pieces:
             self.high = np.maximum.reduceat(corners.max(axis=1)[order], starts)
             return
         exact = shape.geometry()
-        self._solids[0] = solid(exact)
+        self._solids[0] = Solid(exact)
         self.frame, low, high, self.radius = rounded_box(shape, exact)
         self.low, self.high = low[None], high[None]
 
@@ -250,7 +365,7 @@ class _Pieces:
         if piece not in self._solids:
             part = slice(piece * PIECE, (piece + 1) * PIECE)
             exact = surface(self._points, self._triangles[part]) if len(self._triangles) else cloud(self._points[part])
-            self._solids.setdefault(piece, solid(exact))
+            self._solids.setdefault(piece, Solid(exact))
         return self._solids[piece]
 
 

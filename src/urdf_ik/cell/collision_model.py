@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ from urdf_ik.cell.pinocchio_reference import Reference, finite
 from urdf_ik.cell.swept_motions import Motions
 from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
-from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.kinematics.chain import Chain, from_urdf
 from urdf_ik.model import srdf as srdf_reader
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.model.urdf import UrdfModel
@@ -36,6 +37,10 @@ ALWAYS = 0.95
 
 SEED = 0
 """Seed of these joint vectors: the same URDF gives the same pairs."""
+
+
+FAR_LARGER = 10.0
+"""A mesh whose radius is this many times the size of the arm is likely to be in mm; only a warning depends on it."""
 
 
 class Nearest(NamedTuple):
@@ -116,12 +121,13 @@ class CollisionModel:
         self._last: CollisionModel | None = None
         disabled = (*disabled, *(() if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)))
         try:
-            shapes = coal_shapes.build(model, self.reference.pin_model)
+            geometry, solids = coal_shapes.build(model, self.reference.pin_model)
         except UrdfError as error:
             self._error = error
             return
         chain = from_urdf(model, base, tip).lock(locked or {})
-        self.shapes = ArmShapes(self.reference, chain, shapes)
+        self.shapes = ArmShapes(self.reference, chain, geometry, solids)
+        _ask_about_millimetres(self.shapes, chain)
         excused = {allowed_collisions.ordered(*pair, self._rank) for pair in disabled}
         self._allowed, self._pairs = allowed_collisions.among_links(self.shapes, self._rank, excused)
         if samples:
@@ -500,6 +506,21 @@ class CollisionModel:
             else:
                 out[index] = check.nearest(placing, pairs, least)[1]
         return out.item() if out.ndim == 0 else out
+
+
+def _ask_about_millimetres(shapes: ArmShapes, chain: Chain) -> None:
+    """Warn of meshes that are far larger than the arm."""
+    limit = FAR_LARGER * chain.size
+    large = [i for i, solid in enumerate(shapes.solids) if solid.is_mesh and solid.one_ball()[1] > limit]
+    if large:
+        i = max(large, key=lambda i: shapes.solids[i].one_ball()[1])
+        width, link = 2.0 * shapes.solids[i].one_ball()[1], shapes.links[i]
+        warnings.warn(
+            f"{link}: a mesh is {width:.3g} m wide and the arm {chain.size:.3g} m long; is it in mm? "
+            'Meshes are read in m: scale="0.001 0.001 0.001"',
+            UserWarning,
+            stacklevel=2,
+        )
 
 
 def _restored(
