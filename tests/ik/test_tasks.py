@@ -218,9 +218,7 @@ def test_the_last_axis_is_not_aimed() -> None:
     [
         ("2R planar", "position", np.zeros(3), "do not control 'position'.*'planar position'"),
         ("3R planar", "planar position", np.zeros(2), "'planar pose'"),
-        ("RRPR SCARA", "position", np.zeros(3), "give the whole pose"),
         ("4R any", "position and axis", np.zeros(6), "give the whole pose"),
-        ("5R any", "position", np.zeros(3), "'position and axis'"),
         ("3R any", "reach", np.zeros(3), "no task is called 'reach'; tasks: 'pose', 'position'"),
     ],
 )

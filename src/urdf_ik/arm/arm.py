@@ -21,6 +21,7 @@ from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
 from urdf_ik.ik.solutions import IKSolutions, limits
 from urdf_ik.ik.solver import Solver, prepare
+from urdf_ik.ik.task import Task
 from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import Redundancy
@@ -161,7 +162,8 @@ class Arm:
         *,
         redundancy: ArrayLike | None = None,
         threads: inputs.Threads = 1,
-        task: str | None = None,
+        task: str | Task | None = None,
+        axis: ArrayLike | str | None = None,
         tolerance: ArrayLike | None = None,
         out: IKSolutions | None = None,
     ) -> IKSolutions:
@@ -179,11 +181,13 @@ class Arm:
                 ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
                 ``self.redundancy.default``. (..., k) for an arm with k parameters.
             threads: number of threads that share a batch; 'auto': one for each processor that this process may use.
-            task: the kind of target; default: a pose. An arm with few joints also takes the parts of a pose that it
-                controls, see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position
-                and a direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z:
-                see ``arm.solver.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose'
-                (..., 3) m, m, rad in the arm's plane, see ``arm.solver.control.plane``.
+            task: the kind of target; default: a pose. 'position' (..., 3) m; 'position and axis' (..., 6), position and
+                direction of the tip's ``axis`` in the base, or a pair of these; 'level', poses of which the yaw is
+                free; 'orientation', poses; 'axis' (..., 3), a direction alone; 'look at' (..., 3) m, a point to which
+                the axis points. All take poses, too. See :class:`urdf_ik.Task`. Planar arms: 'planar position'
+                (..., 2) m and 'planar pose' (..., 3) m, m, rad, see ``arm.solver.control.plane``.
+            axis: of the tip: 'x', 'y', 'z' or a direction (3,). Default: z; with 'position and axis' of five joints the
+                one they control, ``arm.solver.control.aimed``. 'position' with an axis is 'position and axis'.
             tolerance: (m, rad) by which a solution may miss the pose, for poses that were rounded and arms with fewer
                 joints than six: (5e-7, 1e-6) for six decimals; default: 1e-9, as rounding leaves. ``error`` of the
                 solutions says what each misses; see :func:`urdf_ik.ik.tolerance.solve_within`.
@@ -206,7 +210,7 @@ class Arm:
             >>> s.q.shape, s[0].branch
             ((8, 6), 'shoulder front, elbow up, wrist noflip')
         """
-        solver = self.solver if task is None else self.for_task(task).solver
+        solver = self.solver if task is None else self.for_task(task, axis).solver
         if tolerance is not None:
             from urdf_ik.ik.tolerance import solve_within
 
@@ -224,7 +228,16 @@ class Arm:
 
         return closest(self.solver, T, weights, first, **options)
 
-    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
+    def values_inside(self, T: Any, threads: inputs.Threads = 1) -> Array:
+        """Values of the redundancy parameters, as ``ik`` takes them, at which ``T`` has solutions inside the limits.
+
+        Arguments and errors: :func:`urdf_ik.ik.redundancy.elsewhere.values_inside`.
+        """
+        from urdf_ik.ik.redundancy.elsewhere import values_inside
+
+        return values_inside(self.solver, T, threads)
+
+    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | Task | None = None, **options: Any) -> IKSolutions:
         """The solution nearest to ``q_ref``, over all branches and all values of the redundancy parameters.
 
         Args:
@@ -392,17 +405,19 @@ class Arm:
         """
         return Arm(*changes.with_cell(self._parts, cell))
 
-    def for_task(self, task: str) -> Arm:
-        """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`ik`.
+    def for_task(self, task: str | Task, axis: ArrayLike | str | None = None) -> Arm:
+        """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`ik` and :meth:`urdf_ik.Task.read`.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.for_task`.
         """
-        if task not in self._tasks:
-            self._tasks[task] = Arm(*changes.for_task(self._parts, task)) if task != self.solver.task else self
-        return self._tasks[task]
+        asked = Task.chosen(task, axis, self.task)
+        if asked not in self._tasks:
+            same = asked == self.solver.settings["task"]
+            self._tasks[asked] = self if same else Arm(*changes.for_task(self._parts, asked))
+        return self._tasks[asked]
 
     @cached_property
-    def _tasks(self) -> dict[str, Arm]:
+    def _tasks(self) -> dict[str | Task, Arm]:
         """The arms of :meth:`for_task`."""
         return {}
 

@@ -14,6 +14,7 @@ from urdf_ik.cell.tool import Shapes
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik import solver as solvers
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import Task
 from urdf_ik.kinematics.chain import Chain, from_urdf, velocity_limits
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model.urdf import UrdfModel
@@ -172,8 +173,11 @@ def with_cell(arm: Parts, cell: Cell) -> Parts:
     return arm._replace(cell=cell, solver=replace(arm.solver))
 
 
-def for_task(arm: Parts, task: str) -> Parts:
+def for_task(arm: Parts, task: str | Task) -> Parts:
     """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`urdf_ik.Arm.ik`.
+
+    A task that leaves more free than the arm's joints need has redundancy parameters: values of joints, or the rotation
+    about the axis. One that no closed form solves is searched, and ``status`` is 'incomplete'.
 
     Raises:
         ArgumentError: the task is unknown, or the arm cannot control it.

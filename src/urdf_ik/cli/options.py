@@ -25,8 +25,21 @@ from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
 Format = StrEnum("Format", ["TABLE", "JSON", "CSV", "NPZ"])
 ReportFormat = StrEnum("ReportFormat", ["TABLE", "JSON"])
 ReviewFormat = StrEnum("ReviewFormat", ["TABLE", "JSON", "GITHUB", "SARIF", "MARKDOWN"])
-PartOfPose = StrEnum("PartOfPose", ["pose", "position", "position-and-axis", "planar-position", "planar-pose"])
-"""What a target fixes of the tip's pose, for arms with few joints; see :mod:`urdf_ik.ik.tasks`."""
+PartOfPose = StrEnum(
+    "PartOfPose",
+    [
+        "pose",
+        "position",
+        "position-and-axis",
+        "level",
+        "orientation",
+        "axis",
+        "look-at",
+        "planar-position",
+        "planar-pose",
+    ],
+)
+"""What a target fixes of the tip's pose; see :class:`urdf_ik.Task`, and :mod:`urdf_ik.ik.tasks` for planar arms."""
 MOST = {"n": MOST_POSES, "random": MOST_POSES, "threads": MOST_THREADS}
 """Greatest values of options that are numbers."""
 
@@ -43,7 +56,8 @@ class Shared:
     Options (Poses):
         seed (N): Seed of everything that is drawn.
         n (--random -n N): Number of random poses.
-        task: Part of the pose that counts. Default: all of it.
+        task: Part of the pose that counts; level: all but the yaw. Default: all of it.
+        axis (x|y|z|X,Y,Z): The tip's axis of --task position, axis or look-at.
         redundancy (V1,V2,...): Values of the redundancy parameter that `info` names. Default: that of --q, else the
             arm's.
 

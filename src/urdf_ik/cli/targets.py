@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
-from urdf_ik.cli.options import PoseOptions
+from urdf_ik.cli.options import PartOfPose, PoseOptions
 from urdf_ik.support import files
 from urdf_ik.typing import Array
 
@@ -30,7 +30,7 @@ EXACT = 1e-9
 """Distance from a planar arm's plane up to which a point lies in it [m]."""
 SHORTEST = 4
 """Numbers with fewer decimals than this, as 0.2 or 3.14, are meant as they stand."""
-POINT_TASKS = ("position", "planar position")
+POINT_TASKS = ("position", "planar position", "look at")
 """Tasks whose targets have no orientation."""
 # The example is drawn from the middle of each joint's range, where its joint values are easy to picture.
 EXAMPLE_DRAWS = 256
@@ -109,16 +109,30 @@ def required(arm: Arm, typed: PoseOptions, angles: Angles, what: str) -> Target:
     return found
 
 
-def of_task(arm: Arm, poses: Array, task: str) -> Array:
-    """The targets of a task that belong to poses (N, 4, 4), as ``arm.ik(..., task=task)`` takes them.
+def task_of(task: PartOfPose | None, axis: str | None) -> tuple[str, Any]:
+    """The task and the axis that were typed, as ``arm.for_task`` takes them.
+
+    Raises:
+        typer.BadParameter: an axis that is neither named nor three numbers, or one without a task.
+    """
+    if task is None and axis is not None:
+        raise console.usage("it is the axis of a task: --task position, axis or look-at", "--axis")
+    asked = "pose" if task is None else task.value.replace("-", " ")
+    asked = "position and axis" if asked == "position" and axis is not None else asked
+    named = axis is None or axis in ("x", "y", "z")
+    return asked, axis if named or axis is None else console.numbers(axis, "--axis", ("x", "y", "z"))
+
+
+def of_task(arm: Arm, poses: Array) -> Array:
+    """The targets of an arm for a task that belong to poses (N, 4, 4).
 
     Raises:
         typer.BadParameter: a point is off the plane of a planar arm.
-        ArgumentError: the arm does not control this task.
     """
-    arm = arm.for_task(task)
+    if arm.solver.targets is None:
+        return poses
     plane, out = arm.solver.control.plane, arm.solver.control.target_of(poses)
-    if plane is not None and task != "pose":
+    if plane is not None:
         off = np.abs((poses[:, :3, 3] - plane.origin) @ plane.normal)
         if off.max() > EXACT:
             message = f"target {int(off.argmax())} is {off.max():.4g} m off the plane in which {arm.name} moves"

@@ -13,7 +13,7 @@ from urdf_ik.ik.redundancy import sweep
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import spread
-from urdf_ik.model.poses import check_poses
+from urdf_ik.support.angles import amount
 from urdf_ik.typing import Array
 
 
@@ -62,7 +62,7 @@ def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
         whole = solver.targets.poses(target[None])[0]
         return member.why(whole) + _in_mm(solver, whole)
-    target = check_poses(T)
+    target = solver.asked.read_targets(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
     return _why_none(solver, target, redundancy) + _in_mm(solver, target)
@@ -83,7 +83,7 @@ def _why_none(solver: Solver, target: Array, redundancy: ArrayLike | None) -> st
     if redundancy is None and not member.parameters:
         return member.why(target)
     redundant = solver.redundant_member
-    if len(redundant.parameters) == 1:
+    if len(redundant.parameters) == 1 and redundant.self_motion is not None:
         return sweep.explanation(solver, target, redundancy)
     _, values = spread(redundant.parameters, target, redundant.defaults if redundancy is None else redundancy)
     if values.ndim != 1:
@@ -91,4 +91,13 @@ def _why_none(solver: Solver, target: Array, redundancy: ArrayLike | None) -> st
             f"redundancy of shape {values.shape} given; explain takes one value of each of the "
             f"{len(redundant.parameters)} parameters"
         )
-    return redundant.explain(target, np.asarray(values))
+    why = redundant.explain(target, np.asarray(values))
+    if redundancy is not None:
+        return why
+    from urdf_ik.ik.redundancy.elsewhere import values_inside
+
+    other = np.atleast_1d(values_inside(solver, target))
+    if (other == redundant.defaults).all():
+        return f"{why}; no other values were found"
+    named = zip(redundant.parameters, other, strict=True)
+    return f"{why}; there are solutions at " + ", ".join(f"{p.label} {amount(x, p.unit, '.4f')}" for p, x in named)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik.solutions import IKSolutions, distances
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import POSE
 from urdf_ik.ik.tasks import Targets
 from urdf_ik.kinematics.chain.redundancy import spread
 from urdf_ik.model.poses import as_pose_array, check_poses
@@ -51,6 +52,8 @@ def solve(
         if redundancy is not None:
             raise UnsupportedArm(f"{solver.name}: targets of the task {solver.task!r} leave nothing free")
         return _solve_task(solver, solver.targets, T, q_ref, threads, out)
+    if solver.asked != POSE:
+        T = solver.asked.read_targets(T)
     if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
         # A copy, so that the answer does not change when the caller's array does.
         target = T.copy()

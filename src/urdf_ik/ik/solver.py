@@ -15,7 +15,7 @@ from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, printable
 from urdf_ik.ik import families
 from urdf_ik.ik.families import FamilyMember, axis_added, coupled
 from urdf_ik.ik.families.registry import MOST_JOINTS
-from urdf_ik.ik.task import POSE, Task
+from urdf_ik.ik.task import NUMBERS, POSE, Task
 from urdf_ik.ik.tasks import Control, Targets, control_of
 from urdf_ik.kinematics.chain import Chain, CoupledChain, dependent_joints, kinds_of
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
@@ -41,7 +41,7 @@ class Solver:
         chain: screw axes of the joints from base to tip.
         structure: how the axes lie to each other, and how the arm is solved.
         control: what the joints control of the tip.
-        task: what a target is; 'pose' unless another one was asked for.
+        task: what a target is; 'pose' unless another one was asked for, a :class:`urdf_ik.Task` included.
         targets: what reads targets of a task other than 'pose'; None for poses.
         member: the arm as a member of its family; None where no solver takes it.
         core: the compiled solver; None where no solver takes the arm.
@@ -142,8 +142,8 @@ class Solver:
     @property
     def settings(self) -> dict[str, Any]:
         """What :func:`prepare` makes this solver from."""
-        names = ("name", "chain", "velocity_limits", "task", "free_axis", "chosen")
-        return {name: getattr(self, name) for name in names}
+        names = ("name", "chain", "velocity_limits", "free_axis", "chosen")
+        return {"task": self.asked if self.asked != POSE else self.task} | {name: getattr(self, name) for name in names}
 
     def again(self, **changed: Any) -> Solver:
         """This solver with other settings: those of :func:`prepare`. It belongs to no arm, but keeps the cell."""
@@ -165,7 +165,7 @@ def prepare(
     name: str,
     chain: Chain,
     velocity_limits: Array,
-    task: str = "pose",
+    task: str | Task = "pose",
     free_axis: FreeAxis | None = None,
     chosen: Sequence[str] = (),
 ) -> Solver:
@@ -195,15 +195,22 @@ def _prepare(
     name: str,
     chain: Chain,
     velocity_limits: Array,
-    task: str,
+    task: str | Task,
     free_axis: FreeAxis | None,
     chosen: tuple[str, ...],
 ) -> Solver:
     control, structure = control_of(chain), analyse(chain)
-    targets = None if task == "pose" else Targets(name, chain, control, task)
+    asked, task = (task, task.components) if isinstance(task, Task) else (POSE, task)
+    targets = None if task == "pose" or asked != POSE else Targets(name, chain, control, task)
     member = targets.plan(structure) if targets else families.choose(structure, chain, chosen)
     if member is None and chosen:
         raise UnsupportedArm(f"{name}: no solver for the other joints with {', '.join(chosen)} given")
+    if asked != POSE:
+        from urdf_ik.ik.task_members import member as member_for  # not needed by whole poses
+
+        _check_numbers(name, chain, control, asked)
+
+        member = member_for(chain, asked, member)
     if free_axis is not None:
         _check_free_axis(name, chain, free_axis, member, control.task if targets is None else task)
         member = None if member is None else axis_added.prepare_free(chain, member, free_axis)
@@ -229,11 +236,12 @@ def _prepare(
         targets=targets,
         member=member,
         core=core,
-        single=core if targets is None else None,
+        single=core if targets is None and asked == POSE else None,
         branches=() if member is None else member.branches,
         free_axis=free_axis,
         chosen=chosen,
         velocity_limits=frozen(velocity_limits),
+        asked=asked,
     )
 
 
@@ -292,6 +300,18 @@ def _checked_choice(name: str, chain: Chain, chosen: Sequence[str]) -> tuple[str
     if len(joints) > free:
         raise ArgumentError(f"{name}: redundancy={joints} given, and its {chain.n} joints leave {free} values free")
     return joints
+
+
+def _check_numbers(name: str, chain: Chain, control: Control, asked: Task) -> None:
+    """Refuse a task with more numbers than an arm has joints, with what can be asked instead."""
+    needed = NUMBERS[asked.components]
+    if chain.n < needed and asked.components != "pose":
+        own = "" if control.task == "pose" else f", or the task {control.task!r}"
+        typed = f"--task {asked.components.replace(' ', '-')} --closest"
+        raise ArgumentError(
+            f"{name}: its {chain.n} joints do not control {asked.components!r}, which has {needed} numbers; give the "
+            f"whole pose{own}, or ask for the nearest posture: arm.ik_closest(T, task=...) ({typed})"
+        )
 
 
 def _check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: FamilyMember | None, task: str) -> None:

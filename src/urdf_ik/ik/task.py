@@ -65,6 +65,14 @@ class Task:
             "position and axis" if task == "position" else task, FreeAxis.read("z" if axis is None else axis).direction
         )
 
+    @classmethod
+    def chosen(cls, task: Any, axis: Any, controlled: str) -> str | Task:
+        """The task, or its name where it is what all joints of an arm control together (``controlled``)."""
+        if isinstance(task, Task):
+            return "pose" if task == POSE else task
+        by_name = axis is None and (task in ("pose", controlled) or (task not in NUMBERS and task != LEVEL))
+        return task if by_name and isinstance(task, str) else cls.read(task, axis)
+
     def __str__(self) -> str:
         if self.axis is None:
             return self.components
@@ -101,7 +109,7 @@ class Task:
             if all(each.shape[-1:] == (3,) for each in parts):
                 shape = np.broadcast_shapes(*(each.shape[:-1] for each in parts))
                 T = np.concatenate([np.broadcast_to(each, (*shape, 3)) for each in parts], axis=-1)
-        if not isinstance(T, np.ndarray | list | tuple) or np.shape(T)[-2:] == (4, 4):
+        if are_poses(T):
             return check_poses(as_pose_array(T))
         width = {"position": 3, "look at": 3, "axis": 3, "position and axis": 6}.get(self.components)
         target = inputs.real(T, "a target", "an array of numbers", PoseError)
@@ -161,6 +169,14 @@ class Task:
 
 
 POSE = Task("pose")
+
+
+def are_poses(T: Any) -> bool:
+    """Whether targets are whole poses: (..., 4, 4), or an object that is one."""
+    try:
+        return not isinstance(T, np.ndarray | list | tuple) or np.shape(T)[-2:] == (4, 4)
+    except ValueError:  # of several lengths
+        return False
 
 
 def _turn_to(axis: Array, directions: Array) -> Array:

@@ -14,9 +14,11 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik import families
 from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, planar
+from urdf_ik.ik.task import are_poses
 from urdf_ik.kinematics.chain import Chain, least_stretches, sampled
 from urdf_ik.kinematics.chain.plane import Plane, plane_of
 from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
@@ -154,6 +156,8 @@ class Targets:
     def read(self, T: Any) -> Array:
         """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""
         width = _WIDTH[self.task]
+        if self._control.plane is None and isinstance(T, np.ndarray | list | tuple) and are_poses(T):
+            T = self._control.target_of(check_poses(T))
         if self.task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
             point, direction = (_numbers(part, self.task, "") for part in T)
             if point.shape[-1:] == direction.shape[-1:] == (3,):

@@ -16,6 +16,7 @@ from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import POSE
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
@@ -36,7 +37,7 @@ def solve_within(solver: Solver, T: Any, tolerance: ArrayLike, **options: Any) -
         raise ArgumentError(f"tolerance={tolerance!r} given; (m, rad) is needed, two positive numbers")
     if solver.targets is not None or solver.free_axis is not None:
         raise ArgumentError(f"{solver.name}: a tolerance is one of whole poses")
-    few = solver.dof < 6 and solver.member is not None
+    few = solver.dof < 6 and solver.member is not None and solver.asked == POSE
     found = solve(_loose(solver, float(min(*pair / [solver.chain.size, 1.0]))) if few else solver, T, **options)
     kept = _within(found, pair)
     if solver.parameters or bool((kept.count > 0).all()):

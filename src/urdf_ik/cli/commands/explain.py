@@ -26,6 +26,7 @@ def explain(
     typed: PoseOptions,
     seed: int = 0,
     task: PartOfPose | None = None,
+    axis: str | None = None,
     redundancy: str | None = None,
     world: Path | None = None,
     chosen: ArmOptions,
@@ -51,10 +52,10 @@ def explain(
 
     obstacles = read_world(world, chosen)
     arm, angles = chosen.loaded(degrees, typed)
-    asked = "pose" if task is None else task.value.replace("-", " ")
+    asked, direction = targets.task_of(task, axis)
+    arm = arm.for_task(asked, direction)
     target = targets.spread(arm, targets.target(arm, typed, None, seed, angles, asked), redundancy, angles)
-    wanted = target.poses if asked == "pose" else targets.of_task(arm, target.poses, asked)
-    arm, values = arm.for_task(asked), target.redundancy
+    wanted, values = targets.of_task(arm, target.poses), target.redundancy
     found = [
         {"pose": k, **_explained(arm, wanted[k], None if values is None else values[k], obstacles, angles)}
         for k in range(len(wanted))
@@ -76,7 +77,7 @@ def _explained(arm: Arm, wanted: Array, redundancy: Array | None, world: World |
     bodies = arm.cell.collisions.in_world(world)
     inside = solutions.within_limits()
     usable = inside.collision_free(world) if bodies.has_geometry else inside
-    single = solutions.solver.task == "pose" and len(arm.solver.parameters) == 1
+    single = len(arm.solver.parameters) == 1 and arm.solver.require_member().self_motion is not None
     return {
         "solutions": int(solutions.count),
         "of_use": int(usable.count),

@@ -6,20 +6,21 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import typer
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.cli import console, options
+from urdf_ik.cli import console, options, targets
 from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.task import POSE, Task
 from urdf_ik.typing import Array
 
 Metric = Literal["l2", "max", "time"]
@@ -129,22 +130,44 @@ class Nearest(options.Record):
     first: First | None = None
     tolerance: str | None = None
 
-    def solve(self, arm: Arm, target: Target, angles: Angles, *, within_limits: bool) -> tuple[IKSolutions, str]:
+    @property
+    def asked(self) -> bool:
+        """Whether the nearest postures are asked for."""
+        return self.closest or self.first is not None
+
+    def solve(
+        self, arm: Arm, target: Target, angles: Angles, task: tuple[str, Any], *, within_limits: bool
+    ) -> tuple[IKSolutions, str]:
         """The solutions of poses, or the nearest postures, and a note on what they miss.
 
         Raises:
             typer.BadParameter: a tolerance that is no pair of numbers, or options that exclude each other.
         """
-        if self.closest or self.first is not None:
-            found = arm.ik_closest(target.poses, first=self.first, within_limits=within_limits)
-            return found, "nearest postures, the best first"
-        found, tolerance = arm.ik(target.poses, redundancy=target.redundancy), target.tolerance
+        if self.asked:
+            asked = Task.read(*task)
+            found = arm.ik_closest(target.poses, first=self.first, task=asked, within_limits=within_limits)
+            return found, "the nearest postures that a search found, the best first"
+        wanted = targets.of_task(arm, target.poses)
+        found, tolerance = arm.ik(wanted, redundancy=target.redundancy), target.tolerance
+        if arm.solver.parameters and target.redundancy is None:
+            return at_other_values(arm, found)
         if self.tolerance is not None:
             pair = console.numbers(self.tolerance, "--tolerance", ("m", "rad"))
             tolerance = (float(pair[0]), float(angles.typed(pair[1]) if angles.degrees else pair[1]))
-        if tolerance is None or arm.solver.parameters or bool((found.count > 0).all()):
+        exact = tolerance is None or arm.solver.parameters or arm.solver.targets is not None
+        if exact or tolerance is None or bool((found.count > 0).all()):
             return found, ""
         return near_poses(arm, found, tolerance, angles)
+
+
+def at_other_values(arm: Arm, found: IKSolutions) -> tuple[IKSolutions, str]:
+    """Solutions at the default values, or where none is inside the limits at others; and a note on that."""
+    shown = arm.ik(found.poses, redundancy=arm.values_inside(found.poses))
+    moved = np.asarray(shown.redundancy != found.redundancy).reshape(len(found.count), -1).any(axis=1)
+    if not moved.any():
+        return found, ""
+    which = "" if moved.all() else f" of {int(moved.sum())} of the poses"
+    return shown, f"no solution{which} is inside the limits at the default redundancy; others were searched"
 
 
 def near_poses(arm: Arm, found: IKSolutions, tolerance: tuple[float, float], angles: Angles) -> tuple[IKSolutions, str]:
@@ -170,6 +193,7 @@ def ik(
     random: int | None = None,
     seed: int = 0,
     task: PartOfPose | None = None,
+    axis: str | None = None,
     redundancy: str | None = None,
     nearest_posture: Nearest,
     choice: Choice,
@@ -190,6 +214,8 @@ def ik(
     Examples:
         urdf-ik ik dh_6r --xyz 0.5 0.11 0.26 --quat-xyzw 0 0 0.8 0.6
         urdf-ik ik planar_2r --task planar-position --xyz 0.1,0.05,0
+        urdf-ik ik so101 --task position --xyz 0.2,0.1,0.05 --within-limits
+        urdf-ik ik so101 --task position --axis x --xyz 0.2,0.1,0.05 --rpy 0,1.57,0
         urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --collision-free --world cell.urdf
         urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --max-step 0.5
         urdf-ik ik so101 --xyz 0.2,0.1,0.05 --rpy 0,1.57,0 --closest --within-limits
@@ -207,24 +233,28 @@ def ik(
         typer.BadParameter: an invalid target, or a file that cannot be written.
         typer.Exit: a pose has no solution.
     """
-    from urdf_ik.cli import answers, targets
+    from urdf_ik.cli import answers
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     obstacles = read_world(world, chosen)
     arm, angles = chosen.loaded(degrees, typed)
     keep = choice.filter_for(arm, angles, obstacles)
     with Progress("checking solutions") as progress:
-        asked = "pose" if task is None else task.value.replace("-", " ")
+        asked, direction = targets.task_of(task, axis)
+        whole = arm
+        if not nearest_posture.asked:
+            arm = arm.for_task(asked, direction)
         target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
-        target = choice.at_the_nearest(arm, target, angles) if asked == "pose" else target
-        if asked == "pose":
-            solved, note = nearest_posture.solve(arm, target, angles, within_limits=choice.within_limits)
-            target = replace(target, note=f"{target.note}; {note}" if note else target.note)
-        else:
-            solved = arm.ik(targets.of_task(arm, target.poses, asked), task=asked)
+        target = choice.at_the_nearest(arm, target, angles)
+        wanted = (asked, direction)
+        solved, note = nearest_posture.solve(arm, target, angles, wanted, within_limits=choice.within_limits)
+        task_words = "" if solved.solver.asked == POSE else f"task: {solved.solver.asked}"
+        searched = task_words and not note and not solved.certain.all()
+        parts = (target.note, task_words, note, "found by search, so that there may be others" if searched else "")
+        target = replace(target, note="; ".join(part for part in parts if part))
         answer = answers.checked(
-            arm,
+            whole if arm.solver.targets is not None else arm,
             target.poses,
             keep(solved),
             angles,

@@ -195,7 +195,7 @@ def prepare_middle(
         branches=branches,
         solver=solver,
         parameters=parameters,
-        self_motion=None if first.parameters else self_motion(chain, k),
+        self_motion=self_motion(chain, k) if chain.n == 7 and not first.parameters else None,
         value_of=value_of,
         why=why,
         swivel=None,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.ik.minima import spread_evenly
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
@@ -287,17 +288,6 @@ def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Arra
             if len(chosen) == STARTS:
                 break
     return np.array(chosen).reshape(-1, solver.dof)
-
-
-def spread_evenly(count: int, wide: int) -> Array:
-    """(count, wide) shares of a unit cube, evenly spread: multiples of powers of a root of x^(wide + 1) = x + 1."""
-    if not wide:
-        return np.empty((count, 0))
-    root = 2.0
-    for _ in range(60):
-        root = (1.0 + root) ** (1.0 / (wide + 1))
-    steps = root ** -np.arange(1.0, wide + 1.0)
-    return np.asarray((0.5 + np.arange(count)[:, None] * steps) % 1.0)
 
 
 class _Conditions:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.solutions.solution import KeptSolutions
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import POSE
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
 from urdf_ik.kinematics.derivatives import Points, curvature, rates_by_geometry, second_rate, written
 from urdf_ik.support import inputs
@@ -207,6 +208,8 @@ def _slopes(solver: Solver, held: list[Any]) -> Array:
 def _controlled(solutions: KeptSolutions) -> Array | None:
     """(6, 6) or (..., B, 6, 6), what of a twist counts to the target; None where all of it does."""
     solver = solutions.solver
+    if solver.asked != POSE:
+        raise UnsupportedArm(f"{solver.name}: derivatives for the task {str(solver.asked)!r} are not computed")
     if solver.task == "pose":
         if solver.free_axis is None or solver.parameters:
             return None

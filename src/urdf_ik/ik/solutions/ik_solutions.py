@@ -188,7 +188,8 @@ class IKSolutions(DifferentiableSolutions):
     def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
         """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
 
-        Of equally good solutions, the first branch counts.
+        Of equally good solutions, the first branch counts. Where a redundancy parameter was left at its default, poses
+        without a solution inside the joint limits are solved at another value, which ``redundancy`` says.
 
         Args:
             by: 'limits': farthest from the joint limits. Each solution counts by its image farthest inside them, the
@@ -211,8 +212,10 @@ class IKSolutions(DifferentiableSolutions):
         self._require_columns(n, "best")
         inputs.choice(by, "by", distances.QUALITIES)
         kept: IKSolutions = self
+        if self.solver.parameters and self._redundancy is None and self.step is None:
+            kept = self.arm.ik(self._poses, redundancy=self.arm.values_inside(self._poses))
         if by == "limits":
-            kept = self._moved_inside(limits.image_inmost(self._q, self.solver.limits, self._turning))
+            kept = kept._moved_inside(limits.image_inmost(kept._q, self.solver.limits, self._turning))
         scores = kept.scores(by, world=world)
         return kept._picked(distances.least_columns(np.where(np.isnan(scores), np.inf, -scores), n), "best")
 

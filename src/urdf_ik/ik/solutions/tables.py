@@ -32,7 +32,7 @@ def explanation(solutions: KeptSolutions) -> str:
         solutions = solutions.step.parent
     step = solutions.step
     if step is None:
-        return str(solutions.arm.explain(solutions.poses, solutions.redundancy))
+        return str(solutions.arm.explain(solutions.poses, solutions._redundancy))
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
     if step.how == "within":
         inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""

@@ -1,0 +1,154 @@
+"""How an arm is solved for a part of a pose: in closed form, with joints given or an axis free, else by search."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.descent import Wanted
+from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, of_six
+from urdf_ik.ik.families.joint_given import prepare_middle
+from urdf_ik.ik.families.parts.family import Family, columns
+from urdf_ik.ik.minima import searched
+from urdf_ik.ik.task import Task
+from urdf_ik.kinematics.chain import Chain, kinds_of, least_stretches, sampled
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.model.poses import project_rotation
+from urdf_ik.typing import Array
+
+_MOST_GIVEN = 4
+"""Joints that are given beside the three that place the tip; a joint more makes preparing five times as long."""
+_CONTROL = 1e-3
+"""Smallest singular value of a task's Jacobian, at the middle one of sampled joint vectors, that counts as control."""
+_REACHED = 2e-11
+"""Share of the size, rad: what a solution that is searched may miss."""
+_INCOMPLETE = np.uint8(32)
+COLUMNS = 16
+"""Most solutions that a search returns."""
+
+
+def member(chain: Chain, asked: Task, whole: FamilyMember | None) -> FamilyMember:
+    """The arm as it is solved for a task, its member for whole poses being ``whole``."""
+    if asked.components == "position" and 3 <= chain.n <= 3 + _MOST_GIVEN and chain.axes is chain:
+        placing = _placing(chain)
+        placed = placing and _placed(chain, placing, tuple(range(1, chain.n + 1)))
+        if placed:
+            return placed
+    if asked.components == "position and axis" and asked.frame == "tip" and chain.axes is chain:
+        axis = np.array(asked.axis)
+        if chain.n >= 6 and whole is not None and isinstance(whole.solver, Solver):
+            return axis_added.prepare_free(chain, whole, FreeAxis.read(axis))
+        if chain.n == 5 and not chain.prismatic.any() and controls_aim(chain, axis):
+            aimed = axis_added.prepare_aimed(chain, axis, of_six)
+            if aimed is not None:
+                return aimed
+    return _by_search(chain, asked)
+
+
+def controls_aim(chain: Chain, axis: Array) -> bool:
+    """Whether five joints control the tip's position and the direction of its ``axis``."""
+    q = sampled(chain)
+    J, along = chain.jacobian(q), chain.fk(q)[:, :3, :3] @ axis
+    across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
+    return float(np.median(least_stretches(chain, np.concatenate([J[:, :3], across], axis=1)))) > _CONTROL
+
+
+def _placing(chain: Chain) -> tuple[str, ...]:
+    """Three joints that place the tip well, those nearest to the base; () where none do."""
+    J = chain.jacobian(sampled(chain))[:, :3] / chain.size
+    J[:, :, chain.prismatic] *= chain.size
+
+    def stretch(joints: tuple[int, ...]) -> float:
+        return float(np.median(np.linalg.svd(J[:, :, joints], compute_uv=False)[:, -1]))
+
+    every = list(combinations(range(chain.n), 3))
+    best = max(map(stretch, every))
+    if best < _CONTROL:
+        return ()
+    chosen = next(joints for joints in every if stretch(joints) >= 0.5 * best)
+    return tuple(chain.joint_names[k] for k in chosen)
+
+
+def _placed(chain: Chain, placing: tuple[str, ...], numbers: tuple[int, ...]) -> FamilyMember | None:
+    """The plan that gives all joints but those of ``placing``, the first one first."""
+    k = next((k for k, name in enumerate(chain.joint_names) if name not in placing), None)
+    if k is None:
+        return few_joints.prepare_position(chain)
+    rest = (*numbers[:k], *numbers[k + 1 :])
+    return prepare_middle(chain, k, numbers[k], lambda others: _placed(others, placing, rest))
+
+
+def _by_search(chain: Chain, asked: Task) -> FamilyMember:
+    reason = f"no closed form of {chain.n} joints for the task {str(asked)!r}"
+    family = Family(
+        name="by search",
+        reason=reason,
+        steps="Newton's method on the URDF as written, from evenly spread starts",
+        branches=columns(COLUMNS),
+        by_quadratics=False,
+        matches=lambda structure, chain: False,
+        prepare=lambda family, structure, chain: None,
+    )
+    solver: Any = _Search(chain, asked)
+    return FamilyMember(
+        family=family,
+        name=f"{kinds_of(chain)}: by search",
+        reason=reason,
+        method=family.steps,
+        branches=family.branches,
+        solver=solver,
+        why=partial(_nearest, chain, asked),
+    )
+
+
+def _nearest(chain: Chain, asked: Task, T: Array) -> str:
+    q = _minima(chain, asked, T[None])[0, :1]
+    off, angle = (float(each[0]) for each in asked.errors(T[None], chain.fk(q)))
+    return f"the nearest posture that was found misses the {asked} by {off:.3g} m and {angle:.3g} rad"
+
+
+def _minima(chain: Chain, asked: Task, T: Array) -> Array:
+    seen = asked.chain(chain)
+    free = np.where(seen.prismatic[:, None], seen.limits, [-np.inf, np.inf])
+    wanted = Wanted(seen, T[:, :3, 3], *asked.matrix(T))
+    return searched(wanted, free, None, float(asked.has_place), float(asked.has_turn))[..., : chain.n]
+
+
+class _Search:
+    """Solves like a compiled solver, by the minima of what is missed."""
+
+    numbers = 16
+    parameters = 0
+
+    def __init__(self, chain: Chain, asked: Task) -> None:
+        self._chain, self._asked = chain, asked
+        self.joints, self.branches = chain.n, COLUMNS
+
+    def many(
+        self,
+        kind: Any,
+        solver: Any,
+        branches: tuple[str, ...],
+        T: Array,
+        q_ref: Array | None,
+        values: Array | None,
+        threads: int | None,
+        out: Any,
+    ) -> Any:
+        """The solutions of poses (..., 4, 4) as a ``kind``."""
+        batch, stack = T.shape[:-2], project_rotation(T).reshape(-1, 4, 4)
+        q = np.full((len(stack), COLUMNS, self.joints), np.nan)
+        for k in range(0, len(stack), 64):
+            found = _minima(self._chain, self._asked, stack[k : k + 64])[:, :COLUMNS]
+            q[k : k + 64, : found.shape[1]] = found
+        off, angle = self._asked.errors(stack[:, None], self._chain.fk(q))
+        missed = ~((off <= _REACHED * self._chain.size) & (angle <= _REACHED))
+        q[missed] = np.nan
+        info: NDArray[np.uint8] = (~missed).astype(np.uint8)
+        info[:, 0] |= _INCOMPLETE
+        return kind(solver, T, q.reshape(*batch, *q.shape[1:]), info.reshape(*batch, COLUMNS), branches)

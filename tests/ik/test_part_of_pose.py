@@ -1,0 +1,115 @@
+"""Parts of a pose: what is asked is reached, as Pinocchio measures it, by arms with more or fewer joints."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms_few import case_of
+from cases import Case, from_catalogue
+from command import call
+from hobby import URDF
+from numpy.typing import NDArray
+
+import urdf_ik
+
+Array = NDArray[np.float64]
+TASKS = ("position", "position and axis", "level", "orientation", "axis", "look at")
+
+
+def arm_of(name: str) -> Case:
+    """The hobby arm, or one of the catalogue."""
+    return case_of(URDF) if name == "hobby" else from_catalogue(name)
+
+
+def missed(task: str, axis: Array, T: Array, reached: Array) -> float:
+    """The greatest part of what a task asks for that a pose misses [m, 1]."""
+    off, R, wanted = reached[:3, 3] - T[:3, 3], reached[:3, :3], T[:3, :3]
+    parts = {
+        "position": [off],
+        "position and axis": [off, (R - wanted) @ axis],
+        "level": [off, (R - wanted)[2]],
+        "orientation": [(R - wanted).ravel()],
+        "axis": [(R - wanted) @ axis],
+        "look at": [off + (R @ axis) * np.linalg.norm(off)],
+    }[task]
+    return max(float(np.abs(part).max()) for part in parts)
+
+
+@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("name", ["hobby", "puma_560", "srs_7r"])
+def test_what_is_asked_is_reached(name: str, task: str) -> None:
+    """Every solution at the pose of a joint vector reaches what was asked to 1e-9."""
+    arm, axis = arm_of(name), np.array([1.0, 0.0, 0.0])
+    T = arm.oracle.pose(np.linspace(-0.6, 0.7, arm.arm.dof))
+    named = axis if task in ("position and axis", "axis", "look at") else None
+    s = arm.arm.ik(T, task=urdf_ik.Task.read(task, named))
+    assert len(s) > 0
+    for one in s:
+        assert missed(task, axis, T, arm.oracle.pose(one.q)) < 1e-9
+    assert max(s.error.position[s.valid].max(), s.error.rotation[s.valid].max()) < 1e-9
+
+
+@pytest.mark.parametrize(("name", "free"), [("hobby", 2), ("puma_560", 3), ("scara_rrpr", 1)])
+def test_a_position_leaves_joints_free(name: str, free: int) -> None:
+    """As many redundancy parameters as joints beyond three; at their values the joint vector comes back."""
+    arm = arm_of(name)
+    q = np.linspace(-0.2, 0.3, arm.arm.dof)
+    made = arm.arm.for_task("position")
+    assert len(made.solver.parameters) == free
+    s = made.ik(arm.oracle.pose(q)[:3, 3], redundancy=made.redundancy_of(q))
+    assert s.status == "complete"
+    assert np.abs(s.nearest(q)[0].q - q).max() < 1e-8
+
+
+def test_no_solution_of_newtons_method_is_lacking() -> None:
+    """Position and direction with five joints: 'complete', and scipy's roots from 100 starts are all there."""
+    from scipy.optimize import least_squares
+
+    arm = arm_of("hobby")
+    rng = np.random.default_rng(4)
+    axis = np.array([0.0, 1.0, 0.0])
+    T = arm.oracle.pose([0.3, -0.2, 0.5, 0.7, 0.2])
+    s = arm.arm.ik((T[:3, 3], T[:3, 1]), task="position", axis="y")
+    assert s.status == "complete"
+
+    def error(q: Array) -> Array:
+        reached = arm.oracle.pose(q)
+        return np.concatenate([reached[:3, 3] - T[:3, 3], reached[:3, 1] - T[:3, 1]])
+
+    for start in rng.uniform(-np.pi, np.pi, (100, 5)):
+        root = least_squares(error, start, xtol=1e-14, ftol=1e-14, gtol=1e-14)
+        if np.abs(root.fun).max() < 1e-9:
+            apart = np.abs((s.q[s.valid] - root.x + np.pi) % (2 * np.pi) - np.pi).max(axis=1)
+            assert apart.min() < 1e-6
+    assert missed("position and axis", axis, T, arm.oracle.pose(s[0].q)) < 1e-9
+
+
+def test_values_elsewhere() -> None:
+    """Where the default has no solution inside the limits, ``best`` has one, and ``explain`` names a value."""
+    arm = arm_of("hobby")
+    rng = np.random.default_rng(2)
+    low, high = arm.arm.limits.T
+    made = arm.arm.for_task("position")
+    places = np.array([arm.oracle.pose(q)[:3, 3] for q in rng.uniform(low, high, (60, 5))])
+    s = made.ik(places)
+    assert 5 < (s.within_limits().count == 0).sum() < 55
+    best = s.best("limits")
+    assert (best.count == 1).all()
+    for q, place in zip(best.q[:, 0], places, strict=True):
+        assert ((q >= low) & (q <= high)).all()
+        assert np.abs(arm.oracle.pose(q)[:3, 3] - place).max() < 1e-9
+    lacking = int(np.flatnonzero(s.count == 0)[0])
+    assert "there are solutions at flex" in s[lacking].explain()
+
+
+def test_the_command(tmp_path: object) -> None:
+    """A point above the desk, with any orientation, with a direction, and one that only other values reach."""
+    path = f"{tmp_path}/hobby.urdf"
+    with open(path, "w") as file:
+        file.write(URDF)
+    point = ("ik", path, "--xyz=0.22,0.08,0.04", "--task=position")
+    assert call(*point, "--within-limits").exit_code == 0
+    said = call(*point, "--axis=x", "--rpy=0,1.57,0").stdout
+    assert "position and direction of x" in said
+    assert call("ik", path, "--axis=x").exit_code == 2
+    assert "inside the limits" in " ".join(call("ik", path, "--xyz=-0.05,0.04,0.21", "--task=position").stdout.split())
