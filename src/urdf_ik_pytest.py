@@ -3,8 +3,9 @@
 Every pytest run in an environment with urdf-ik loads this module, so it stands outside the package and imports it only
 where ``--urdf`` was given.
 
-A lock file is ``FILE`` with the ending ``.lock.json``, beside it, or what ``--urdf-lock`` names. Tests of your own get
-the arms and the locks by the fixtures ``arm`` and ``arm_lock``.
+A lock file is ``FILE`` with the ending ``.lock.json``, beside it, or what ``--urdf-lock`` names; without it the run
+fails, unless ``--urdf-no-lock`` says so. Tests of your own get the arms and the locks by the fixtures ``arm`` and
+``arm_lock``.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--tip", metavar="LINK", help="tip link: one for all, or one for each --urdf", **repeated)
     group.addoption("--urdf-lock", metavar="FILE", help="its lock file: one for each --urdf", **repeated)
     group.addoption("--urdf-freeze", action="store_true", help="write the lock files that are missing")
+    group.addoption("--urdf-no-lock", action="store_true", help="an arm without a lock file passes")
     group.addoption("--urdf-poses", metavar="N", type=int, default=200, help="random poses for each --urdf")
     group.addoption("--urdf-seed", metavar="SEED", type=int, default=0, help="seed of the random poses")
 
@@ -86,10 +88,10 @@ def arm(_urdf_ik_given: _Given) -> Arm:
 
 @pytest.fixture(scope="session")
 def arm_lock(_urdf_ik_given: _Given) -> Baseline:
-    """The lock of the arm of ``--urdf``; a test is skipped where there is none."""
+    """The lock of the arm of ``--urdf``; with ``--urdf-no-lock`` a test is skipped where there is none."""
     lock = _urdf_ik_given.lock
     if lock is None:
-        pytest.skip(f"no lock file {_urdf_ik_given.lock_path}: pytest --urdf-freeze writes it")
+        pytest.skip(f"no lock file {_urdf_ik_given.lock_path}, and --urdf-no-lock")
     return lock
 
 
@@ -120,7 +122,7 @@ class _Given:
         path = config.invocation_params.dir / source
         self._source: Path | str = path if path.is_file() else source
         self.lock_path = config.invocation_params.dir / lock if lock else lock_beside(path)
-        self._required = lock is not None
+        self._may_lack = config.getoption("--urdf-no-lock")
 
     @cached_property
     def arm(self) -> Arm:
@@ -137,18 +139,23 @@ class _Given:
 
     @cached_property
     def lock(self) -> Baseline | None:
-        """The lock, written first where it is missing and ``--urdf-freeze`` was given.
+        """The lock, written first where it is missing and ``--urdf-freeze`` was given; None with ``--urdf-no-lock``.
 
         Raises:
-            ArgumentError: it is no lock file, or the one that was asked for is not there.
+            ArgumentError: it is no lock file, or not there.
         """
         import urdf_ik
 
         if not self.lock_path.is_file() and self._freeze:
             urdf_ik.freeze(self.arm).save(self.lock_path)
-        if not self.lock_path.is_file() and not self._required:
+        if self.lock_path.is_file():
+            return self._read()
+        if self._may_lack:
             return None
-        return self._read()
+        raise urdf_ik.ArgumentError(
+            f"there is no lock file {self.lock_path}, so nothing says whether {self.source} has changed; "
+            "--urdf-freeze writes it, --urdf-lock names another, --urdf-no-lock goes without"
+        )
 
     @cached_property
     def verification(self) -> Verification | None:
@@ -200,7 +207,7 @@ class _CheckedArm(pytest.Collector):
         if self._reported_by in ("", name):
             self._reported_by = name
             raise _Disagrees(reason)
-        words = f"{self.given.source} cannot be read or checked; the test {self._reported_by!r} failed and says why"
+        words = f"{self.given.source} or its lock cannot be read; the test {self._reported_by!r} failed and says why"
         pytest.skip(f"not run: {words}")
 
     def _require_property(self, name: str) -> None:
@@ -219,7 +226,7 @@ class _CheckedArm(pytest.Collector):
                 raise _Disagrees("\n".join([report.title(), words, *replay]))
 
     def _require_unchanged(self, name: str, kind: str) -> None:
-        """Fail where something of a kind differs from the lock; skip where there is no lock."""
+        """Fail where something of a kind differs from the lock, or where there is no lock."""
         import urdf_ik
         from urdf_ik.verify.baselines import replays
         from urdf_ik.verify.differences import summed
@@ -231,7 +238,7 @@ class _CheckedArm(pytest.Collector):
             self._refuse(str(error), name)
             return
         if report is None:
-            pytest.skip(f"no lock file {given.lock_path.name}: pytest --urdf-freeze writes it")
+            pytest.skip(f"no lock file {given.lock_path.name}, and --urdf-no-lock")
         if wrong := tuple(difference for difference in report.differences if difference.kind == kind):
             lines = [
                 f"{report.title()}: {kind}",

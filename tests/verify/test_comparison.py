@@ -306,6 +306,51 @@ def test_many_arms_answer_the_same_poses() -> None:
         urdf_ik.compare_many([], T)
 
 
+def test_a_table_in_the_way_takes_the_lower_elbows() -> None:
+    """Above a table in front of a UR5 the upper elbows are free by coal, the lower ones are not; the tool counts."""
+    arm, world = urdf_ik.load("ur5"), urdf_ik.World()
+    world.add("table", urdf_ik.Box((0.8, 1.2, 0.1)), urdf_ik.pose([0.6, 0.0, -0.05]))
+    T = [urdf_ik.pose([0.35, y, 0.12], rpy=[np.pi, 0.0, 0.0]) for y in (-0.1, 0.0, 0.1)]
+    found = urdf_ik.compare_many({"ur5": "ur5", "again": arm}, T, world=world)
+    for row in found.rows:
+        assert row.contact is ("elbow down" in row.branch), row
+    assert found.reached("again") == 3
+    text = str(found)
+    assert all("  all  " in line for line in text.splitlines() if "elbow up" in line)
+    assert max(map(len, text.splitlines())) <= 80
+    drill = arm.with_tool(
+        urdf_ik.pose([0.0, 0.0, 0.1]), [(urdf_ik.Cylinder(0.02, 0.3), urdf_ik.pose([0.0, 0.0, 0.15]))]
+    )
+    hit = urdf_ik.compare_many([drill], [each @ urdf_ik.pose([0.0, 0.0, 0.1]) for each in T], world=world)
+    assert all(row.contact is True for row in hit.rows if row.in_limits)
+    degrees = found.in_degrees()
+    assert (
+        degrees.rows[0].limit_margin == pytest.approx(np.rad2deg(found.rows[0].limit_margin)) and degrees.unit == "deg"
+    )
+
+
+def test_the_command_compares_in_a_cell_and_draws_it(tmp_path: Path) -> None:
+    """--world and --tool-cylinder take the branches that touch; -o FILE.svg is the picture."""
+    (tmp_path / "cell.urdf").write_text(
+        '<robot name="cell"><link name="table"><collision><origin xyz="0.6 0 -0.05"/>'
+        '<geometry><box size="0.8 1.2 0.1"/></geometry></collision></link></robot>'
+    )
+    words = ["compare", "ur5", "ur5", "-n", "2", "--xyz", "0.35,0,0.12", "--rpy", "180,0,0", "--degrees"]
+    in_cell = [*words, "--world", str(tmp_path / "cell.urdf")]
+    runner = CliRunner()
+    free = [
+        runner.invoke(app, [*some, "-f", "json"])
+        for some in (words, in_cell, [*in_cell, "--tool-cylinder", "0.02,0.3"])
+    ]
+    counts = [
+        sum(row[7] is False for row in json.loads(done.stdout)["poses"]["rows"] if row[0].startswith("A"))
+        for done in free
+    ]
+    assert counts == [8, 4, 0]
+    assert runner.invoke(app, [*in_cell, "-o", str(tmp_path / "cell.svg")]).exit_code == 0
+    assert ElementTree.fromstring((tmp_path / "cell.svg").read_text()).tag.endswith("svg")
+
+
 def test_the_command_takes_many_arms_poses_and_an_exit_code(tmp_path: Path) -> None:
     """Status 1 only with --exit-code and a difference; every option for all arms or for one; poses from a file."""
     np.save(tmp_path / "T.npy", urdf_ik.load(ARM).fk(np.zeros((2, 6)) + 0.3))

@@ -82,7 +82,7 @@ def test_an_arm_that_cannot_be_solved_does_not_pass() -> None:
 def test_plugin_runs_one_test_a_property(pytester: pytest.Pytester) -> None:
     """Without a test file; several arms, each with its own links; -k chooses."""
     words = ["--urdf", str(ARM), "--urdf", "planar_2r", "--base", "base_link", "--tip", "tool0", "--tip", "tool0"]
-    done = run(pytester, *words, "--urdf-poses", "5", "-v")
+    done = run(pytester, *words, "--urdf-poses", "5", "-v", "--urdf-no-lock")
     assert done.ret == 0
     done.assert_outcomes(passed=2 * len(PROPERTIES) + 2, skipped=2 * len(UNCHANGED))
     done.stdout.fnmatch_lines(["*zyyzyz_6r.urdf::planted joint vector PASSED*", "*planar_2r::duplicates PASSED*"])
@@ -106,13 +106,13 @@ def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> N
     pytester.path.joinpath("broken.urdf").write_text("<robot name='x'><link")
     done = run(pytester, "--urdf", "broken.urdf", "-rs")
     done.assert_outcomes(failed=1, skipped=len(PROPERTIES) + len(UNCHANGED))
-    done.stdout.fnmatch_lines(["*broken.urdf:1*", "*not run: broken.urdf cannot be read*'can be read' failed*"])
+    done.stdout.fnmatch_lines(["*broken.urdf:1*", "*not run: broken.urdf or its lock cannot*'can be read' failed*"])
     # Whatever is chosen, an arm that cannot be read is a failure.
     chosen = run(pytester, "--urdf", "broken.urdf", "-k", "Jacobian or duplicates")
     chosen.assert_outcomes(failed=1, skipped=1, deselected=len(PROPERTIES) - 1 + len(UNCHANGED))
     assert chosen.ret == pytest.ExitCode.TESTS_FAILED
     pytester.path.joinpath("unsolved.urdf").write_text(UNSOLVED)
-    run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2").assert_outcomes(
+    run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2", "--urdf-no-lock").assert_outcomes(
         passed=8, failed=5, skipped=2 + len(UNCHANGED)
     )
     wrong = run(pytester, *["--urdf", "planar_2r"] * 3, *["--tip", "tool0"] * 2)
@@ -151,7 +151,10 @@ def test_plugin_freezes_verifies_and_names_the_joint(pytester: pytest.Pytester) 
     path = pytester.path / "my_arm.urdf"
     path.write_text(ARM.read_text())
     quick = "--urdf-poses", "2", "-k", "unchanged"
-    run(pytester, "--urdf", "my_arm.urdf", *quick).assert_outcomes(
+    alone = run(pytester, "--urdf", "my_arm.urdf", *quick)
+    alone.assert_outcomes(failed=1, skipped=len(UNCHANGED) - 1, deselected=len(PROPERTIES) + 1)
+    alone.stdout.fnmatch_lines(["*no lock file *my_arm.lock.json*--urdf-no-lock*"])
+    run(pytester, "--urdf", "my_arm.urdf", "--urdf-no-lock", *quick).assert_outcomes(
         skipped=len(UNCHANGED), deselected=len(PROPERTIES) + 1
     )
     run(pytester, "--urdf", "my_arm.urdf", "--urdf-freeze", *quick).assert_outcomes(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.arm.compiled import is_compiled, load_compiled
-from urdf_ik.arm.loading import load
+from urdf_ik.arm.loading import Robot, load, loaded
 from urdf_ik.arm.positioner import with_positioner
 
-__all__ = ["Arm", "assemble", "is_compiled", "load", "load_compiled", "with_positioner"]
+__all__ = ["Arm", "Robot", "assemble", "is_compiled", "load", "load_compiled", "loaded", "with_positioner"]

@@ -18,6 +18,14 @@ from urdf_ik.model import catalogue, urdf
 from urdf_ik.model.srdf import chain_groups, defects_of, disabled_pairs, groups_beside
 from urdf_ik.model.urdf.defects import together
 
+Robot = Arm | str | os.PathLike[str] | IO[Any]
+"""An arm, or the source of one."""
+
+
+def loaded(robot: Robot) -> Arm:
+    """The arm itself, or that of a source, by :func:`load`."""
+    return robot if isinstance(robot, Arm) else load(robot)
+
 
 def load(
     source: str | os.PathLike[str] | IO[Any],

@@ -48,6 +48,7 @@ class ArmOptions(Record):
         strict: Refuse defects anywhere in the URDF.
         tool_xyz (X,Y,Z): Put a tool there: its point in the tip link [m].
         tool_rpy (R,P,Y): The tool's orientation in the tip link [rad].
+        tool_cylinder (R,L): The tool's body: a cylinder along z of the tip link, from its origin on [m].
         redundancy_joint (NAME): Joint whose value is a redundancy parameter; repeatable.
         free_axis (x|y|z|X,Y,Z): Axis about which the tool may turn freely, in the tip.
         free_at (X,Y,Z): A point of that axis, in the tip link [m].
@@ -66,6 +67,7 @@ class ArmOptions(Record):
     strict: bool = False
     tool_xyz: str | None = None
     tool_rpy: str | None = None
+    tool_cylinder: str | None = None
     redundancy_joint: list[str] | None = None
     free_axis: str | None = None
     free_at: str | None = None
@@ -93,7 +95,8 @@ class ArmOptions(Record):
         self._say_which(arm)
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
-            arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+            name = next(name for name in names if name not in arm.model.links)
+            arm = arm.with_tool(tool, self._tool_shapes(), name=name)
         for typed in self.allow or ():
             first, comma, second = (part.strip() for part in typed.partition(","))
             if not (first and comma and second):
@@ -187,13 +190,23 @@ class ArmOptions(Record):
 
     def _tool(self, degrees: bool) -> Array | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
-        if self.tool_xyz is None and self.tool_rpy is None:
+        if self.tool_xyz is None and self.tool_rpy is None and self.tool_cylinder is None:
             return None
         from urdf_ik.model.poses import pose
 
         xyz = console.numbers(self.tool_xyz or "0,0,0", "--tool-xyz", _XYZ)
         rpy = console.numbers(self.tool_rpy or "0,0,0", "--tool-rpy", _RPY)
         return pose(xyz, rpy=np.deg2rad(rpy) if degrees else rpy)
+
+    def _tool_shapes(self) -> list[Any]:
+        """The cylinder, with its middle in the tip link."""
+        if self.tool_cylinder is None:
+            return []
+        from urdf_ik.cell.shapes import Cylinder
+        from urdf_ik.model.poses import pose
+
+        radius, length = console.numbers(self.tool_cylinder, "--tool-cylinder", ("radius", "length")).tolist()
+        return [(Cylinder(radius, length), pose([0.0, 0.0, 0.5 * length]))]
 
     def require_only(self, names: Collection[str], why: str) -> None:
         """Refuse options of one arm where there is none.

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from urdf_ik.arm import Arm
+from urdf_ik.arm import Arm, Robot, loaded
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.ik.cuspidality import is_cuspidal
@@ -50,8 +50,8 @@ _NUMBERED = re.compile(r"\d+$")
 
 
 def compare(
-    a: Arm,
-    b: Arm,
+    a: Robot,
+    b: Robot,
     n: int = 200,
     seed: int = 0,
     *,
@@ -69,7 +69,7 @@ def compare(
     one arm cannot be solved, some parts of the comparison are skipped; ``notes`` lists them.
 
     Args:
-        a: the first arm, such as the nominal one.
+        a: the first arm, such as the nominal one, or what :func:`urdf_ik.load` takes.
         b: the second arm, such as the calibrated one.
         n: number of poses that each arm makes.
         seed: the same seed gives the same comparison.
@@ -94,8 +94,7 @@ def compare(
         >>> len(compare(a, b, n=10).structure) > 0
         True
     """
-    inputs.arm(a, "a")
-    inputs.arm(b, "b")
+    a, b = loaded(a), loaded(b)
     n = inputs.poses(n)
     notes: list[str] = []
     tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)

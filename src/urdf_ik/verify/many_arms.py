@@ -5,12 +5,13 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.arm import Arm
+from urdf_ik.arm import Arm, Robot, loaded
+from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import extras, inputs
@@ -70,6 +71,7 @@ class ManyArms(Report):
         rows: one a solution, and one for each pose that an arm does not reach.
         notes: what was not checked, and why.
         unlooked: what the time limit left out; '' where every pose was looked at.
+        unit: of ``limit_margin``: 'rad' or 'deg'; 'rad, m' where an arm has a prismatic joint.
     """
 
     arms: tuple[str, ...]
@@ -77,6 +79,14 @@ class ManyArms(Report):
     rows: tuple[Row, ...]
     notes: tuple[str, ...]
     unlooked: str = ""
+    unit: str = "rad"
+
+    def in_degrees(self) -> ManyArms:
+        """The same with margins in degrees; itself where an arm has a prismatic joint."""
+        if self.unit != "rad":
+            return self
+        rows = tuple(row._replace(limit_margin=float(np.rad2deg(row.limit_margin))) for row in self.rows)
+        return replace(self, rows=rows, unit="deg")
 
     def reached(self, arm: str) -> int:
         """Number of poses that an arm reaches, limits and contacts aside."""
@@ -120,11 +130,33 @@ class ManyArms(Report):
                 margins[row.pose] = max(row.limit_margin, margins.get(row.pose, -np.inf))
             unchecked = any(row.contact == NOT_CHECKED for row in own)
             free = len({row.pose for row in inside if row.contact is False})
-            numbers = (self.poses, self.reached(name), len(margins), NOT_CHECKED if unchecked else free)
+            numbers = (self.reached(name), len(margins), NOT_CHECKED if unchecked else free)
             least = f"{min(margins.values()):.3g}" if margins else "-"
             rows.append((name, *map(str, numbers), str(sum(row.reachable for row in own)), least))
-        header = ("arm", "poses", "reached", "within limits", "free of contact", "solutions", "least best margin")
-        return (Section("the same poses", header, tuple(rows), left=("arm",)),)
+        header = ("arm", "reached", "within limits", "free of contact", "solutions", f"margin [{self.unit}]")
+        return (Section("the same poses", header, tuple(rows), left=("arm",)), *map(self._branches, self.arms))
+
+    def _branches(self, name: str) -> Section:
+        """A line a branch of an arm: poses inside the limits, in contact, usable; its least margin."""
+        rows = []
+        for branch in dict.fromkeys(row.branch for row in self.rows if row.arm == name and row.reachable):
+            own = [row for row in self.rows if (row.arm, row.branch) == (name, branch)]
+            inside = [row for row in own if row.in_limits]
+            usable = [row for row in inside if row.contact is not True]
+            unchecked = any(row.contact == NOT_CHECKED for row in own)
+            count = len({row.pose for row in usable})
+            rows.append(
+                (
+                    branch,
+                    str(len({row.pose for row in inside})),
+                    "?" if unchecked else str(len({row.pose for row in own if row.contact is True})),
+                    "all" if count == self.poses else str(count),
+                    f"{min(row.limit_margin for row in usable):.3g}" if usable else "-",
+                )
+            )
+        rows.sort(key=lambda row: row[3] != "all")
+        header = ("branch", "limits", "contact", "usable", f"margin [{self.unit}]")
+        return Section(f"{name}: poses that a branch reaches", header, tuple(rows), left=("branch",))
 
     def lines(self) -> tuple[str, ...]:
         """What was not checked."""
@@ -176,9 +208,10 @@ class ManyArms(Report):
 
 
 def compare_many(
-    arms: Mapping[str, Arm] | Iterable[Arm],
+    arms: Mapping[str, Robot] | Iterable[Robot],
     poses: Any,
     *,
+    world: World | None = None,
     collisions: str | bool = True,
     time_limit: float | None = None,
     progress: Progress | None = None,
@@ -186,8 +219,10 @@ def compare_many(
     """Solve the same poses with many arms.
 
     Args:
-        arms: the arms; a dictionary names them, else they go by their robots' names.
+        arms: the arms, or what :func:`urdf_ik.load` takes; a dictionary names them, else they go by their robots'
+            names.
         poses: (..., 4, 4) m, each in every arm's own base.
+        world: the obstacles, placed in every arm's own base; the shapes of all arms have to be readable then.
         collisions: whether to check contacts: True where the shapes can be read, with a warning where they cannot;
             'require' to fail there; False: no.
         time_limit: s after which no more poses are looked at; ``unlooked`` says how many were left out.
@@ -213,7 +248,7 @@ def compare_many(
     T = check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     shapes_of, notes = {}, []
     for name, arm in named.items():
-        shapes_of[name], unchecked = arm.cell.to_check(collisions)
+        shapes_of[name], unchecked = arm.cell.to_check(collisions, world)
         if unchecked:
             notes.append(f"{name}: contacts {NOT_CHECKED}: {unchecked}")
         if parameters_of(arm):
@@ -232,23 +267,23 @@ def compare_many(
     for name in unsolved:
         rows[name] = [Row(name, pose) for pose in range(looked_at)]
     every = tuple(row for own in rows.values() for row in own)
-    return ManyArms(tuple(named), looked_at, every, (*notes, *unsolved.values()), watch.unlooked)
+    slides = any(kind == "prismatic" for arm in named.values() for kind in arm.chain.joint_types)
+    unit = "rad, m" if slides else "rad"
+    return ManyArms(tuple(named), looked_at, every, (*notes, *unsolved.values()), watch.unlooked, unit)
 
 
-def _named(arms: Mapping[str, Arm] | Iterable[Arm]) -> dict[str, Arm]:
+def _named(arms: Mapping[str, Robot] | Iterable[Robot]) -> dict[str, Arm]:
     """The arms by their names; where two robots have the same name, the second gets a number."""
     named: dict[str, Arm] = {}
     if isinstance(arms, Mapping):
-        named = {str(name): arm for name, arm in arms.items()}
+        named = {str(name): loaded(arm) for name, arm in arms.items()}
     else:
-        every = inputs.items(arms, "arms", "arms, as urdf_ik.load returns them,")
+        every = [loaded(arm) for arm in inputs.items(arms, "arms", "arms, or what urdf_ik.load takes,")]
         for arm in every:
             names = (arm.name, *(f"{arm.name} ({i})" for i in range(2, len(every) + 2)))
             named[next(name for name in names if name not in named)] = arm
     if not named:
         raise ArgumentError("no arm given; one or more are needed")
-    for name, arm in named.items():
-        inputs.arm(arm, f"arms[{name!r}]")
     return named
 
 

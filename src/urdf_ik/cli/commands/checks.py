@@ -9,10 +9,11 @@ from typing import Any
 import typer
 
 from urdf_ik.cli import console
-from urdf_ik.cli.arm_options import ArmOptions, SeveralArms, angles_of
+from urdf_ik.cli.arm_options import ArmOptions, SeveralArms, angles_of, read_world
 from urdf_ik.cli.console import Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
 from urdf_ik.cli.progress import Progress
+from urdf_ik.support import files
 
 
 def check(
@@ -88,6 +89,7 @@ def compare(
     *,
     arms: SeveralArms,
     typed: PoseOptions,
+    world: Path | None = None,
     n: int = 200,
     seed: int = 0,
     tolerance_mm: float | None = None,
@@ -96,13 +98,18 @@ def compare(
     align: bool = False,
     exit_code: bool = False,
     time_limit: float | None = None,
+    degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
+    output: Path | None = None,
 ) -> None:
     """Compare arms, or URDFs of one arm (another tool, a calibrated copy).
 
     It compares structure, frames, limits, shapes, reach, the number of solutions for the same poses and the joint
     values branch by branch, and says how far B's tool is off when B gets A's joint vectors. What is the same to
     rounding is called the same.
+
+    With poses of yours it lists for every arm and branch how many of them it reaches, inside the limits and free of
+    contact; --world adds obstacles, in every arm's base.
 
     An option is for all arms; with a letter it is for one of them: --tip tool0, or --tip B=flange.
 
@@ -111,12 +118,16 @@ def compare(
         urdf-ik compare zyyzyz_6r my_arm.urdf --exit-code --tolerance-mm 0.5
         urdf-ik compare zyyzyz_6r my_arm.urdf --tip B=tool0 -n 100
         urdf-ik compare ur5 ur10 puma_560 -n 20
+        urdf-ik compare ur5 ur10 --poses seam.csv --world cell.urdf --tool-cylinder 0.02,0.15 -o seam.svg
         urdf-ik compare my_arm.urdf my_arm.xml --align --ignore visuals,collisions
 
     Options:
         align: Fit base, tip, joint zeros and signs of the others first; names do not count then.
         exit_code: End with status 1 where arms differ.
         time_limit (S): How long the table of the typed poses may take.
+
+    Options (Output):
+        output (-o FILE): Write it here; .svg: the picture of the typed poses.
     """
     from urdf_ik.cli import targets
     from urdf_ik.verify import comparison, many_arms
@@ -124,9 +135,13 @@ def compare(
     chosen = arms.each()
     for each in chosen:
         each.apart_from(typed)
-    loaded = [each.load() for each in chosen]
-    target = targets.given(loaded[0], typed, angles_of(loaded[0], False))
+    picture = output is not None and output.suffix.lower() == ".svg"
+    loaded = [each.load(degrees) for each in chosen]
+    target = targets.given(loaded[0], typed, angles_of(loaded[0], degrees))
     own = None if target is None else target.poses
+    if own is None and (picture or world is not None):
+        raise console.usage("the picture and the obstacles are for poses of yours: --poses FILE, --q, --xyz", "--poses")
+    obstacles = read_world(world, chosen[0])
     tolerances: dict[str, Any] = {"tolerance_mm": tolerance_mm, "tolerance_deg": tolerance_deg, "ignore": ignore or ()}
     tolerances["align"] = align
     with Progress("comparing") as progress:
@@ -138,12 +153,17 @@ def compare(
         if own is not None:
             names = [f"{a} {Path(name).name}" for a, name in zip(string.ascii_uppercase, arms.robots, strict=False)]
             by_name = dict(zip(names, loaded, strict=True))
-            reports.append(many_arms.compare_many(by_name, own, time_limit=time_limit, progress=progress.tick))
+            table = many_arms.compare_many(by_name, own, world=obstacles, time_limit=time_limit, progress=progress.tick)
+            reports.append(table.in_degrees() if degrees else table)
     data: Any = found[0].to_json()
     if len(reports) > 1:
         poses = None if own is None else reports[-1].to_dict()
         data = {"comparisons": [each.to_dict() for each in found], "poses": poses}
-    console.emit(printed_as, data, lambda: "\n".join(f"{each}\n" for each in reports))
+    if picture and output is not None:
+        files.write(output, reports.pop().svg().encode())
+        console.say(f"written: {output}")
+        output = None
+    console.emit(printed_as, data, lambda: "\n".join(f"{each}\n" for each in reports), output)
     if exit_code and not all(each.same for each in found):
         raise typer.Exit(Status.FAILED)
 

@@ -37,25 +37,29 @@ def freeze(
     at most 200 kB. Poses of yours are kept as well. Contacts are kept where all shapes can be read; --collisions
     makes it an error where they cannot. `urdf-ik verify` says later what is different.
 
+    Without a lock file it is NAME.lock.json beside the robot, where `urdf-ik verify` and `pytest --urdf` look for it.
+
     Examples:
+        urdf-ik freeze my_arm.urdf
         urdf-ik freeze ur5 ur5.lock.json
         urdf-ik freeze my_arm.urdf --tip tool0 --poses stations.csv -o my_arm.lock.json
 
     Positional:
-        lock_file (LOCK): The lock file to write, such as arm.lock.json.
+        lock_file ([LOCK]): The lock file to write, such as arm.lock.json.
 
     Options:
         output (-o FILE): The same; commit the file.
 
     Raises:
-        typer.BadParameter: no lock file is named, or two.
+        typer.BadParameter: two lock files are named, or none where there is one already.
     """
     from urdf_ik.cli import targets
 
-    file = output or lock_file
-    if file is None or (lock_file is not None and output is not None):
-        wanted = f"name the lock file: urdf-ik freeze {chosen.robot} arm.lock.json (--lock holds a joint)"
-        raise console.usage("name the lock file once" if file else wanted, "LOCK")
+    if lock_file is not None and output is not None:
+        raise console.usage("name the lock file once", "LOCK")
+    file = output or lock_file or lock_beside(chosen.robot)
+    if file not in (output, lock_file) and file.exists():
+        raise console.usage(f"{file} is there already: name it to write it anew, or urdf-ik verify --update", "LOCK")
     files.writable(file)
     arm, angles = chosen.loaded(False, typed)
     target = targets.given(arm, typed, angles)
