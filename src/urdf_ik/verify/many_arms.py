@@ -134,7 +134,10 @@ class ManyArms(Report):
             least = f"{min(margins.values()):.3g}" if margins else "-"
             rows.append((name, *map(str, numbers), str(sum(row.reachable for row in own)), least))
         header = ("arm", "reached", "within limits", "free of contact", "solutions", f"margin [{self.unit}]")
-        return (Section("the same poses", header, tuple(rows), left=("arm",)), *map(self._branches, self.arms))
+        return (
+            Section("the same poses", header, tuple(rows), left=("arm",)),
+            *(self._branches(each) for each in self.arms if self.reached(each)),
+        )
 
     def _branches(self, name: str) -> Section:
         """A line a branch of an arm: poses inside the limits, in contact, usable; its least margin."""
