@@ -1,7 +1,5 @@
 """Calibration: an arm's URDF fitted to measurements, and vendors' calibration files."""
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 _MODULE = {

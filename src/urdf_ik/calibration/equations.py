@@ -4,8 +4,6 @@ The chain of the URDF is lengthened at both ends: by the pose of the base in the
 pose of the measured marker in the tip. Each is a fixed joint with a first estimate, and one with what is fitted.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

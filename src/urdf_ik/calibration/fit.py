@@ -1,7 +1,5 @@
 """The fit of a URDF's numbers to measurements by robust least squares, and the poses to measure next."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Measurements of an arm: joint vectors, and what was measured at each; from arrays and files, checked."""
 
-from __future__ import annotations
-
 import io
 import os
 from dataclasses import dataclass
@@ -54,7 +52,7 @@ class Measurements:
         """How many numbers one measurement fixes."""
         return KINDS[self.kind]
 
-    def part(self, rows: NDArray[Any]) -> Measurements:
+    def part(self, rows: NDArray[Any]) -> "Measurements":
         """Some of the measurements."""
         return Measurements(self.kind, self.q[rows], self.values[rows])
 

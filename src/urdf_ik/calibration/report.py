@@ -1,7 +1,5 @@
 """``Calibration``, the result of a fit: the new arm, what changed, what cannot be told apart, the errors."""
 
-from __future__ import annotations
-
 import io
 import os
 from contextlib import suppress

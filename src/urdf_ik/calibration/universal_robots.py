@@ -4,8 +4,6 @@ It holds the origin of each of the six joints, x, y, z [m] and roll, pitch, yaw 
 description package writes into the URDF as they stand.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from dataclasses import dataclass

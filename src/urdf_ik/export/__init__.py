@@ -1,7 +1,5 @@
 """Arms outside Python: compiled arms, one-file C++ and C, a page that needs no server."""
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 __all__ = ["c", "compile", "cpp", "html", "require_current"]

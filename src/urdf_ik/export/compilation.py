@@ -1,7 +1,5 @@
 """The text of a compiled arm: JSON whose numbers read back exactly, the same from every processor."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

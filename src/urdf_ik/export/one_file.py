@@ -1,7 +1,5 @@
 """An arm as one C++ file, or one header for C: its numbers, its solver and nothing else."""
 
-from __future__ import annotations
-
 import json
 import re
 import struct
@@ -162,7 +160,7 @@ def _body(arm: Arm, name: str, document: dict[str, Any]) -> str:
     )
 
 
-def _solver(node: Node, made: list[str]) -> None:
+def _solver(node: "Node", made: list[str]) -> None:
     """Appends the functions that solve, those that are used first."""
     if node.inner is not None:
         _solver(node.inner, made)
@@ -273,7 +271,7 @@ class Node(NamedTuple):
     core: Solver
     files: tuple[str, ...]
     text: str
-    inner: Node | None = None
+    inner: "Node | None" = None
 
 
 def node_of(arm: Any, name: str) -> Node:

@@ -1,7 +1,5 @@
 """An arm as one HTML page that needs no server: its solvers as WebAssembly, its shapes, and a target to drag."""
 
-from __future__ import annotations
-
 import gzip
 import json
 from base64 import b64encode

@@ -1,7 +1,5 @@
 """Arms and solutions in other programs: ROS messages, pink, viser and rerun; derivatives in torch and jax."""
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 _PUBLIC = (

@@ -1,7 +1,5 @@
 """The answers of ``ik`` that torch and jax differentiate: joint vectors, and the inverses that lead on from them."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

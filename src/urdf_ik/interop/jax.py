@@ -1,7 +1,5 @@
 """``urdf_ik.jax.ik``: every branch as a differentiable function of jax, under ``jit`` and ``vmap`` too."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from importlib import import_module
 from typing import Any

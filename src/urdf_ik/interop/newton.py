@@ -5,8 +5,6 @@ The steps change nothing in answers of ``ik``, and carry derivatives through the
 Both libraries call these functions alike, so that ``xp`` is either; ``constant`` makes one of its arrays of numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

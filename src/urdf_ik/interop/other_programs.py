@@ -3,8 +3,6 @@
 Pinocchio's configurations are methods of the arm: ``arm.to_pinocchio(q)`` and ``arm.from_pinocchio(q_pin)``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``urdf_ik.torch.ik``: every branch as a differentiable function of torch, by both modes, of any order up to two."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib import import_module
 from typing import Any

@@ -1,7 +1,5 @@
 """Workspaces and base placements of an arm; large ones in Zarr stores, computed on Dask's workers."""
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 __all__ = ["placement", "stored_workspace", "workspace"]

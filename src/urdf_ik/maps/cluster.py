@@ -1,7 +1,5 @@
 """Blocks on Dask's workers: Dask hands them out, repeats those of a worker that died, and brings the results back."""
 
-from __future__ import annotations
-
 import asyncio
 import pickle
 import uuid

@@ -1,7 +1,5 @@
 """Grid: the voxels of a map. Blocks: the division of a grid into the chunks of a store."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -92,7 +90,7 @@ class Grid:
             raise ArgumentError(f"{axis} = {at:g} m is outside the map, from {lower:g} to {upper:g} m")
         return k, min(int((at - lower) / self.voxel), self.shape[k] - 1)
 
-    def cut(self, part: Part) -> Grid:
+    def cut(self, part: Part) -> "Grid":
         """The grid of a box of voxels."""
         start = np.array([side.start for side in part])
         x, y, z = (side.stop - side.start for side in part)
@@ -103,7 +101,7 @@ class Grid:
         return {"lower": self.lower.tolist(), "voxel": self.voxel, "shape": list(self.shape)}
 
     @classmethod
-    def from_described(cls, described: Mapping[str, Any]) -> Grid:
+    def from_described(cls, described: Mapping[str, Any]) -> "Grid":
         """The inverse of :meth:`described`."""
         x, y, z = described["shape"]
         return cls(np.array(described["lower"], dtype=np.float64), float(described["voxel"]), (x, y, z))
@@ -122,7 +120,7 @@ class Blocks:
     shape: Shape
 
     @classmethod
-    def cut(cls, grid: Shape, most: int) -> Blocks:
+    def cut(cls, grid: Shape, most: int) -> "Blocks":
         """Blocks of at most ``most`` voxels, and about as long as they are wide."""
         shape = [1, 1, 1]
         while True:

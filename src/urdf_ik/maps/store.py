@@ -7,8 +7,6 @@ attributes, so two runs of one store write the same bytes, and neither needs a l
 checksum that every Zarr reader checks.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import json

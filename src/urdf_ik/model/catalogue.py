@@ -1,7 +1,5 @@
 """The catalogue of robot names: URDFs of this package, of example-robot-data and of robot_descriptions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

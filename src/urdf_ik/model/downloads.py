@@ -1,7 +1,5 @@
 """The models of robot_descriptions, which that package downloads at first use."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

@@ -1,7 +1,5 @@
 """The conversion of xacro and MJCF to URDF, by the packages xacro and mujoco."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Triangle meshes of a URDF's links: their visual shapes, else their collision shapes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mesh files and ROS packages: the folders in which they are looked up, and the reader of meshes."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Poses: conversions from and to the usual notations of position and orientation, and the checks of given poses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The parts of an SRDF that are read: pairs of links that may touch, and named chains."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Collection
 from contextlib import suppress

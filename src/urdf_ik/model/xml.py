@@ -1,7 +1,5 @@
 """The XML reader: a path, XML text or open file in, an XML tree with line numbers out; no entities, no network."""
 
-from __future__ import annotations
-
 import codecs
 import os
 import re

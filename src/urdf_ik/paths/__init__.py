@@ -1,7 +1,5 @@
 """Paths: waypoints, plans through them, their timing, and a tracker for targets that arrive one by one."""
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 _MODULE = {

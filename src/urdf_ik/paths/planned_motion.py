@@ -1,7 +1,5 @@
 """``Plan``, the result of ``arm.follow``."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -121,7 +119,7 @@ class Plan(Report):
     place: Array = field(default_factory=lambda: np.empty(0))
     tolerance: tuple[float, float] = (0.0, 0.0)
     obstacles: Obstacles | None = field(default=None, repr=False)
-    others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
+    others: Callable[[], tuple["Plan", ...]] | None = field(default=None, repr=False)
     unchecked: str = ""
     unlooked: str = ""
 
@@ -142,7 +140,7 @@ class Plan(Report):
         return len(self.q)
 
     @cached_property
-    def alternatives(self) -> tuple[Plan, ...]:
+    def alternatives(self) -> tuple["Plan", ...]:
         """The best plan from every branch of the first waypoint that leads to the end, the cheapest first."""
         plans = () if self.others is None else self.others()
         return tuple(replace(plan, unchecked=self.unchecked) for plan in plans)

@@ -1,7 +1,5 @@
 """``follow``: the cheapest joint motion through all waypoints, over all branches and turns."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -9,8 +9,6 @@ pass through a wrist or a shoulder singularity, which branches on both sides of 
 proof: where singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
 """
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

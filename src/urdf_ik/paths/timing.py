@@ -1,7 +1,5 @@
 """Timed plans: as fast as the limits of velocity and acceleration allow."""
 
-from __future__ import annotations
-
 import csv
 import io
 import logging

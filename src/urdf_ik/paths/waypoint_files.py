@@ -1,7 +1,5 @@
 """Files of waypoints: CSV with named columns, JSON, NumPy's formats; and files of plans."""
 
-from __future__ import annotations
-
 import os
 import warnings
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Waypoints along lines, arcs and polylines, and the poses between two waypoints."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures of an arm and the viewer in the browser."""
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 __getattr__ = attributes(__name__)

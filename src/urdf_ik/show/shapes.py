@@ -1,7 +1,5 @@
 """What links and obstacles look like, as arrays and meshes that any drawing can use."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

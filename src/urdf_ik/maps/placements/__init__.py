@@ -9,8 +9,6 @@
 (2, True)
 """
 
-from __future__ import annotations
-
 from urdf_ik.maps.placements.creation import BASES, BASES_OF_A_PATH, placement
 from urdf_ik.maps.placements.placement_map import SHOWN, Place, PlacementMap, opened
 

@@ -1,7 +1,5 @@
 """placement(): scores base positions in memory, or in a store block by block."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass

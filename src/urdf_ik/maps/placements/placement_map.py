@@ -1,7 +1,5 @@
 """PlacementMap: the scores of every base position of a grid, and the best positions."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

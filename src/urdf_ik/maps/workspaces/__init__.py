@@ -13,8 +13,6 @@ of a Dask cluster.
 A map contains the answers of ``arm.ik`` for every voxel's centre in every sampled orientation, not those between them.
 """
 
-from __future__ import annotations
-
 from urdf_ik.maps.grid import Grid
 from urdf_ik.maps.workspaces.creation import CHUNK, grid_of, stored_workspace, workspace
 from urdf_ik.maps.workspaces.planar_regions import ELBOWS, Arc, PlanarWorkspace, Region, planar

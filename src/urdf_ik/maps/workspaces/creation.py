@@ -1,7 +1,5 @@
 """workspace() and stored_workspace(): the map of an arm in memory, or in a store block by block."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -168,7 +166,7 @@ def _question(
     redundancy: float | None = None,
     threads: inputs.Threads = 1,
     chunk: int = CHUNK,
-) -> _Question:
+) -> "_Question":
     inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")

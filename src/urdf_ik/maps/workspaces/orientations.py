@@ -5,8 +5,6 @@ CVPR 2022, algorithm 1), directions on a Fibonacci lattice of the sphere (Swinba
 approach to global modelling", Quarterly Journal of the Royal Meteorological Society 132, 2006).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from urdf_ik.arm import Arm

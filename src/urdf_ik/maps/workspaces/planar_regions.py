@@ -3,8 +3,6 @@
 Regions of the plane are bounded by arcs of circles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial

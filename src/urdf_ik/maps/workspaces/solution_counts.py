@@ -1,7 +1,5 @@
 """Counts of the solutions of poses, filter by filter, and the best value of each pose's solutions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """WorkspaceMap: the solution counts of the poses of a grid, in memory or in a store, with slices and sums."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Mapping
@@ -200,7 +198,7 @@ class WorkspaceMap:
         """Volume [m^3] of a voxel; area [m^2] for a planar arm."""
         return float(self.grid.voxel ** (2 if self.about["task"].startswith("planar") else 3))
 
-    def read(self, bounds: ArrayLike | None = None) -> WorkspaceMap:
+    def read(self, bounds: ArrayLike | None = None) -> "WorkspaceMap":
         """The map in memory, or its voxels whose centres are inside bounds (2, 3) m.
 
         Raises:

@@ -1,7 +1,5 @@
 """The URDF reader: hardened XML in, a checked kinematic tree out; every error names line and element."""
 
-from __future__ import annotations
-
 from urdf_ik.model.urdf.chains import Candidate
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
 from urdf_ik.model.urdf.defects import UrdfWarning

@@ -1,7 +1,5 @@
 """The chains of a URDF's tree that may be meant by an arm, and its limbs by name."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """Checks of one joint: its attributes must define its kinematics uniquely; and its clean XML."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

@@ -4,8 +4,6 @@ A defect is an error if the loaded chain, the joints that it mimics, or the requ
 is a :class:`UrdfWarning`, and the reader assumes the value in the table.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -93,7 +91,7 @@ class UrdfWarning:
         """The element at fault, such as ``<joint name="j2">``."""
         return self.error.element or ""
 
-    def within(self, prefix: str) -> UrdfWarning:
+    def within(self, prefix: str) -> "UrdfWarning":
         """The same warning for a model whose joints and links have a prefix."""
         joints, links = (tuple(prefix + each for each in names) for names in (self.joints, self.links))
         return replace(self, joints=joints, links=links)

@@ -1,7 +1,5 @@
 """A URDF's text with other origins and axes of joints, comments and all; and two URDFs joined into one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

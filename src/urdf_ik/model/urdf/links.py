@@ -5,8 +5,6 @@ Pinocchio drops the rest of the link, collision shapes included, and yourdfpy re
 therefore omits a defective part, and the defect is recorded.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from lxml import etree

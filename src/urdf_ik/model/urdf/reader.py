@@ -1,7 +1,5 @@
 """The reader of a URDF from a file, text or stream; a defect in a part that is not used becomes a warning."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence

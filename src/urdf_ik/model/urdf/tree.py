@@ -1,7 +1,5 @@
 """Checks of all links and joints of a URDF together: unique names, one tree, no circles of mimics."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """UrdfModel: a URDF that was read and checked, its kinematic tree and its clean XML."""
 
-from __future__ import annotations
-
 import io
 import os
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Steps that all planners share: cutting long segments, costs of motions, making the plan."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ nodes determine which image leads to which. Dynamic programming (Bellman 1957) i
 route from every state to the last waypoint.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -59,8 +57,8 @@ class Graph:
     proven: Mask
     image_cost: Array | None = None
     between: dict[int, tuple[Array, Array]] = field(default_factory=dict)
-    _routes: _Routes | None = None
-    _on_circle: _Routes | None = None
+    _routes: "_Routes | None" = None
+    _on_circle: "_Routes | None" = None
 
     @property
     def joints(self) -> Joints:
@@ -70,7 +68,7 @@ class Graph:
     @classmethod
     def connected(
         cls, settings: CheckedSettings, layers: Layers, pieces: Array, window: Array, mismatch: tuple[float, float]
-    ) -> Graph:
+    ) -> "Graph":
         """A graph with every edge that may be a motion along the path, none of them proven.
 
         Args:
@@ -177,7 +175,7 @@ class Graph:
             self._routes = _Routes.cheapest(self)
         return self._routes.best_start(nodes)
 
-    def route(self, state: int) -> Route:
+    def route(self, state: int) -> "Route":
         """The cheapest route from a state that ``best_start`` returned."""
         states = len(self.joints.digits)
         if self._routes is not None:
@@ -254,7 +252,7 @@ class _Routes:
     jump: Ints
 
     @classmethod
-    def cheapest(cls, graph: Graph, *, images: bool = True) -> _Routes:
+    def cheapest(cls, graph: Graph, *, images: bool = True) -> "_Routes":
         """Solve a graph; without ``images`` as if its joints had no limits."""
         joints, layers = graph.joints, graph.layers
         digits, strides = (joints.digits, joints.strides) if images else (joints.digits[:1], 0 * joints.strides)

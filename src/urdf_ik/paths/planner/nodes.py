@@ -1,7 +1,5 @@
 """The joint vectors at each waypoint: the nodes of the planner's graph, and how the arm's joints turn between them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
@@ -61,7 +59,7 @@ class Joints:
     core: _core.PathGraph
 
     @classmethod
-    def from_chain(cls, chain: Chain) -> Joints:
+    def from_chain(cls, chain: Chain) -> "Joints":
         """The joints of a chain."""
         low, high = (np.ascontiguousarray(side) for side in chain.limits.T)
         turn = TURN * np.asarray(chain.image_turns, dtype=np.float64)

@@ -1,7 +1,5 @@
 """Paths of arms with one redundancy parameter: a coarse grid of its values, then finer ones around the best route."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -77,7 +75,7 @@ class _Guide(NamedTuple):
         """Routes are compared by their changes of branch, then by their costs."""
         return int(self.changes.sum()), self.cost
 
-    def spread(self, place: Array, places: Array) -> _Guide:
+    def spread(self, place: Array, places: Array) -> "_Guide":
         """Interpolate a guide without changes from its places on the path to others."""
         right = np.clip(np.searchsorted(place, places), 1, len(place) - 1)
         share = (places - place[right - 1]) / (place[right] - place[right - 1])

@@ -6,8 +6,6 @@ and Srinivasa, "A unifying formalism for shortest path problems with expensive e
 search", ICAPS 2016).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

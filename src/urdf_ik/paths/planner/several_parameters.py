@@ -7,8 +7,6 @@ the sum is a quadratic function of all a that couples only neighbours. The resul
 the cheapest in the neighbourhood of its initial plan. With other costs the fixed parameters stay constant.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice, product

@@ -5,8 +5,6 @@ steps is a quadratic function of all a that couples only neighbours, so its mini
 (Gauss-Newton). Joint vectors that would leave the limits or make contact stay where they were.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded

@@ -1,7 +1,5 @@
 """The stops of a path without a plan: how far each branch of the first waypoint gets, and why it ends."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -18,8 +18,6 @@ solution nearest to the middle of the motion is inserted. Every piece is proven 
 branch passes.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -11,8 +11,6 @@ window knows of: it is drawn without a display, and a notebook shows it. ``slide
 :mod:`urdf_ik.show.plot.slider_panel`.
 """
 
-from __future__ import annotations
-
 from urdf_ik.errors import ArgumentError
 from urdf_ik.support import extras
 

@@ -1,7 +1,5 @@
 """What the pictures are made of: axes in space, stick figures, shapes, frames and planar regions."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Sequence
 from typing import Any

@@ -10,8 +10,6 @@ With ``plan=`` of ``arm.follow`` it plays the plan along its waypoints, or marks
 shows obstacles. In a notebook, a cell that ends with the viewer shows its page.
 """
 
-from __future__ import annotations
-
 from urdf_ik.show.viewer.page import Viewer
 
 __all__ = [

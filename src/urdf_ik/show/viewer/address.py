@@ -1,7 +1,5 @@
 """Host and port of the viewer, checked before viser listens: viser would take another port silently."""
 
-from __future__ import annotations
-
 import errno
 import ipaddress
 import socket

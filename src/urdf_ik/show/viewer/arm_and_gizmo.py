@@ -1,7 +1,5 @@
 """The arm, its ghosts and the target in viser's scene; :class:`Drawing` mirrors a State and decides nothing."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The viewer's page outside the viewer: in a notebook, as a picture in its place, as a file."""
 
-from __future__ import annotations
-
 from html import escape
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A browser lets every web page that its user visits open a connection to this mac
 server (Host), come from the server's own page (Origin) and begin with the token in the printed address.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import http.client
 import ipaddress

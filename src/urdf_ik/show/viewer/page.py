@@ -1,7 +1,5 @@
 """The viewer: a page in the browser with an arm, every solution of a target to drag, and sliders for its joints."""
 
-from __future__ import annotations
-
 import io
 import os
 import threading
@@ -116,7 +114,7 @@ class Viewer:
         self._latest.put("start", lambda: None)  # the intervals are drawn after a request
         self.settle()
 
-    def __enter__(self) -> Viewer:
+    def __enter__(self) -> "Viewer":
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -1,7 +1,5 @@
 """The widgets of the viewer's page: arm, path, text and postures, another arm; they mirror a State."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable

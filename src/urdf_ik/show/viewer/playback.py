@@ -1,7 +1,5 @@
 """Playback of a plan: the viewer's state at each place of its path, and where branches end."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

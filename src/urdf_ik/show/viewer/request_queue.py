@@ -1,7 +1,5 @@
 """Latest: a thread that serves the requests of pages; a newer request replaces an older one of the same kind."""
 
-from __future__ import annotations
-
 import threading
 import traceback
 from collections.abc import Callable, Hashable

@@ -3,8 +3,6 @@
 A :class:`State` does not change; each of the functions below returns the one that follows. The page mirrors it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The arm's surroundings in viser's scene: the obstacles of a world, and the path of a plan."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Poses and joint vectors as text: what is pasted into the page, and what is copied from it."""
 
-from __future__ import annotations
-
 import json
 import re
 from typing import Any
