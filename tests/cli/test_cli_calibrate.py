@@ -40,9 +40,9 @@ def test_it_writes_urdf_report_and_json(measurements: Path, tmp_path: Path) -> N
 
 
 def test_it_prints_tables(measurements: Path) -> None:
-    """The text names every number, and what cannot be told apart."""
+    """The text names every parameter, and the unobservable ones."""
     out = succeed("calibrate", "zyyzyz_6r", "--measured", str(measurements), "--next", "2")
-    assert "cannot be told apart" in out and "joint_2 xyz x" in out and "poses to measure next" in out
+    assert "unobservable" in out and "joint_2 xyz x" in out and "poses to measure next" in out
 
 
 def test_bad_files_end_with_a_message(measurements: Path, tmp_path: Path) -> None:

@@ -292,7 +292,7 @@ def test_the_command_computes_a_store_and_continues_it(tmp_path: Path) -> None:
     assert text == succeed(*asked, "--store", str(path))
     assert text == succeed(*asked, "-o", str(file))
     data = json.loads(succeed(*asked, "--store", str(path), "-f", "json"))
-    assert data["poses"]["reached"] == workspaces.opened(path).totals().reached_poses
+    assert data["poses"]["reached"] == workspaces.opened(path).totals()["poses"]["reached"]
     picture = tmp_path / "map.png"
     succeed("plot", "zyyzyz_6r", "workspace", "--map", str(path), "-o", str(picture))
     assert picture.stat().st_size > 1000

@@ -3,7 +3,6 @@
 from urdf_ik.support.lazy import attributes
 
 _MODULE = {
-    "BestPoses": "fit",
     "Calibration": "report",
     "Change": "report",
     "Errors": "report",

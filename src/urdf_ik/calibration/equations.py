@@ -16,7 +16,7 @@ from urdf_ik.model.poses import to_rotvec, to_rpy
 from urdf_ik.typing import Array
 
 BASE, MARKER, CENTRE, PLANE = "the base", "the marker", "the fixed point", "the plane"
-"""Names of what is fitted beside the URDF, as parameters have them."""
+"""Names of the fitted parameters that are not in the URDF."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Equations:
         chain: the chain with the base's place before it and the marker's behind it.
         columns: places of the fitted numbers in ``chain.values``.
         kind: what was measured.
-        aside: names of fitted numbers that are no part of the chain: of a fixed point or of a plane.
+        aside: fitted parameters of a fixed point or of a plane, which are not part of the chain.
         plane: (4,) a plane's first estimate, unit normal and distance from the origin [m].
     """
 
@@ -132,7 +132,7 @@ def equations(chain: Chain, given: Measurements, chosen: list[Parameter], *, bas
 
 
 def _aside(given: Measurements, p: Array) -> tuple[tuple[Parameter, ...], Array, Array]:
-    """What is fitted beside the chain: names, first estimates, a plane."""
+    """Parameters that are not part of the chain: names, first estimates, a plane."""
     flat = np.zeros(4)
     if given.kind == "distance":
         # |p|^2 - 2 p c + |c|^2 = d^2 is linear in c and |c|^2.

@@ -23,8 +23,8 @@ LOSSES = ("soft_l1", "huber", "cauchy", "linear")
 FITS = ("origins", "offsets", "everything")
 # Parameter directions with a singular value below this fraction of the largest are unobservable.
 _OBSERVABLE = 1e-7
-# A measurement this many standard deviations, and the root of its numbers, away is an outlier: of ten million good ones
-# about one is.
+# A measurement is an outlier if its residual's norm exceeds the root of its number of components by this many standard
+# deviations; about one of ten million good ones does.
 _OUTLYING = 4.5
 _FOLDS, _ROUNDS = 5, 3
 _LEAST = 1e-9  # m and rad: smaller residuals are rounding
@@ -49,9 +49,9 @@ def calibrate(
 ) -> Calibration:
     """Fit the numbers of an arm's URDF to measurements.
 
-    The fit minimises a robust loss of the residuals, by scipy's least squares with exact derivatives, in the directions
-    that the measurements can tell apart; along the others nothing moves. Residuals are counted in their own standard
-    deviations, which are estimated. Measurements that are outliers are named, and the last fit leaves them out.
+    The fit minimises a robust loss of the residuals by SciPy's least squares with exact derivatives, in the observable
+    parameter directions; along the others the parameters keep their values. Residuals are divided by their standard
+    deviations, which are estimated. Outliers are listed, and the last fit leaves them out.
 
     Args:
         arm: the arm that was measured.
@@ -61,15 +61,15 @@ def calibrate(
         kind: 'pose', 'position', 'distance' or 'plane'; default: as the shape of ``measured`` says.
         fit: 'origins': xyz and rpy of every moving joint's origin; 'offsets': what is added to every joint's value;
             'everything': the origins of fixed joints too; or a list of (joint, field, part).
-        base: whether the base's pose in the frame that was measured in is fitted too, as a tracker needs it.
-        marker: whether the pose of what was measured in the tip is, as a marker or probe needs it.
+        base: whether the base's pose in the measuring frame is fitted too, as for a laser tracker.
+        marker: whether the pose of the measured marker or probe in the tip is fitted too.
         loss: 'soft_l1', 'huber', 'cauchy', or 'linear' for plain least squares that keeps outliers.
         seed: of the folds of the cross-validation.
         time_limit: s after which the fit ends with the best numbers so far; ``unlooked`` says what was left out.
-        progress: called with the number of fits behind us, and of all.
+        progress: called with the number of finished fits, and of all.
 
     Returns:
-        What changed, what cannot be told apart, the errors before and after; ``arm`` and ``urdf()`` are the new arm.
+        The changes, the unobservable parameters, the errors before and after; ``arm`` and ``urdf()`` are the new arm.
 
     Raises:
         ArgumentError: measurements do not fit, are too few, or look mixed up; there is no such parameter.
@@ -85,7 +85,6 @@ def calibrate(
         >>> bool(fitted.before.position > 1e-4), bool(abs(fitted.arm.fk(q) - other.fk(q)).max() < 1e-8)
         (True, True)
     """
-    inputs.arm(arm)
     given = q if isinstance(q, Measurements) else checked(arm, q, measured, kind)
     inputs.choice(loss, "loss", LOSSES)
     watch = Watch(time_limit, progress)
@@ -127,7 +126,7 @@ def calibrate(
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """A fit: the numbers, how the residuals scatter, which measurements are outliers, and what was told apart."""
+    """A fit: parameters, noise of the residuals, outliers, observable directions, and the parameters' covariance."""
 
     x: Array
     noise: list[float]
@@ -138,7 +137,7 @@ class _Fit:
 
 
 def _fitted(eq: Equations, given: Measurements, loss: str, watch: Watch) -> _Fit:
-    """The fit of the numbers of ``eq``, from their start; at the end of the time, with the best so far."""
+    """The fit of the parameters of ``eq``, from their initial values; after the time limit, the best so far."""
     x = eq.start
     scale = _scales(eq.residuals(x, given), eq.kind)
     outliers = np.zeros(len(given), np.bool_)
@@ -163,7 +162,7 @@ def _fitted(eq: Equations, given: Measurements, loss: str, watch: Watch) -> _Fit
 
 
 def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str, watch: Watch) -> Array:
-    """The fitted numbers, moved from ``x`` only along what the measurements can tell apart, as far as time allows."""
+    """Least squares from ``x`` in the observable directions; after the time limit, the best parameters so far."""
     from scipy.optimize import least_squares
 
     if not len(x) or watch.is_over:
@@ -202,7 +201,7 @@ def _whitened(eq: Equations, given: Measurements, x: Array, scale: Array) -> Arr
 
 
 def _directions(eq: Equations, given: Measurements, x: Array, scale: Array) -> tuple[Array, Array]:
-    """Orthonormal directions (k, r) of the numbers that the measurements can tell apart, and all singular values."""
+    """Orthonormal basis (k, r) of the observable parameter directions, and all singular values."""
     if not len(x):
         return np.zeros((0, 0)), np.zeros(0)
     J = _whitened(eq, given, x, scale)
@@ -220,7 +219,7 @@ def _scales(r: Array, kind: str) -> Array:
 
 
 def _deviations(r: Array, kind: str, fitted: int) -> Array:
-    """The same by their squares, with the numbers fitted counted out."""
+    """Standard deviations by the mean square; the fitted parameters reduce the degrees of freedom."""
     parts = (r[:, :3], r[:, 3:]) if kind == "pose" else (r,)
     free = max(r.size - fitted, 1) / r.size
     spread = [max(float(np.sqrt((part**2).mean() / free)), _LEAST) for part in parts]
@@ -241,7 +240,7 @@ def _errors(r: Array, kind: str) -> Errors:
 def _cross_validated(
     eq: Equations, given: Measurements, best: _Fit, rng: np.random.Generator, watch: Watch
 ) -> Errors | None:
-    """Errors of measurements that the fit did not see, each fifth by the others; None for too few."""
+    """Errors of held-out measurements by five-fold cross-validation; None for too few measurements."""
     order = rng.permutation(len(given))
     scale = np.repeat(best.noise, [3, 3] if eq.kind == "pose" else [given.numbers])
     seen = len(given) - -(-len(given) // _FOLDS)
@@ -320,7 +319,7 @@ def _changes(eq: Equations, best: _Fit, aside: int) -> tuple[Change, ...]:
 
 
 def _unobservable(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
-    """Groups of numbers that the measurements cannot tell apart: a change of them together that none shows."""
+    """Groups of parameters of which the measurements determine only combinations."""
     from scipy.linalg import qr
 
     lost = np.eye(len(best.x)) - best.directions @ best.directions.T
@@ -328,7 +327,7 @@ def _unobservable(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
     if not rank:
         return ()
     _, R, order = qr(lost, pivoting=True)
-    # Each row: one number, and those that can take its change over.
+    # Each row: one parameter, and those that can compensate its change.
     rows = np.linalg.solve(R[:rank, :rank], R[:rank])
     groups = []
     for row in rows:
@@ -337,28 +336,13 @@ def _unobservable(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
     return tuple(sorted(set(groups)))
 
 
-@dataclass(frozen=True, eq=False)
-class BestPoses:
-    """Joint vectors to measure next.
-
-    Attributes:
-        q: (k, n) rad or m, the most useful one first.
-        gains: (k,) by how much each raises the logarithm of the information's determinant, the earlier ones measured.
-        unchecked: why contacts were not checked; '' where they were, or where the candidates were given.
-    """
-
-    q: Array
-    gains: Array
-    unchecked: str
-
-
 def best_poses(
     calibration: Calibration, count: int = 10, candidates: ArrayLike | None = None, *, seed: int = 0
-) -> BestPoses:
+) -> tuple[Array, Array, str]:
     """The joint vectors whose measurement would determine the fitted numbers best, in the sense of D-optimality.
 
     Each is the one that raises the determinant of the information matrix most when the earlier ones are measured
-    (Fedorov, Theory of Optimal Experiments, 1972), along the directions that can be told apart.
+    (Fedorov, Theory of Optimal Experiments, 1972), along the observable directions.
 
     Args:
         calibration: the fit so far.
@@ -366,6 +350,10 @@ def best_poses(
         candidates: (m, n) rad or m to choose from; default: 500 drawn within the limits, free of contact where the
             arm's shapes can be read.
         seed: of the drawing.
+
+    Returns:
+        (k, n) rad or m, the most useful one first; (k,) by how much each raises the logarithm of the determinant; and
+        why contacts were not checked, '' where they were or where the candidates were given.
 
     Raises:
         ArgumentError: candidates do not fit, or are fewer than asked for.
@@ -375,8 +363,8 @@ def best_poses(
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")
         >>> q = np.random.default_rng(0).uniform(-0.3, 0.3, (20, 6))
-        >>> found = best_poses(urdf_ik.calibrate(arm, q, arm.fk(q)), 3)
-        >>> found.q.shape, bool((np.diff(found.gains) <= 1e-9).all())
+        >>> q, gains, _ = best_poses(urdf_ik.calibrate(arm, q, arm.fk(q)), 3)
+        >>> q.shape, bool((np.diff(gains) <= 1e-9).all())
         ((3, 6), True)
     """
     wanted = inputs.whole(count, "count", low=1, high=10_000)
@@ -408,7 +396,7 @@ def best_poses(
         gains.append(float(gain[best]))
         K = P @ G[best].T
         P = P - K @ np.linalg.solve(S[best], K.T)
-    return BestPoses(q[chosen], np.array(gains), unchecked)
+    return q[chosen], np.array(gains), unchecked
 
 
 def _basis(covariance: Array) -> Array:

@@ -17,7 +17,7 @@ from urdf_ik.support.tables import Table, read_table
 from urdf_ik.typing import Array
 
 KINDS = {"pose": 6, "position": 3, "distance": 1, "plane": 1}
-"""What may be measured, and how many numbers a measurement fixes."""
+"""Kinds of measurements, and the number of components of each."""
 DISTANCE = "distance"
 ACCEPTED = (
     "accepted: a CSV whose first line names the columns: every joint [rad or m] by its name in the URDF, and x,y,z [m] "
@@ -49,7 +49,7 @@ class Measurements:
 
     @property
     def numbers(self) -> int:
-        """How many numbers one measurement fixes."""
+        """Number of components of a measurement."""
         return KINDS[self.kind]
 
     def part(self, rows: NDArray[Any]) -> "Measurements":
@@ -176,7 +176,7 @@ def _kind(values: Any) -> str:
 
 
 def _require_different(given: Measurements) -> None:
-    """That no two rows are the same: copies would count twice."""
+    """Refuse identical rows: copies would count twice."""
     rows = np.hstack([given.q, given.values.reshape(len(given), -1)])
     _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     copies = np.flatnonzero(first[inverse.ravel()] != np.arange(len(rows)))
@@ -189,7 +189,7 @@ def _require_different(given: Measurements) -> None:
 
 
 def _require_units(arm: Arm, given: Measurements) -> None:
-    """That angles are not in degrees, nor lengths in mm, as far as the numbers tell."""
+    """Refuse angles that seem to be in degrees and lengths that seem to be in mm."""
     turning = given.q[:, ~arm.chain.prismatic]
     if turning.size and np.median(np.abs(turning).max(axis=0)) > _MANY_TURNS:
         raise ArgumentError(

@@ -1,4 +1,4 @@
-"""``Calibration``, the result of a fit: the new arm, what changed, what cannot be told apart, the errors."""
+"""``Calibration``, the result of a fit: the new arm, the changes, the unobservable parameters, the errors."""
 
 import io
 import os
@@ -73,10 +73,10 @@ class Change:
         return {"xyz": "m", "rpy": "rad", "offset": "rad or m"}.get(self.parameter.field, "")
 
     def cells(self) -> tuple[str, ...]:
-        """A row of a table: parameter, change, standard deviation, unit in mm or degrees, whether it is observable."""
+        """A row of a table: parameter, change, standard deviation, unit, whether it is observable."""
         scale, digits, unit = {"xyz": (MM, 4, "mm"), "axis": (1.0, 6, "")}.get(self.parameter.field, (DEG, 5, "deg"))
         numbers = f"{self.change * scale:+.{digits}f}", f"{self.deviation * scale:.{digits}f}"
-        return str(self.parameter), *numbers, unit, "" if self.observable else "only in a sum"
+        return str(self.parameter), *numbers, unit, "" if self.observable else "only combined"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,11 +89,11 @@ class Calibration(Report):
         equations: residuals and derivatives.
         x: (k,) the fitted numbers, in the order of ``equations.parameters``.
         changes: each fitted number before and after.
-        unobservable: groups of numbers of which only sums are observable; each is a change that no measurement shows.
+        unobservable: groups of parameters of which the measurements determine only combinations.
         singular_values: (k,) of the residuals' derivatives, in standard deviations: how observable each direction is.
         before: errors with the URDF as it was; base and marker fitted, where they were asked for.
         after: errors with the fitted numbers.
-        validated: errors of measurements that a fit did not see, each fifth by the others; None for too few.
+        validated: errors of held-out measurements by five-fold cross-validation; None for too few measurements.
         noise: standard deviation of one coordinate: (m, rad), or (m,).
         outliers: numbers of the measurements that were left out.
         residuals_before: (m, r) m, rad.
@@ -226,7 +226,7 @@ class Calibration(Report):
         ]
         if self.unobservable:
             lines = tuple(" + ".join(group) for group in self.unobservable)
-            out.append(Section("cannot be told apart by these measurements", remarks=lines))
+            out.append(Section("unobservable: the measurements determine only combinations of these", remarks=lines))
         return tuple(out)
 
     def lines(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.model.poses import pose, to_rotvec
 from urdf_ik.model.urdf import Joint
 from urdf_ik.model.urdf.edits import text_of, with_numbers
-from urdf_ik.support import files, inputs
+from urdf_ik.support import files
 
 JOINTS = {
     "shoulder": "shoulder_pan_joint",
@@ -103,7 +103,6 @@ def with_ur_kinematics(arm: Arm, kinematics: UrKinematics) -> bytes:
         UrdfError: the URDF lacks one of the joints, or its frames are others than those of the manufacturer's
             description package, as in packages older than 2019.
     """
-    inputs.arm(arm)
     joints = _joints(arm)
     changes = {}
     for link, joint in joints.items():
@@ -130,7 +129,6 @@ def ur_kinematics(arm: Arm, calibration_hash: str = "") -> UrKinematics:
     Raises:
         UrdfError: the URDF lacks one of the joints, or its axes are not the z axes of their frames.
     """
-    inputs.arm(arm)
     origins = {link: (*map(float, joint.origin[:3, 3]), *map(float, joint.rpy)) for link, joint in _joints(arm).items()}
     return UrKinematics(origins, calibration_hash)
 

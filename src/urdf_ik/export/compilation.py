@@ -14,7 +14,7 @@ from urdf_ik.arm.compiled import FORMAT, VERSION
 from urdf_ik.errors import UnsupportedArm, UrdfError
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.model.urdf import Joint, UrdfModel
-from urdf_ik.support import files, inputs
+from urdf_ik.support import files
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import json_text
 from urdf_ik.version import __version__
@@ -44,7 +44,6 @@ def compile(arm: Arm) -> str:  # noqa: A001  what it does, as re.compile
         >>> bool((again.ik(T).q == arm.ik(T).q).all())
         True
     """
-    inputs.arm(arm)
     solver, chain = arm.solver, arm.chain
     member = solver.require_member()
     if solver.targets is not None:

@@ -13,8 +13,6 @@ from urdf_ik.arm import Arm
 from urdf_ik.cmake import core
 from urdf_ik.errors import ArgumentError, UnsupportedArm, escaped
 from urdf_ik.export.compilation import compile
-from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
 from urdf_ik.version import __version__
 
 _TEMPLATES = Path(__file__).resolve().parent / "templates"
@@ -81,17 +79,14 @@ def c(arm: Arm, name: str | None = None) -> str:
 
 
 def _name(arm: Arm, name: str | None) -> str:
-    inputs.arm(arm)
     if name is None:
         # Two underscores in a row belong to the compiler.
         made = re.sub(r"[\W_]+", "_", arm.name, flags=re.ASCII)
         return made if re.match(r"[A-Za-z]", made) and made not in _KEYWORDS else f"arm_{made.strip('_')}".rstrip("_")
     if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or "__" in name:
-        raise ArgumentError(
-            f"name={quoted(name)} given; letters, digits and single underscores are needed, such as my_arm"
-        )
+        raise ArgumentError(f"name={name!r} given; letters, digits and single underscores are needed, such as my_arm")
     if name in _KEYWORDS:
-        raise ArgumentError(f"name={quoted(name)} given, a word of the language; take another, such as my_{name}")
+        raise ArgumentError(f"name={name!r} given, a word of the language; take another, such as my_{name}")
     return name
 
 

@@ -50,7 +50,6 @@ def html(arm: Arm, *, faces: int = FACES, q: ArrayLike | None = None) -> str:
         >>> from urdf_ik.export import html
         >>> _ = Path("arm.html").write_text(html(urdf_ik.load("zyyzyz_6r")))  # doctest: +SKIP
     """
-    inputs.arm(arm)
     inputs.whole(faces, "faces", low=_FEWEST, high=_MOST)
     text = compile(arm)
     start = example(arm) if q is None else arm.chain.check(q)

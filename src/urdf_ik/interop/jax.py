@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.interop.differentiable import Answers, Branches, Differentiable
-from urdf_ik.interop.newton import Given, step
+from urdf_ik.interop.newton import step
 from urdf_ik.support import extras
 
 _KEPT = 32  # arms whose compiled functions are kept
@@ -32,22 +32,9 @@ def geometry(arm: Arm) -> Any:
 
 
 def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_folds: str = "raise") -> Branches:
-    """Every solution of poses, with derivatives by the poses, the URDF's numbers and the redundancy parameters.
+    """Every solution of poses with derivatives: :func:`urdf_ik.torch.ik` for jax.
 
-    The solutions are those of :meth:`urdf_ik.Arm.ik`, which jax calls back. Two steps of Newton's method with the
-    inverse at the solution, which change nothing, carry the derivatives: they are exact up to the second order
-    (implicit function theorem). Works under ``jit``, ``vmap``, ``grad``, ``jvp``, ``jacfwd`` and ``jacrev``.
-
-    Args:
-        arm: the arm.
-        T: (..., 4, 4) array of poses [m], float64. Its entries may change one by one: what counts is the nearest pose.
-        geometry: (p,) array of the URDF's numbers, see :func:`geometry`; default: as written.
-        redundancy: (...) array or numbers, (..., k) of k parameters; default: the arm's.
-        at_folds: 'raise': a singular solution is refused in words; 'nan': its derivative is NaN; 'clip': its derivative
-            is that of damped least squares.
-
-    Returns:
-        q (..., B, n), NaN where there is no solution, and valid (..., B). Columns are the arm's branches, in order.
+    jax calls :meth:`urdf_ik.Arm.ik` back. Works under ``jit``, ``vmap``, ``grad``, ``jvp``, ``jacfwd`` and ``jacrev``.
 
     Raises:
         MissingPackage: jax is not installed.
@@ -102,7 +89,7 @@ def _compiled(arm: Arm, at_folds: str) -> Any:
         given = [jax.lax.stop_gradient(each) for each in (T, numbers, *at)]
         start = Answers(*jax.pure_callback(solved, like, *given, vmap_method="expand_dims"))
         values = jnp.asarray(function.defaults) if not at else at[0] if k > 1 else at[0][..., None]
-        q = step(jnp, jnp.asarray, function, start, Given(T, numbers, values, jax.lax.stop_gradient))
+        q = step(jnp, jnp.asarray, jax.lax.stop_gradient, function, start, T, numbers, values)
         return jnp.where(start.valid[..., None], q, jnp.nan), start.valid
 
     return jax.jit(branches)

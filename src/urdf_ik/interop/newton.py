@@ -6,7 +6,7 @@ Both libraries call these functions alike, so that ``xp`` is either; ``constant`
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -121,58 +121,52 @@ def _about(xp: Any, angle: Any, axis: int, one: Any, zero: Any) -> Any:
     return xp.stack([xp.stack([rows[i][j] for j in order], -1) for i in order], -2)
 
 
-class Given(NamedTuple):
-    """What the answers depend on.
-
-    Attributes:
-        T: (..., 4, 4) poses.
-        numbers: (p,) of the URDF.
-        values: (..., k) of the redundancy parameters.
-        still: makes of an array one without derivatives.
-    """
-
-    T: Any
-    numbers: Any
-    values: Any
-    still: Callable[[Any], Any]
-
-
-def step(xp: Any, constant: Callable[[Any], Any], of: Differentiable, at: Answers, given: Given) -> Any:
+def step(
+    xp: Any,
+    constant: Callable[[Any], Any],
+    still: Callable[[Any], Any],
+    function: Differentiable,
+    answers: Answers,
+    T: Any,
+    numbers: Any,
+    values: Any,
+) -> Any:
     """Joint vectors (..., B, n) after two steps of Newton's method from answers, whose inverses it takes.
 
-    The steps change nothing, and carry the derivatives by what is given, exact up to the second order.
+    The steps change nothing, and carry the derivatives by T, numbers and values, exact up to the second order.
 
     Args:
         xp: the library.
         constant: makes one of its arrays of numbers.
-        of: the arm.
-        at: the answers, as arrays of the library, without derivatives.
-        given: what the derivatives are by.
+        still: makes of an array one without derivatives.
+        function: the arm.
+        answers: its answers, as arrays of the library, without derivatives.
+        T: (..., 4, 4) poses.
+        numbers: (p,) of the URDF.
+        values: (..., k) of the redundancy parameters.
     """
-    target = T, p = given.T[..., :3, :3], given.T[..., :3, 3]
-    if of.free_axis is not None:
-        line = np.array(of.free_axis.direction), np.array(of.free_axis.at)
+    target = R, p = T[..., :3, :3], T[..., :3, 3]
+    if function.free_axis is not None:
+        line = np.array(function.free_axis.direction), np.array(function.free_axis.at)
         fixed, cosine, sine = (constant(part) for part in turning(*line))
-        v = given.values[..., 0, None, None]
+        v = values[..., 0, None, None]
         turn = fixed + xp.cos(v) * cosine + xp.sin(v) * sine
-        target = T @ turn[..., :3], (T @ turn[..., 3:])[..., 0] + p
-    own = given.values[..., given.values.shape[-1] - of.rows :]
-    q, lines = at.q, (ELBOW,) if of.swivelling else ()
-    if of.swivelling:
-        points = swivel_points(xp, constant, of.geometry, given.numbers)
-        start = [
-            given.still(each) for each in swivel(xp, points, *fk(xp, constant, of.geometry, q, given.numbers, lines))
-        ]
+        target = R @ turn[..., :3], (R @ turn[..., 3:])[..., 0] + p
+    own = values[..., values.shape[-1] - function.rows :]
+    q, lines = answers.q, (ELBOW,) if function.swivelling else ()
+    if function.swivelling:
+        points = swivel_points(xp, constant, function.geometry, numbers)
+        start = [still(each) for each in swivel(xp, points, *fk(xp, constant, function.geometry, q, numbers, lines))]
     for _ in range(2):
-        tip = fk(xp, constant, of.geometry, q, given.numbers, lines)
+        tip = fk(xp, constant, function.geometry, q, numbers, lines)
         parts = [residual(xp, tip, target)]
-        if of.held:
-            moved = xp.stack([q[..., k] - at.q[..., k] for k in of.held], -1)
-            parts.append(moved - (own - given.still(own))[..., None, :])
-        elif of.swivelling:
+        if function.held:
+            moved = xp.stack([q[..., k] - answers.q[..., k] for k in function.held], -1)
+            parts.append(moved - (own - still(own))[..., None, :])
+        elif function.swivelling:
             (c, s), (c_start, s_start) = swivel(xp, points, *tip), start
-            change = (own - given.still(own))[..., 0, None]
+            change = (own - still(own))[..., 0, None]
             parts.append((s * c_start - c * s_start - change)[..., None])
         off = xp.concatenate([xp.broadcast_to(each, (*q.shape[:-1], each.shape[-1])) for each in parts], -1)
-        q = q - (at.inverse @ off[..., None])[..., 0]
+        q = q - (answers.inverse @ off[..., None])[..., 0]
     return q

@@ -60,13 +60,6 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
 
     Raises:
         ArgumentError: a joint of the arm is missing, a name stands there twice, or the shapes do not fit.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik import interop
-        >>> arm = urdf_ik.load("planar_2r_unit")
-        >>> interop.from_joint_state(arm, ["gripper", "joint_2", "joint_1"], [0.04, 0.2, 0.1]).tolist()
-        [0.1, 0.2]
     """
     given, place = np.asarray(positions, dtype=np.float64), _places(names)
     if given.shape[-1:] != (len(names),):
@@ -89,15 +82,6 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
     Raises:
         ArgumentError: q is not (n,).
         MissingPackage: pink is not installed.
-
-    Example:
-        >>> import urdf_ik
-        >>> from urdf_ik import interop
-        >>> arm = urdf_ik.load("puma_560")
-        >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
-        >>> configuration = interop.pink_configuration(arm, q)
-        >>> arm.from_pinocchio(configuration.q).round(6).tolist() == q
-        True
     """
     try:
         import pink
@@ -123,15 +107,6 @@ class ShownArm:
 
         Raises:
             ArgumentError: q is not (n,).
-
-        Example:
-            >>> import rerun, urdf_ik
-            >>> from urdf_ik import interop
-            >>> recording = rerun.RecordingStream("arms")
-            >>> shown = interop.add_to_rerun(urdf_ik.load("puma_560"), recording=recording)
-            >>> for step in range(2):
-            ...     recording.set_time("step", sequence=step)
-            ...     shown.show([0.1 * step] * 6)
         """
         for link, pose in self.arm.link_poses(_one(self.arm, q)).items():
             self._place(link, pose)

@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik.arm import Arm
 from urdf_ik.interop.differentiable import Answers, Branches, Differentiable
-from urdf_ik.interop.newton import Given, step
+from urdf_ik.interop.newton import step
 from urdf_ik.support import extras
 
 
@@ -69,7 +69,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         return torch.as_tensor(np.array(numbers), dtype=torch.float64)
 
     values = constant(function.defaults) if at is None else at if function.count > 1 else at[..., None]
-    q = step(torch, constant, function, start, Given(T, numbers, values, lambda each: each.detach()))
+    q = step(torch, constant, lambda each: each.detach(), function, start, T, numbers, values)
     return Branches(torch.where(start.valid[..., None], q, torch.nan), start.valid)
 
 

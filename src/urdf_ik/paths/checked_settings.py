@@ -17,7 +17,6 @@ from urdf_ik.paths.path_settings import PathSettings, per_joint, velocities
 from urdf_ik.paths.planner.nodes import Joints
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import amount, largest_apart
-from urdf_ik.support.text import quoted
 from urdf_ik.support.watch import Watch
 from urdf_ik.typing import Array
 
@@ -131,13 +130,15 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
     factors = np.ones(len(names)) if weights is None else per_joint("weights", weights, names, zero=True)
     if cost == "time":
         factors = factors / velocities(solver)
+    default = (POSITION_TOLERANCE, ROTATION_TOLERANCE)
+    position, rotation = per_joint("tolerance", settings.tolerance or default, ("position [m]", "rotation [rad]"))
     return CheckedSettings(
         solver=solver,
         joints=Joints.from_chain(solver.chain),
         kind=COSTS.index("max" if cost == "time" else cost),
         weights=factors,
         max_step=np.full(len(names), np.inf) if max_step is None else per_joint("max_step", max_step, names),
-        tolerance=_tolerance(settings.tolerance),
+        tolerance=(float(position), min(float(rotation), 1.0)),
         start=_at_pose(solver, "start", settings.start, T[0], 0),
         end=_at_pose(solver, "end", settings.end, T[-1], len(T) - 1),
         obstacles=obstacles,
@@ -147,13 +148,6 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
         watch=Watch(settings.time_limit, settings.progress),
         whole=(solver, obstacles),
     )
-
-
-def _tolerance(value: Any) -> tuple[float, float]:
-    numbers = np.asarray((POSITION_TOLERANCE, ROTATION_TOLERANCE) if value is None else value, dtype=np.float64)
-    if numbers.shape != (2,) or not inputs.usable(numbers).all():
-        raise ArgumentError(f"tolerance is {quoted(value)}; two numbers {inputs.USABLE} are needed: (m, rad)")
-    return float(numbers[0]), min(float(numbers[1]), 1.0)
 
 
 def _at_pose(solver: Solver, name: str, value: Any, T: Array, waypoint: int) -> Array | None:

@@ -1,4 +1,4 @@
-"""The settings of a path: the one place that declares them, and the numbers per joint that they take."""
+"""The declaration of the settings of a path, and the check of values per joint."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import numpy as np
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solver import Solver
 from urdf_ik.support import inputs
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 COSTS = ("l1", "l2", "max", "time")
 
 Kind = Literal["joint vector", "number", "per joint", "length and angle", "choice", "flag", "contacts", "world"]
-"""How the value of a setting is written as an option of the command."""
+"""Form of a setting's value as an option of the command."""
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
@@ -70,7 +69,7 @@ class PathSettings:
     )
     time_limit: float | None = _setting(None, "number", "Longest search; then the best plan so far.", "s")
     progress: Callable[[str], object] | None = field(
-        default=None, metadata={"help": "Called with what is looked for next, in words."}
+        default=None, metadata={"help": "Called with a description of the next step of the search."}
     )
 
 
@@ -133,5 +132,5 @@ def per_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fal
     numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
     if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
         valid = f"{'zero, or ' if zero else ''}a number {inputs.USABLE}"
-        raise ArgumentError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {', '.join(names)}")
+        raise ArgumentError(f"{name} is {value!r}; {valid} is needed, or one for each of {', '.join(names)}")
     return numbers

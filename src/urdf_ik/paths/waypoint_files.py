@@ -19,21 +19,21 @@ ORIENTATIONS = {
     "rpy": ("roll", "pitch", "yaw"),
     "rotvec": ("rx", "ry", "rz"),
 }
-"""Columns of an orientation, and what ``pose`` calls it. The header says which is which, so they stand in any order."""
+"""Columns of each orientation notation, by the keyword of ``pose``. The header names them, so any order is valid."""
 KEYS = ("poses", "waypoints", "T", "pose")
-"""What an array of waypoints may be called in an .npz file or a JSON object."""
+"""Names of an array of waypoints in an .npz file or a JSON object."""
 ACCEPTED = (
     "accepted: CSV with a header that names x,y,z [m] and one of qw,qx,qy,qz or roll,pitch,yaw [rad] or rx,ry,rz "
     "[rad, axis times angle], or with 16 numbers a line (4x4, row by row); JSON, .npy or .npz with matrices (m, 4, 4)"
 )
 LENGTH = 0.02
-"""Largest difference of a quaternion's length from 1; a larger one is a mistake or another order of columns."""
+"""Largest accepted difference of a quaternion's length from 1."""
 POSE_COLUMNS = (*POSITION, "qx", "qy", "qz", "qw")
-"""What seven numbers without a header are, where a caller says that they are a pose."""
+"""Columns of a pose of seven numbers without a header (``bare=True``)."""
 
 
 def read_waypoints(source: str | os.PathLike[str] | IO[bytes], *, degrees: bool = False) -> Array:
-    r"""Waypoints (m, 4, 4) from a file; its content decides what it is, not its name.
+    r"""Waypoints (m, 4, 4) from a file, whose format is recognised by its content.
 
     Args:
         source: a path, or a file open for reading bytes. CSV: a header names the columns, in any order and among

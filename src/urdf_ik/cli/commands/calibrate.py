@@ -100,10 +100,10 @@ def calibrate(
         files.write(write_ur_kinematics, calibration.ur_kinematics(found.arm).to_yaml().encode())
     data, text = found.to_dict(), f"{found}\n"
     if next_poses:
-        best = calibration.best_poses(found, next_poses, seed=seed)
-        data["next"] = {"q": best.q, "gains": best.gains, "unchecked": best.unchecked}
-        rows = zip(angles.shown(best.q), best.gains, strict=True)
+        best, gains, unchecked = calibration.best_poses(found, next_poses, seed=seed)
+        data["next"] = {"q": best, "gains": gains, "unchecked": unchecked}
+        rows = zip(angles.shown(best), gains, strict=True)
         cells = tuple((*(f"{value:.4f}" for value in q), f"{gain:.3f}") for q, gain in rows)
-        remarks = (f"contacts not checked: {best.unchecked}",) if best.unchecked else ()
+        remarks = (f"contacts not checked: {unchecked}",) if unchecked else ()
         text += f"{Section('poses to measure next', (*arm.joint_names, 'gain'), cells, remarks)}\n"
     console.emit(printed_as, data, lambda: text)

@@ -194,7 +194,7 @@ def _map_text(found: workspaces.WorkspaceMap) -> str:
     del data["urdf_sha256"]
     unit = "m2" if data["task"].startswith("planar") else "m3"
     data |= {name: f"{data[name]:.4f} {unit}" for name in ("volume", "dexterous_volume")}
-    data |= {"orientations": f"{len(found.samples)} at each voxel: {found.about['sampled']}", **totals.solutions}
+    data |= {"orientations": f"{len(found.samples)} at each voxel: {found.about['sampled']}", **totals["solutions"]}
     shares = {name: {f"{key} [%]": 100.0 * x for key, x in each.items()} for name, each in data["branches"].items()}
     return tables.render(tables.outline(data | {"branches": shares}))
 
@@ -204,11 +204,11 @@ def _map_data(found: workspaces.WorkspaceMap) -> dict[str, Any]:
     return {
         **{name: found.about[name] for name in ("robot", "urdf_sha256", "task", "counted")},
         "grid": found.grid.described(),
-        "poses": {"all": totals.poses, "reached": totals.reached_poses},
-        "voxels": {"all": totals.voxels, "reached": totals.reached_voxels},
-        "volume": totals.reached_voxels * cell,
-        "dexterous_volume": totals.dexterous_voxels * cell,
-        "branches": totals.branch_shares,
+        "poses": totals["poses"],
+        "voxels": totals["voxels"],
+        "volume": totals["voxels"]["reached"] * cell,
+        "dexterous_volume": totals["dexterous_voxels"] * cell,
+        "branches": totals["branches"],
     }
 
 

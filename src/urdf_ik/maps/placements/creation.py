@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.errors import ArgumentError, JobError, UnsupportedArm
+from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.maps.grid import Grid, Part, checked_bounds
 from urdf_ik.maps.placements.placement_map import FORMAT, SCORES, PlacementMap, base_pose, opened
 from urdf_ik.maps.store import Coordinate, Progress, Question, Variable, digest, fill, require_memory
@@ -18,6 +18,7 @@ from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
+from urdf_ik.support.inputs import Threads
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
 from urdf_ik.typing import Array
 
@@ -49,7 +50,7 @@ def placement(
     collisions: bool | None = None,
     store: str | os.PathLike[str] | None = None,
     client: Any = None,
-    threads: inputs.Threads = 1,
+    threads: Threads = 1,
     progress: Progress | None = None,
 ) -> PlacementMap:
     """Score every base position on a grid by how the arm reaches targets from there: inverse reachability.
@@ -92,7 +93,6 @@ def placement(
         >>> found.followed[:, 0, 0, 0].tolist()
         [1, 0, 0]
     """
-    inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     targets = np.ascontiguousarray(as_pose_array(T).reshape(-1, 4, 4))
@@ -126,7 +126,7 @@ def placement(
     hint = "take a larger step, fewer turns or narrower bounds"
     require_memory(question.size(count), what, hint)  # the map of a store is read when it is complete
     if store is not None:
-        fill(inputs.path(store, "store", JobError), question, client, progress, count, what)
+        fill(store, question, client, progress, count, what)
         return opened(store)
     arrays = question.computed(progress, count)
     return PlacementMap(

@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -28,6 +29,7 @@ from urdf_ik.maps.workspaces.workspace_map import (
     size_words,
 )
 from urdf_ik.support import inputs
+from urdf_ik.support.inputs import Threads
 from urdf_ik.typing import Array
 
 CHUNK = 2**14
@@ -94,7 +96,7 @@ def workspace(
     size = question.size(grid.count)
     require_memory(grid, count, size + question.scratch())
     if output is not None:
-        store.require_disk(inputs.path(output, "output"), size, size_words(grid, count), HINT)
+        store.require_disk(Path(output), size, size_words(grid, count), HINT)
     arrays = question.computed(progress, grid.count * count)
     question.samples.setflags(write=False)
     result = WorkspaceMap(question.described(), grid, question.samples, arrays)
@@ -145,9 +147,8 @@ def stored_workspace(
     question = _question(arm, voxel, orientations, block, **options)
     grid, count = question.grid, len(question.samples)
     require_memory(grid, count, question.size(math.prod(question.blocks.shape)) + question.scratch())
-    path = inputs.path(store, "store")
-    fill(path, question, client, progress, grid.count * count, size_words(grid, count))
-    return opened(path)
+    fill(store, question, client, progress, grid.count * count, size_words(grid, count))
+    return opened(store)
 
 
 def _question(
@@ -164,10 +165,9 @@ def _question(
     margin: bool = False,
     clearance: bool = False,
     redundancy: float | None = None,
-    threads: inputs.Threads = 1,
+    threads: Threads = 1,
     chunk: int = CHUNK,
 ) -> "_Question":
-    inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     if world is not None and not (collision_free or clearance):

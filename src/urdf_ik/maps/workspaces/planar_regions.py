@@ -277,7 +277,6 @@ def planar(arm: Arm) -> PlanarWorkspace:
     Raises:
         ArgumentError: the arm is of another build.
     """
-    inputs.arm(arm)
     chain, plane = arm.chain, arm.solver.control.plane
     if plane is None or chain.n != 2 or chain.prismatic.any():
         kinds = ", ".join(chain.joint_types)

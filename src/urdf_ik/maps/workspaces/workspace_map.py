@@ -43,39 +43,6 @@ STORE_FORMAT = "urdf-ik workspace map in Zarr"
 HINT = "take larger voxels, fewer orientations or narrower bounds"
 
 
-class Totals(NamedTuple):
-    """Sums over a whole map.
-
-    Attributes:
-        poses: number of poses.
-        reached_poses: number of poses that are reached.
-        voxels: number of voxels.
-        reached_voxels: number of voxels that are reached in any orientation.
-        dexterous_voxels: number of voxels that are reached in every orientation.
-        solutions: the sum of each count that the map contains.
-        branch_voxels: number of voxels that each branch reaches in any orientation, by name.
-        branch_poses: number of poses that each branch reaches, by name.
-    """
-
-    poses: int
-    reached_poses: int
-    voxels: int
-    reached_voxels: int
-    dexterous_voxels: int
-    solutions: dict[str, int]
-    branch_voxels: dict[str, int]
-    branch_poses: dict[str, int]
-
-    @property
-    def branch_shares(self) -> dict[str, dict[str, float]]:
-        """Shares of the reached 'voxels' and 'poses' that each branch covers; zeros where nothing is reached."""
-        voxels, poses = max(1, self.reached_voxels), max(1, self.reached_poses)
-        return {
-            name: {"voxels": self.branch_voxels[name] / voxels, "poses": self.branch_poses[name] / poses}
-            for name in self.branch_poses
-        }
-
-
 class MapSlice(NamedTuple):
     """Values in one layer of voxels.
 
@@ -266,10 +233,17 @@ class WorkspaceMap:
 
     def branch_shares(self) -> dict[str, dict[str, float]]:
         """Shares of the reached 'voxels' and 'poses' that each branch covers; zeros where nothing is reached."""
-        return self.totals().branch_shares
+        shares: dict[str, dict[str, float]] = self.totals()["branches"]
+        return shares
 
-    def totals(self) -> Totals:
-        """Sums over the whole map."""
+    def totals(self) -> dict[str, Any]:
+        """Sums over the whole map.
+
+        Returns:
+            'poses' and 'voxels': the numbers of 'all' and of 'reached' ones, a voxel in any orientation;
+            'dexterous_voxels': those reached in every orientation; 'solutions': the sum of each count that the map
+            contains; 'branches': see :meth:`branch_shares`.
+        """
         counted: dict[str, int] = {name: 0 for name in ("solutions", "within", "free") if name in self.names}
         branches = np.zeros((2, len(self.about["branches"])), dtype=np.int64)
         reached = np.zeros(3, dtype=np.int64)
@@ -280,10 +254,18 @@ class WorkspaceMap:
                 counted[name] += int(self.array(name, part).sum(dtype=np.int64))
             poses = self.array("branch_poses", part).reshape(-1, branches.shape[1])
             branches += [(poses > 0).sum(axis=0), poses.sum(axis=0, dtype=np.int64)]
-        in_voxels, in_poses = (dict(zip(self.about["branches"], row, strict=True)) for row in branches.tolist())
         poses_hit, voxels_hit, dexterous = (int(count) for count in reached)
-        count = self.grid.count
-        return Totals(count * len(self.samples), poses_hit, count, voxels_hit, dexterous, counted, in_voxels, in_poses)
+        shares = (branches / np.maximum(1, [[voxels_hit], [poses_hit]])).T.tolist()
+        return {
+            "poses": {"all": self.grid.count * len(self.samples), "reached": poses_hit},
+            "voxels": {"all": self.grid.count, "reached": voxels_hit},
+            "dexterous_voxels": dexterous,
+            "solutions": counted,
+            "branches": {
+                name: dict(zip(("voxels", "poses"), share, strict=True))
+                for name, share in zip(self.about["branches"], shares, strict=True)
+            },
+        }
 
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` with the dimensions x, y, z, orientation and branch; that of a store is lazy.

@@ -25,7 +25,7 @@ class Refined:
     Attributes:
         T: (k, 4, 4) m.
         place: (k,) place along the path: 2.5 is half way from given waypoint 2 to given waypoint 3.
-        pieces: (k - 1,) into how many equal pieces the given segment was cut that each piece belongs to.
+        pieces: (k - 1,) number of pieces of the given segment that each piece is part of.
         twists: (k - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes.
     """
 

@@ -74,7 +74,7 @@ class Graph:
         Args:
             settings: of the path.
             layers: the nodes.
-            pieces: (m - 1,) into how many equal pieces the given segment was cut that each piece belongs to.
+            pieces: (m - 1,) number of pieces of the given segment that each piece is part of.
             window: (n,) largest |dq| of an edge [rad or m].
             mismatch: see ``MISMATCH``.
         """

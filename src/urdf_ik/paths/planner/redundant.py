@@ -91,7 +91,7 @@ def plan(settings: CheckedSettings, path: Array) -> Plan:
     """The plan of an arm with a redundancy parameter.
 
     Obstacles make no route cheaper. So if the best route without them is free of contact, it is the best with them. If
-    it is not, a waypoint at which every solution is in contact is looked for among its colliding stretches.
+    it is not, its colliding stretches are searched for a waypoint at which every solution is in contact.
     """
     obstacles = settings.obstacles
     if obstacles is not None and not settings.reconfigure:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import textwrap
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -271,7 +272,7 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
         >>> Path("arm.svg").is_file()
         True
     """
-    target = inputs.path(path, "path")
+    target = Path(path)
     dpi = inputs.number(dpi, "dpi", low=10.0, high=1200.0)  # less holds no letter, more no memory
     if target.suffix.lower() not in SUFFIXES:
         raise ArgumentError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")

@@ -5,7 +5,6 @@ import ipaddress
 import socket
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support.text import quoted
 
 DEFAULT_PORT = 8080
 
@@ -21,7 +20,7 @@ def check(host: str, port: int | None) -> None:
         ArgumentError: the port is invalid or in use, or the host is not this machine.
     """
     if port is not None and not (type(port) is int and 0 <= port <= 65535):
-        raise ArgumentError(f"port {quoted(port)} given; it is a whole number from 0 (any free one) to 65535")
+        raise ArgumentError(f"port {port!r} given; it is a whole number from 0 (any free one) to 65535")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port or 0, type=socket.SOCK_STREAM)[0]
         with socket.socket(family, kind, protocol) as probe:
@@ -34,7 +33,7 @@ def check(host: str, port: int | None) -> None:
             ) from None
         reason = getattr(error, "strerror", None) or "no host name or address"
         hint = "127.0.0.1 is this machine alone, 0.0.0.0 everybody; ports from 1024 on are allowed"
-        raise ArgumentError(f"cannot listen on {quoted(host)}: {reason}; {hint}") from None
+        raise ArgumentError(f"cannot listen on {host!r}: {reason}; {hint}") from None
 
 
 def is_local(host: str) -> bool:

@@ -1,7 +1,6 @@
 """The viewer's page outside the viewer: in a notebook, as a picture in its place, as a file."""
 
 from html import escape
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,26 +15,14 @@ _LEGEND = (
 )
 
 
-class Embedded(NamedTuple):
-    """The page as an element of another page.
+def embedded(url: str, height: int, picture: str) -> str:
+    """The page at ``url`` as an element of another page; the picture is shown where the address does not answer.
 
-    Attributes:
-        url: its address.
-        height: of the element [pixels].
-        picture: what a browser shows where the address does not answer: in an exported notebook, or one whose kernel
-            has ended.
+    A browser shows what an <object> holds where it cannot load the object itself: in an exported notebook, or one whose
+    kernel has ended.
     """
-
-    url: str
-    height: int
-    picture: str
-
-    def _repr_html_(self) -> str:
-        # A browser shows what an object holds where it cannot load the object itself.
-        return (
-            f'<object type="text/html" data="{escape(self.url)}" width="100%" height="{self.height}" style="border:0">'
-            f"{self.picture}</object>"
-        )
+    size = f'width="100%" height="{height}" style="border:0"'
+    return f'<object type="text/html" data="{escape(url)}" {size}>{picture}</object>'
 
 
 def picture(state: State) -> str:

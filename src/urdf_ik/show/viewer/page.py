@@ -20,7 +20,7 @@ from urdf_ik.paths.planned_motion import Plan, Stop
 from urdf_ik.show.viewer import address, guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
-from urdf_ik.show.viewer.embedding import Embedded, picture, with_names
+from urdf_ik.show.viewer.embedding import embedded, picture, with_names
 from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, WorkPanel, add_sources, plain
 from urdf_ik.show.viewer.playback import Track
 from urdf_ik.show.viewer.request_queue import Latest
@@ -87,6 +87,7 @@ class Viewer:
         self.state = states.start(arm, world)
         self.track: Track | None = None
         self.place = 0.0
+        self._height = 640
         self.path: PathPanel | None = None
         self.path_drawing: PathDrawing | None = None
         self._player = playback.Player(self.go_to, self._ended)
@@ -137,16 +138,17 @@ class Viewer:
         with guard.quiet():
             self.server.stop()
 
-    def show(self, height: int = 640) -> Embedded:
-        """The page inside a notebook, ``height`` pixels high; a viewer that ends a cell shows itself so, too.
+    def show(self, height: int = 640) -> "Viewer":
+        """The viewer itself, which a notebook shows as the page, ``height`` pixels high.
 
         The browser must reach the address of the page: where the notebook runs on another machine, forward its port.
         Where it does not answer, as in an exported notebook, the cell holds a picture of the arm and its solutions.
         """
-        return Embedded(self.url, height, picture(self.state))
+        self._height = height
+        return self
 
     def _repr_html_(self) -> str:
-        return self.show()._repr_html_()
+        return embedded(self.url, self._height, picture(self.state))
 
     def wait(self) -> None:
         """Wait until the program is interrupted (Ctrl-C), then stop the server."""

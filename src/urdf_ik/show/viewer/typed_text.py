@@ -9,7 +9,6 @@ import numpy as np
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import check_poses, pose
-from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -78,5 +77,5 @@ def _parsed(text: str) -> tuple[str, Array]:
 def _numbers(text: str) -> Array:
     left = _BESIDE.sub("", _NUMBER.sub(" ", text)).strip()
     if left:
-        raise ArgumentError(f"{quoted(left)} is no number; paste numbers, such as 0.5, 0.1, 0.3, 0, 0, 0, 1")
+        raise ArgumentError(f"{left!r} is no number; paste numbers, such as 0.5, 0.1, 0.3, 0, 0, 0, 1")
     return np.array([float(each) for each in _NUMBER.findall(text)])
