@@ -228,27 +228,32 @@ def test_files_of_all_families_stand_in_one_unit(compile_with: str, tmp_path: Pa
     unit_of(arms, compile_with, ("-fsyntax-only", *FREESTANDING, *level_flags(_core.isa())), tmp_path)
 
 
-@pytest.fixture(scope="module")
-def of_v2(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of Python's answers at x86-64-v2, which has no operation to fuse: compilers agree to the last bit."""
-    place = tmp_path_factory.mktemp("v2")
-    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
-    fresh(_EXPECTED, str(place), URDF_IK_ISA="v2", PYTHONPATH=path)
-    return place
+@cache
+def answered(level: str) -> Path:
+    """The folder of Python's answers at an instruction set."""
+    place, path = mkdtemp(prefix="urdf_ik_"), os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    fresh(_EXPECTED, place, URDF_IK_ISA=level, PYTHONPATH=path)
+    return Path(place)
+
+
+# At x86-64-v2, which has no operation to fuse, compilers agree to the last bit.
+no_v2 = pytest.mark.skipif("v2" not in _core.levels(), reason="the core was built without x86-64-v2")
 
 
 @pytest.mark.slow
-@pytest.mark.skipif("v2" not in _core.levels(), reason="the core was built without x86-64-v2")
-@pytest.mark.parametrize("compile_with", COMPILERS)
+@pytest.mark.parametrize(
+    ("compile_with", "level", "optimised"),
+    [(compiler("CXX"), _core.isa(), "-O3"), pytest.param(CLANG, "v2", "-O1", marks=[needs_clang, no_v2])],
+)
 @each_unit
 def test_each_family_gives_the_same_bits_freestanding(
-    named: list[tuple[str, urdf_ik.Arm]], compile_with: str, of_v2: Path, tmp_path: Path
+    named: list[tuple[str, urdf_ik.Arm]], compile_with: str, level: str, optimised: str, tmp_path: Path
 ) -> None:
     """Without a C++ library, exceptions and run-time types: Python's bits, and only functions of C are left to link."""
     arms = [arm for _, arm in named]
-    unit = unit_of(arms, compile_with, ("-O1", *FLAGS[1:], *FREESTANDING, *level_flags("v2")), tmp_path)
+    unit = unit_of(arms, compile_with, (optimised, *FLAGS[1:], *FREESTANDING, *level_flags(level)), tmp_path)
     assert needed_by(unit) <= ALLOWED
-    wanted = [dict(np.load(of_v2 / f"{place_of(name)}.npz")) for name, _ in named]
+    wanted = [dict(np.load(answered(level) / f"{place_of(name)}.npz")) for name, _ in named]
     asked = [(each["T"], each.get("values")) for each in wanted]
     for (name, arm), each, found in zip(named, wanted, answers(unit, arms, asked), strict=True):
         assert (found.flags == each["flags"]).all(), name

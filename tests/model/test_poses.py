@@ -14,7 +14,6 @@ from urdf_ik.model.poses import (
     check_poses,
     pose,
     project_rotation,
-    to_euler_zyx,
     to_quat_wxyz,
     to_quat_xyzw,
     to_rotvec,
@@ -109,7 +108,6 @@ def test_every_notation_gives_the_rotation_back(axis: tuple[float, float, float]
         pose(np.zeros(3), quat_wxyz=to_quat_wxyz(T)),
         pose(np.zeros(3), rotvec=to_rotvec(T)),
         pose(np.zeros(3), rpy=to_rpy(T)),
-        pose(np.zeros(3), euler_zyx=to_euler_zyx(T)),
     ):
         np.testing.assert_allclose(back, T, rtol=0, atol=2 * EXACT)
 
@@ -158,7 +156,7 @@ def test_pose_broadcasts() -> None:
         np.testing.assert_allclose(T[3, 2], pose(p[3, 0], **{name: r[2]}), rtol=0, atol=EXACT)
     assert pose(p).shape == (5, 1, 4, 4)
     np.testing.assert_array_equal(pose([1, 2, 3]), [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
-    for back, k in ((to_quat_xyzw, 4), (to_quat_wxyz, 4), (to_rotvec, 3), (to_rpy, 3), (to_euler_zyx, 3)):
+    for back, k in ((to_quat_xyzw, 4), (to_quat_wxyz, 4), (to_rotvec, 3), (to_rpy, 3)):
         assert back(T).shape == (5, 4, k)
         np.testing.assert_allclose(back(T)[1, 2], back(T[1, 2]), rtol=0, atol=EXACT)
         assert back(np.empty((0, 4, 4))).shape == (0, k)

@@ -218,6 +218,14 @@ def _lost(source: Source, link: str, problem: str) -> UrdfError:
     return UrdfError(problem, source=source.name, element=element, hint="collision checks miss this shape")
 
 
+def _free(name: str, taken: set[str]) -> str:
+    """The name, lengthened until it is new; it is then taken."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
 class _Writer:
     """The URDF of a compiled model."""
 
@@ -239,13 +247,8 @@ class _Writer:
 
     def _unique(self, kind: Any, index: int, word: str) -> str:
         """Name of a body or site that no link has yet."""
-        given = self.mujoco.mj_id2name(self.model, kind, index) or f"{word}_{index}"
-        name, count = given, 1
-        while name in self._names:
-            count += 1
-            name = f"{given}_{word}" if count == 2 else f"{given}_{word}_{count}"
-        self._names.add(name)
-        return str(name)
+        name = str(self.mujoco.mj_id2name(self.model, kind, index) or f"{word}_{index}")
+        return _free(name if name not in self._names else f"{name}_{word}", self._names)
 
     def _body(self, body: int, link: str) -> None:
         model = self.model
@@ -267,10 +270,7 @@ class _Writer:
 
     def _between(self, joint: int) -> str:
         """An additional link below a joint: for a body with several joints, or a joint away from its body's origin."""
-        name = f"{self._joint_name(joint)}_link"
-        while name in self._names:
-            name += "_"
-        self._names.add(name)
+        name = _free(f"{self._joint_name(joint)}_link", self._names)
         etree.SubElement(self.robot, "link", name=name)
         return name
 
@@ -315,9 +315,7 @@ class _Writer:
                 return
 
     def _join(self, name: str, kind: str, parent: str, below: str, place: NDArray[np.float64]) -> Any:
-        while name in self._joint_names:
-            name += "_"
-        self._joint_names.add(name)
+        name = _free(name, self._joint_names)
         element = etree.SubElement(self.robot, "joint", name=name, type=kind)
         etree.SubElement(element, "parent", link=parent)
         etree.SubElement(element, "child", link=below)

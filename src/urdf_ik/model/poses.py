@@ -182,11 +182,6 @@ def to_rpy(T: Any) -> Array:
     return np.stack([np.where(locked, 0.0, roll), pitch, yaw], axis=-1)
 
 
-def to_euler_zyx(T: Any) -> Array:
-    """Orientation as (..., 3) yaw, pitch, roll about the moving z, y, x axes [rad]: :func:`to_rpy` reversed."""
-    return np.ascontiguousarray(to_rpy(T)[..., ::-1])
-
-
 def as_pose_array(T: Any) -> Array:
     """Poses as one array; its values are not checked, see :func:`check_poses`.
 

@@ -135,10 +135,8 @@ def group_states(source: str | os.PathLike[str] | bytes) -> dict[str, dict[str, 
 def states_beside(path: Path, robot: str) -> dict[str, dict[str, float]]:
     """The postures of the SRDFs beside a URDF; see :func:`group_states` and :func:`groups_beside`."""
     states: dict[str, dict[str, float]] = {}
-    for file in _beside(path):
-        with suppress(UrdfError):
-            if _opened(file)[0].get("name") == robot:
-                states = group_states(file) | states
+    for file in _beside(path, robot):
+        states = group_states(file) | states
     return states
 
 
@@ -157,18 +155,18 @@ def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, t
         Base link and tip link by the group's name, those of the file with the URDF's name first.
     """
     groups: dict[str, tuple[str, str]] = {}
-    for file in _beside(path):
-        try:
-            if _opened(file)[0].get("name") == robot:
-                groups = dict(chain_groups(file, links)) | groups
-        except UrdfError:
-            continue
+    for file in _beside(path, robot):
+        with suppress(UrdfError):
+            groups = dict(chain_groups(file, links)) | groups
     return groups
 
 
-def _beside(path: Path) -> list[Path]:
-    """The SRDFs beside a URDF, the one with its name first."""
-    found = [file for folder in _FOLDERS for file in sorted((path.parent / folder).glob("*.srdf"))[:_MOST]]
+def _beside(path: Path, robot: str) -> list[Path]:
+    """The SRDFs of a robot beside its URDF, the one with the URDF's name first."""
+    found = []
+    for file in (file for folder in _FOLDERS for file in sorted((path.parent / folder).glob("*.srdf"))[:_MOST]):
+        with suppress(UrdfError):
+            found += [file] * (_opened(file)[0].get("name") == robot)
     return sorted(found, key=lambda each: each.stem != path.name.split(".")[0])
 
 

@@ -45,7 +45,7 @@ def open_source(source: Any) -> Source:
     Raises:
         UrdfError: there is nothing to read there, or it is no text.
     """
-    if isinstance(source, str | bytes | bytearray):
+    if isinstance(source, str | bytes):
         text = _text(source, TEXT)
         if text.lstrip().startswith("<"):
             return Source(text, TEXT, None)
@@ -55,12 +55,6 @@ def open_source(source: Any) -> Source:
             raise UrdfError(f"{source[:40]!r} is no XML", source=TEXT, hint="XML text begins with '<'")
     if isinstance(source, str | os.PathLike):
         return _open_path(os.fspath(source))
-    if not hasattr(source, "read"):
-        raise UrdfError(
-            f"cannot read a URDF from {type(source).__name__} {source!r}",
-            source=TEXT,
-            hint="give a path, XML text (str or bytes) or an open file",
-        )
     named = getattr(source, "name", None)
     name = named if isinstance(named, str) and named else TEXT
     try:
@@ -146,28 +140,23 @@ def has_xacro(value: str | None) -> bool:
 
 def _open_path(name: str | bytes) -> Source:
     label = os.fsdecode(name)
-    shown = " ".join(label.split())
-    shown = shown if len(shown) <= 120 else shown[:117] + "..."
     path = Path(label)
     try:
-        if path.is_file():
-            return Source(_text(path.read_bytes(), label), label, path.absolute())
-        directory = path.is_dir()
-    except UrdfError:
-        raise
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UrdfError(f"cannot read: {reason}", source=shown, hint="check its path and rights") from None
+        directory, data = path.is_dir(), path.read_bytes() if path.is_file() else None
+    except OSError as error:
+        raise UrdfError(f"cannot read: {error.strerror}", source=label, hint="check its path and rights") from None
+    if data is not None:
+        return Source(_text(data, label), label, path.absolute())
     if directory:
         there = ", ".join(sorted(file.name for file in path.glob("*.urdf"))[:5])
         hint = f"choose one of its files: {there}" if there else "give the path of a .urdf file"
         raise UrdfError("a directory, not a file", source=label, hint=hint)
     raise UrdfError(
-        "neither an existing file nor XML text", source=shown, hint="check the path; XML text begins with '<'"
+        "neither an existing file nor XML text", source=label, hint="check the path; XML text begins with '<'"
     )
 
 
-def _text(content: str | bytes | bytearray, name: str) -> str:
+def _text(content: str | bytes, name: str) -> str:
     """Text as it is; bytes as their byte order mark or their XML declaration says, else as UTF-8."""
     if isinstance(content, str):
         return content.removeprefix("\ufeff")
@@ -178,7 +167,7 @@ def _text(content: str | bytes | bytearray, name: str) -> str:
     elif content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         encoding = "utf-16"
     try:
-        return bytes(content).decode(encoding)
+        return content.decode(encoding)
     except UnicodeDecodeError as error:
         raise UrdfError(
             f"not {encoding.removesuffix('-sig')} text: byte 0x{content[error.start]:02x}",

@@ -130,8 +130,8 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
     factors = np.ones(len(names)) if weights is None else per_joint("weights", weights, names, zero=True)
     if cost == "time":
         factors = factors / velocities(solver)
-    default = (POSITION_TOLERANCE, ROTATION_TOLERANCE)
-    position, rotation = per_joint("tolerance", settings.tolerance or default, ("position [m]", "rotation [rad]"))
+    tolerance = (POSITION_TOLERANCE, ROTATION_TOLERANCE) if settings.tolerance is None else settings.tolerance
+    position, rotation = per_joint("tolerance", tolerance, ("position [m]", "rotation [rad]"))
     return CheckedSettings(
         solver=solver,
         joints=Joints.from_chain(solver.chain),

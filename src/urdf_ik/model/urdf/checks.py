@@ -21,8 +21,6 @@ from urdf_ik.support.tolerances import LARGEST
 
 _T = TypeVar("_T")
 
-_LONGEST = 1000
-"""Greatest length of an attribute with numbers [characters]; three numbers with 17 digits take far fewer."""
 MOVABLE = ("revolute", "continuous", "prismatic")
 """Types of joints that move a chain."""
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
@@ -98,9 +96,6 @@ class Place:
     def numbers(self, element: Any, attribute: str, count: int, default: str | None = None) -> list[str]:
         """The attribute's ``count`` finite decimal numbers, as written."""
         text = element.get(attribute, default)
-        if text is not None and len(text) > _LONGEST:
-            problem = f"{attribute}={text!r} has {len(text)} characters"
-            self.fail(problem, hint="write numbers with at most 17 digits", at=element)
         if text is not None and _NUMBERS.fullmatch(text):
             good: list[str] = text.split()
             if len(good) == count and all(map(math.isfinite, map(float, good))):

@@ -15,9 +15,6 @@ from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import child, children, tag, written_tag
 from urdf_ik.support.text import quoted
 
-MAX_PARTS = 10_000
-"""Shapes, inertias and materials of a URDF at most."""
-
 _SHAPES: dict[str, dict[str, int]] = {
     "box": {"size": 3},
     "cylinder": {"radius": 1, "length": 1},
@@ -29,18 +26,12 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 def write_links(robot: Any, links: dict[str, Any], source: str, defects: Defects) -> None:
     """Append every link to the clean tree; omit its defective parts and record them."""
-    count = 0
     for name, element in links.items():
         link = etree.SubElement(robot, "link", name=name)
         parts = [("inertial", _inertial)] if child(element, "inertial") is not None else []
         for kind, write in (*parts, ("visual", _visual), ("collision", _shape)):
             found = list(children(element, kind))
             for part in found[:1] if kind == "inertial" else found:
-                count += 1
-                if count > MAX_PARTS:
-                    Place(source, part, f"<{kind}>").fail(
-                        f"more than {MAX_PARTS} shapes and inertias", hint="make one mesh of what moves together"
-                    )
                 place = Place(source, part, f'<{kind}> of <link name="{quoted(name)[1:-1]}">')
                 out = etree.Element(tag(part))
                 try:
@@ -54,9 +45,7 @@ def write_links(robot: Any, links: dict[str, Any], source: str, defects: Defects
 def write_materials(robot: Any, original: Any, source: str) -> None:
     """Append the colours that links refer to by name, without the defective ones."""
     written: set[str] = set()
-    for count, element in enumerate(children(original, "material")):
-        if count >= MAX_PARTS:
-            Place(source, element, "<material>").fail(f"more than {MAX_PARTS} materials", hint="name each colour once")
+    for element in children(original, "material"):
         name = element.get("name")
         if name not in written and child(element, "color") is not None:
             written.update([name] if _material(Place(source, element, "<material>"), element, robot) else [])

@@ -60,11 +60,6 @@ class UrdfModel:
         return yourdfpy_model(self.xml)
 
     @property
-    def folders(self) -> list[Path]:
-        """The same folders as ``package_dirs``, as paths."""
-        return [Path(folder) for folder in self.package_dirs]
-
-    @property
     def package_dirs(self) -> tuple[str, ...]:
         """Folders that meshes may come from: the URDF's own, that of its ROS package, and the mesh roots."""
         own = [] if self.path is None else [self.path.parent, meshes.own_package(self.path)]
@@ -298,7 +293,7 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
     Raises:
         UrdfError: the path leads outside these folders, or no such file exists there; the message lists them.
     """
-    return meshes.resolve(filename, model.folders, model.source)
+    return meshes.resolve(filename, [Path(folder) for folder in model.package_dirs], model.source)
 
 
 def yourdfpy_model(xml: bytes) -> Any:

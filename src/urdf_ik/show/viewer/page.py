@@ -187,10 +187,6 @@ class Viewer:
         """Move the arm to the solution of that branch."""
         self._update("branch", lambda state: states.with_branch(state, column))
 
-    def set_redundancy(self, value: float) -> None:
-        """Set the redundancy parameter [rad or m] of an arm with seven joints."""
-        self._update("redundancy", lambda state: states.with_redundancy(state, value))
-
     def show_plan(self, plan: Plan | None) -> None:
         """Show another plan of this arm, with its path and, where it was not found, the ends of its branches.
 
