@@ -5,7 +5,7 @@ The swivel angle of an S-R-S arm has them, too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.mimic import follows
 from urdf_ik.kinematics.chain.serial import TreeJoint
-from urdf_ik.model.poses import pose
+from urdf_ik.kinematics.structure import meeting_point
+from urdf_ik.model.poses import from_rpy
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.typing import Array
@@ -45,37 +45,34 @@ class Parameter(NamedTuple):
         return f"{self.joint} {self.field}" if names is None else f"{self.joint} {self.field} {names[self.part]}"
 
 
-class _Moved(NamedTuple):
-    """A joint at joint vectors: its number in the chain, its frames, and the sign of what its numbers do to the tip."""
-
-    joint: int
-    parent: Array
-    at: Array
-    before: Array
-    value: Array
-    sign: float
+_STEP = 1e-30  # of a complex step, whose error is its square
 
 
-class _Motions:
-    """Motions of what follows a joint, by the number of the URDF that causes them."""
+def _unit(v: Any) -> Any:
+    return v / np.sqrt((v * v).sum(axis=-1, keepdims=True))
 
-    def __init__(self, batch: tuple[int, ...]) -> None:
-        self._still = np.zeros((*batch, 3))
-        self._of: dict[int, tuple[Array, Array, Array]] = {}  # a point, its velocity, the angular velocity
 
-    def add(self, number: int, moved: _Moved, linear: Array | None, angular: Array | None) -> None:
-        v, w = (self._still if each is None else moved.sign * each for each in (linear, angular))
-        self._of[number] = (moved.before[..., :3, 3], v, w)
+def _rotation(u: Any, angle: Any) -> Any:
+    """Rodrigues' formula (..., 3, 3), also of complex numbers."""
+    K = np.cross(np.eye(3), u[..., None, :])
+    return np.eye(3) + np.sin(angle)[..., None, None] * K + (1.0 - np.cos(angle))[..., None, None] * (K @ K)
 
-    def twists(self, numbers: Sequence[int], point: Array) -> Array:
-        """(..., 6, k) velocities at a point (..., 3), zero for numbers of joints that have not been added."""
-        out = np.zeros((*self._still.shape[:-1], 6, len(numbers)))
-        for place, number in enumerate(numbers):
-            if number in self._of:
-                start, v, w = self._of[number]
-                out[..., :3, place] = v + np.cross(w, point - start)
-                out[..., 3:, place] = w
-        return out
+
+def _transform(R: Any, p: Any) -> Any:
+    shape = np.broadcast_shapes(R.shape[:-2], p.shape[:-1])
+    T = np.zeros((*shape, 4, 4), dtype=np.result_type(R, p))
+    T[..., :3, :3], T[..., :3, 3], T[..., 3, 3] = R, p, 1.0
+    return T
+
+
+def _origin(numbers: Any) -> Any:
+    """The origin (..., 4, 4) written as x, y, z, roll, pitch, yaw."""
+    return _transform(from_rpy(numbers[..., 3:6]), numbers[..., :3])
+
+
+def _inverse(T: Any) -> Any:
+    back = np.swapaxes(T[..., :3, :3], -1, -2)
+    return _transform(back, -(back @ T[..., :3, 3, None])[..., 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,27 +129,20 @@ class WrittenChain(Frozen):
 
     def fk(self, q: ArrayLike, values: ArrayLike | None = None) -> Array:
         """Poses (..., 4, 4) of the tip at joint vectors (..., n), with the numbers ``values`` (p,) of the URDF."""
-        Q, numbers = self._checked(q, values)
-        tip = np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))
-        for moved in self._walk(Q, numbers):
-            tip = moved.at if moved.sign > 0.0 else moved.parent
-        return np.array(tip)
+        return self._frames(*self._checked(q, values))[-1]
 
     def screws(self, values: ArrayLike) -> tuple[Array, Array, Array]:
         """Directions H (m, 3), steps P (m + 1, 3) and rotation R_tip (3, 3) of the chain's m axes with other numbers.
 
         They are what :class:`urdf_ik.Chain` holds; where joints mimic others, it has more axes than joints.
         """
-        _, numbers = self._checked(np.zeros(self.dof), values)
-        axes, points, tip = [], [], np.eye(4)
-        for moved in self._walk(np.zeros(self.dof), numbers):
-            joint = self.joints[moved.joint]
-            if joint.column is not None and follows(joint.multiplier):
-                axes.append(self._direction(moved, numbers))
-                points.append(moved.before[:3, 3])
-            tip = moved.at if moved.sign > 0.0 else moved.parent
-        steps = np.diff(np.array([np.zeros(3), *points, tip[:3, 3]]), axis=0)
-        return np.array(axes), steps, np.ascontiguousarray(tip[:3, :3])
+        Q, numbers = self._checked(np.zeros(self.dof), values)
+        frames = self._frames(Q, numbers)
+        moving = [k for k, each in enumerate(self.joints) if each.column is not None and follows(each.multiplier)]
+        lines = [np.stack(self._line(k, self._own(k, numbers))) @ frames[k][:3, :3].T for k in moving]
+        points = [frames[k][:3, 3] + line[0] for k, line in zip(moving, lines, strict=True)]
+        steps = np.diff(np.array([np.zeros(3), *points, frames[-1][:3, 3]]), axis=0)
+        return np.array([line[1] for line in lines]), steps, np.ascontiguousarray(frames[-1][:3, :3])
 
     def twists(self, q: ArrayLike, values: ArrayLike | None = None, parameters: Sequence[Any] | None = None) -> Array:
         """The tip's twist for each of the URDF's numbers, the joints held still.
@@ -170,12 +160,8 @@ class WrittenChain(Frozen):
             ArgumentError: an argument does not fit, or there is no such parameter.
         """
         Q, numbers = self._checked(q, values)
-        asked, motions = self._asked(parameters), _Motions(Q.shape[:-1])
-        tip = np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))
-        for moved in self._walk(Q, numbers):
-            tip = moved.at if moved.sign > 0.0 else moved.parent
-            self._collect(moved, numbers, asked, motions)
-        return motions.twists(asked, tip[..., :3, 3])
+        frames = self._frames(Q, numbers)
+        return self._asked(self._rates(Q, numbers, frames, frames[-1][..., :3, 3]), parameters)
 
     def axis(self, column: int, q: ArrayLike, parameters: Sequence[Any] | None = None) -> tuple[Array, Array, Array]:
         """The line of a joint's axis, and how it moves with each of the URDF's numbers, the joints held still.
@@ -190,100 +176,68 @@ class WrittenChain(Frozen):
             the point's above the direction's.
         """
         Q, numbers = self._checked(q, None)
-        asked, motions = self._asked(parameters), _Motions(Q.shape[:-1])
-        for moved in self._walk(Q, numbers):
-            joint, start = self.joints[moved.joint], self.starts[moved.joint]
-            own = joint.column == column
-            # The axis is fixed to the parent, which stands on the base's side, or behind the joint.
-            if not own or moved.sign > 0.0:
-                self._collect(moved, numbers, [k for k in asked if not own or k < start + 6], motions)
-            if not own:
-                continue
-            point, direction = moved.before[..., :3, 3], self._direction(moved, numbers)
-            rates = motions.twists(asked, point)
-            rates[..., 3:, :] = np.cross(rates[..., 3:, :], direction[..., None], axis=-2)
-            R = moved.before if moved.sign > 0.0 else moved.at
-            for place, k in enumerate(asked):
-                if start + 6 <= k < start + 9:
-                    du = self._turned_axis(k - start - 6, numbers[start + 6 : start + 9])
-                    rates[..., 3:, place] = moved.sign * np.sign(joint.multiplier) * (R[..., :3, :3] @ du)
-            return point, direction, rates
-        raise ArgumentError(f"column {column} given; there are {self.dof} joints")
+        k = next((k for k, joint in enumerate(self.joints) if joint.column == column), None)
+        if k is None:
+            raise ArgumentError(f"column {column} given; there are {self.dof} joints")
+        frames = self._frames(Q, numbers)[: k + 1]
+        R = frames[-1][..., :3, :3]
+        point, direction = (R @ each for each in self._line(k, self._own(k, numbers)))
+        point = frames[-1][..., :3, 3] + point
+        rates = self._rates(Q, numbers, frames, point)
+        rates[..., 3:, :] = np.cross(rates[..., 3:, :], direction[..., None], axis=-2)
+        own = np.concatenate(self._line(k, self._stepped(k, numbers, 0)), axis=-1).imag.T / _STEP
+        part = slice(self.starts[k], self.starts[k] + own.shape[1])
+        rates[..., part] = np.concatenate([R @ own[:3], R @ own[3:]], axis=-2)
+        return point, direction, self._asked(rates, parameters)
 
-    def _asked(self, parameters: Sequence[Any] | None) -> list[int]:
-        return list(range(len(self.parameters))) if parameters is None else self.columns(parameters)
+    def _asked(self, rates: Array, parameters: Sequence[Any] | None) -> Array:
+        return rates if parameters is None else rates[..., self.columns(parameters)]
 
-    def _direction(self, moved: _Moved, numbers: Array) -> Array:
-        """The unit direction (..., 3) of a joint's axis in the base, as the chain counts its joint's value."""
-        joint, start = self.joints[moved.joint], self.starts[moved.joint]
-        u = numbers[start + 6 : start + 9]
+    def _own(self, k: int, numbers: Array) -> Array:
+        start = self.starts[k]
+        return numbers[start : start + (10 if self.joints[k].driver else 6)]
+
+    def _stepped(self, k: int, numbers: Array, dimensions: int) -> Any:
+        """(c, 1, ..., 1, c) a joint's numbers, each with a complex step in turn, for a batch of so many dimensions."""
+        own = self._own(k, numbers)
+        return (own + 1j * _STEP * np.eye(len(own))).reshape(len(own), *[1] * dimensions, len(own))
+
+    def _local(self, k: int, Q: Array, own: Any) -> Any:
+        """The motion (..., 4, 4) from the base's side of joint ``k`` to the tip's, by its own numbers (..., c)."""
+        joint, motion = self.joints[k], _origin(own)
+        if joint.driver:
+            value = own[..., 9] if joint.column is None else own[..., 9] + joint.multiplier * Q[..., joint.column]
+            u = _unit(own[..., 6:9])
+            turned, slid = (0.0 * value, value) if joint.prismatic else (value, 0.0 * value)
+            motion = motion @ _transform(_rotation(u, turned), slid[..., None] * u)
+        return _inverse(motion) if self.upwards[k] else motion
+
+    def _line(self, k: int, own: Any) -> tuple[Any, Any]:
+        """A point (..., 3) on the axis of joint ``k`` and its direction, in the frame on the base's side."""
         # The value of a joint that mimics another is counted along its own axis.
-        turn = moved.sign * (1.0 if self.coupled else np.sign(joint.multiplier))
-        direction: Array = turn * (moved.before[..., :3, :3] @ (u / np.linalg.norm(u)))
-        return direction
+        turn, u = 1.0 if self.coupled else np.sign(self.joints[k].multiplier), _unit(own[..., 6:9])
+        if self.upwards[k]:
+            return 0.0 * u, -turn * u
+        origin = _origin(own)
+        return origin[..., :3, 3], turn * (origin[..., :3, :3] @ u[..., None])[..., 0]
 
-    def _collect(self, moved: _Moved, numbers: Array, asked: Sequence[int], motions: _Motions) -> None:
-        """Add the motions that a joint's numbers give to all that follows it."""
-        start = self.starts[moved.joint]
-        for k in asked:
-            if start <= k < start + (10 if self.joints[moved.joint].driver else 6):
-                motions.add(k, moved, *self._motion(moved, k - start, numbers[start:]))
+    def _frames(self, Q: Array, numbers: Array) -> list[Array]:
+        """The frames (..., 4, 4) before each joint, and the tip's."""
+        frames = [np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))]
+        for k in range(len(self.joints)):
+            frames.append(frames[-1] @ self._local(k, Q, self._own(k, numbers)))
+        return frames
 
-    @staticmethod
-    def _turned_axis(k: int, axis: Array) -> Array:
-        """How the unit direction changes with number ``k`` of an axis as written."""
-        length = float(np.linalg.norm(axis))
-        u = axis / length
-        du: Array = (np.eye(3)[k] - u[k] * u) / length
-        return du
-
-    def _motion(self, moved: _Moved, k: int, numbers: Array) -> tuple[Array | None, Array | None]:
-        """What number ``k`` of a joint does: the velocity of the joint's frame, and the angular one, in base axes."""
-        if k < 3:
-            return moved.parent[..., :3, k], None
-        if k < 6:
-            # R = Rz(yaw) Ry(pitch) Rx(roll): an angle turns about its axis as the angles to its left have turned it.
-            first = np.where(np.arange(3) > k - 3, numbers[3:6], 0.0)
-            return None, moved.parent[..., :3, :3] @ pose(np.zeros(3), rpy=first)[:3, k - 3]
-        R, u = moved.before[..., :3, :3], numbers[6:9] / np.linalg.norm(numbers[6:9])
-        slides = self.joints[moved.joint].prismatic
-        if k == 9:
-            axis = R @ u
-            return (axis, None) if slides else (None, axis)
-        du = self._turned_axis(k - 6, numbers[6:9])
-        value = moved.value[..., None]
-        if slides:
-            return value * (R @ du), None
-        # The rotation about a turned axis: n - R n for an axis that turns by n = u x du.
-        return None, np.sin(value) * (R @ du) + (1.0 - np.cos(value)) * (R @ np.cross(u, du))
-
-    def _walk(self, Q: Array, numbers: Array) -> Iterator[_Moved]:
-        """Every joint in turn, with the frames of its parent, of its origin and of its child."""
-        at = np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))
-        for k, (joint, up, start) in enumerate(zip(self.joints, self.upwards, self.starts, strict=True)):
-            origin, value = pose(numbers[start : start + 3], rpy=numbers[start + 3 : start + 6]), np.zeros(Q.shape[:-1])
-            motion = np.eye(4)
-            if joint.driver:
-                u = numbers[start + 6 : start + 9] / np.linalg.norm(numbers[start + 6 : start + 9])
-                value = value + numbers[start + 9]
-                if joint.column is not None:
-                    value = value + joint.multiplier * Q[..., joint.column]
-                motion = np.broadcast_to(motion, (*value.shape, 4, 4)).copy()
-                if joint.prismatic:
-                    motion[..., :3, 3] = value[..., None] * u
-                else:
-                    constant, cosine, sine = turning(u, np.zeros(3))
-                    motion[..., :3, :] = (
-                        constant + np.cos(value)[..., None, None] * cosine + np.sin(value)[..., None, None] * sine
-                    )
-            if up:
-                parent = at @ np.linalg.inv(origin @ motion)
-                yield _Moved(k, parent, at, parent @ origin, value, -1.0)
-                at = parent
-            else:
-                parent, before = at, at @ origin
-                at = before @ motion
-                yield _Moved(k, parent, at, before, value, 1.0)
+    def _rates(self, Q: Array, numbers: Array, frames: Sequence[Array], point: Array) -> Array:
+        """(..., 6, p) velocities at a point (..., 3) fixed to the last of the frames, for each number before it."""
+        out = np.zeros((*Q.shape[:-1], 6, len(numbers)))
+        for k, (before, after) in enumerate(zip(frames, frames[1:], strict=False)):
+            moved = self._local(k, Q, self._stepped(k, numbers, Q.ndim - 1)).imag / _STEP
+            spin = before @ moved @ _inverse(after)  # (c, ..., 4, 4): the rate of the pose, times the pose's inverse
+            part = slice(self.starts[k], self.starts[k] + len(spin))
+            linear = spin[..., :3, 3] + (spin[..., :3, :3] @ point[..., None])[..., 0]
+            out[..., part] = np.moveaxis(np.concatenate([linear, spin[..., [2, 0, 1], [1, 2, 0]]], axis=-1), 0, -1)
+        return out
 
     def _checked(self, q: ArrayLike, values: ArrayLike | None) -> tuple[Array, Array]:
         Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.dof})")
@@ -355,7 +309,6 @@ def curvature(chain: Chain, q: Array, along: Array, moving: Array) -> Array:
 
 
 SHOULDER, ELBOW, WRIST = slice(0, 3), 3, slice(4, 7)
-_STEP = 1e-30  # of a complex step, whose error is its square
 
 
 class Points(NamedTuple):
@@ -478,16 +431,7 @@ def rates_by_geometry(chain: Chain, points: Points, q: Array, parameters: Sequen
 
 
 def _meeting_rates(*axes: tuple[Array, Array, Array]) -> Array:
-    """Rates (3, k) of the point with the least sum of squared distances from lines.
-
-    The point x solves sum P (x - p) = 0 with P = 1 - h h^T; its rate follows from that equation's.
-    """
-    points, directions = (np.array([each[k] for each in axes]) for k in (0, 1))
-    across = np.eye(3) - directions[:, :, None] * directions[:, None, :]
-    total = across.sum(axis=0)
-    off = np.linalg.solve(total, np.einsum("aij,aj->i", across, points - points[0])) - (points - points[0])
-    right = np.zeros_like(axes[0][2][:3])
-    for (_, h, rates), P, x in zip(axes, across, off, strict=True):
-        turned = rates[3:]
-        right += P @ rates[:3] + np.outer(h, x @ turned) + (h @ x) * turned
-    return np.asarray(np.linalg.solve(total, right))
+    """Rates (3, k) of the point with the least sum of squared distances from lines, by a complex step."""
+    lines, rates = (np.stack(each) for each in zip(*((np.stack(axis[:2]), axis[2]) for axis in axes), strict=True))
+    stepped = lines[..., None] + 1j * _STEP * rates.reshape(len(axes), 2, 3, -1)
+    return np.stack([meeting_point(*np.swapaxes(each, 0, 1)).imag / _STEP for each in np.moveaxis(stepped, -1, 0)], 1)

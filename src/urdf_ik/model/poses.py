@@ -266,11 +266,11 @@ def _unwrapped(T: Any) -> Any:
 def _rotation(name: str, value: Array) -> Array:
     """(..., 3, 3) from an orientation in one of the notations."""
     if name == "rpy":
-        return _from_rpy(value)
+        return from_rpy(value)
     if name == "euler_zyx":
-        return _from_rpy(value[..., ::-1])
+        return from_rpy(value[..., ::-1])
     if name == "staubli":  # the inverse of turns by the negative angles in the other order
-        return _from_rpy(-value).swapaxes(-1, -2)
+        return from_rpy(-value).swapaxes(-1, -2)
     from scipy.spatial.transform import Rotation
 
     rows = np.array(value.reshape(-1, value.shape[-1]))  # SciPy takes no read-only arrays
@@ -284,10 +284,10 @@ def _rotation(name: str, value: Array) -> Array:
     return np.asarray(rotation.as_matrix().reshape(*value.shape[:-1], 3, 3))
 
 
-def _from_rpy(rpy: Array) -> Array:
-    """(..., 3, 3) Rz(yaw) Ry(pitch) Rx(roll), with yourdfpy's rounding; SciPy's would differ in the last digit."""
+def from_rpy(rpy: Array) -> Array:
+    """(..., 3, 3) Rz(yaw) Ry(pitch) Rx(roll), of complex angles too; yourdfpy's rounding, not SciPy's."""
     (sr, sp, sy), (cr, cp, cy) = np.moveaxis(np.sin(rpy), -1, 0), np.moveaxis(np.cos(rpy), -1, 0)
-    R = np.empty((*rpy.shape[:-1], 3, 3))
+    R = np.empty((*rpy.shape[:-1], 3, 3), rpy.dtype)
     R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = cy * cp, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy
     R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = sy * cp, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy
     R[..., 2, 0], R[..., 2, 1], R[..., 2, 2] = -sp, cp * sr, cp * cr
