@@ -142,17 +142,17 @@ def test_straight_wrist() -> None:
     """With q5 = 0, axes 4 and 6 are one: turning them against each other does nothing, and one turn is lost."""
     arm = urdf_ik.load("zyyzyz_6r")
     found = velocity.singular_directions(arm.chain, [0.3, -0.5, 0.8, 0.4, 0.0, -0.2])
-    (idle,) = found.idle_motions
+    (idle,) = found.motions[found.idle]
     np.testing.assert_allclose(np.abs(idle), [0, 0, 0, math.sqrt(0.5), 0, math.sqrt(0.5)], atol=1e-12)
     assert idle[3] * idle[5] < 0
-    (lost,) = found.lost_twists
+    (lost,) = found.twists[found.lost]
     # No joint velocity gives a part of it: at right angles to what any gives.
     J = scaled(arm, np.array([0.3, -0.5, 0.8, 0.4, 0.0, -0.2]), arm.chain.size)
     without_unit = lost / np.array([*[arm.chain.size] * 3, 1, 1, 1])
     np.testing.assert_allclose(without_unit @ J, 0.0, atol=1e-14)
     assert found.gains[-1] < 1e-15 < 1e-3 < found.gains[-2]
     near = velocity.singular_directions(arm.chain, [0.3, -0.5, 0.8, 0.4, 0.01, -0.2])
-    assert not near.idle.any() and len(near.lost_twists) == 0
+    assert not near.idle.any() and len(near.twists[near.lost]) == 0
     assert velocity.singular_directions(arm.chain, [0.3, -0.5, 0.8, 0.4, 0.01, -0.2], tolerance=0.1).idle.any()
 
 
@@ -163,7 +163,7 @@ def test_stretched_planar_arm() -> None:
     assert table.lost.sum() == 4
     # Nothing lost has a part across the arm with the turn that goes with it; along the arm all is lost.
     along = np.array([1.0, 0, 0, 0, 0, 0])
-    np.testing.assert_allclose(np.linalg.norm(table.lost_twists @ along), 1.0, atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(table.twists[table.lost] @ along), 1.0, atol=1e-14)
     assert not table.idle.any()
 
 

@@ -48,16 +48,6 @@ class SingularDirections:
     motions: Array
     idle: Mask
 
-    @property
-    def lost_twists(self) -> Array:
-        """(k, 6) the twists that are lost, of all joint vectors in turn."""
-        return self.twists[self.lost]
-
-    @property
-    def idle_motions(self) -> Array:
-        """(k, n) the motions that do nothing, of all joint vectors in turn."""
-        return self.motions[self.idle]
-
 
 def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
     """Yoshikawa's measure: the volume of twists that joint velocities of length 1 give.
@@ -142,7 +132,7 @@ def singular_directions(
         1
     """
     L = _length(chain, length)
-    bound = _number("tolerance", tolerance, zero=True)
+    bound = inputs.number(tolerance, "tolerance", low=0.0)
     J = _scaled_jacobian(chain, q, L)
     gone = np.asarray(np.isnan(J).any(axis=(-2, -1)))
     U, s, Vt = np.linalg.svd(np.where(gone[..., None, None], 0.0, J))
@@ -201,7 +191,7 @@ def joint_velocities(
     """
     rows, L = _rows(part), _length(chain, length)
     units = np.where(np.arange(6) < 3, L, 1.0)[rows]
-    wanted = _twist(twist, len(units)) / units
+    wanted = inputs.array(twist, "twist", (..., len(units))) / units
     easy = np.ones(chain.n)
     if weights is not None:
         heavy = _each_joint(chain, "weights", weights)
@@ -221,7 +211,7 @@ def joint_velocities(
         near = np.minimum(s[..., -1:] / DEFAULT.damped, 1.0)
         square = DEFAULT.damping**2 * (1.0 - near**2)
     else:
-        square = np.full((*s.shape[:-1], 1), _number("damping", damping, zero=True) ** 2)
+        square = np.full((*s.shape[:-1], 1), inputs.number(damping, "damping", low=0.0) ** 2)
     # What is singular to rounding gives nothing, also without damping.
     live = s > max(J.shape[-2:]) * np.finfo(np.float64).eps * s[..., :1]
     inverse = np.where(live, s / np.where(live, s**2 + square, 1.0), 0.0)
@@ -260,23 +250,10 @@ def _length(chain: Chain, length: float | None) -> float:
     return chain.size if length is None else inputs.number(length, "length", low=LEAST_LENGTH, unit="m")
 
 
-def _number(name: str, value: float, *, zero: bool = False) -> float:
-    """A finite number above zero, or from zero on."""
-    return inputs.number(value, name, low=0.0, above=None if zero else 0.0)
-
-
-def _twist(twist: ArrayLike, count: int) -> Array:
-    return inputs.array(twist, "twist", (..., count))
-
-
 def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     """One positive number a joint."""
-    array = inputs.real(values, name, f"{chain.n} numbers")
-    if array.shape != (chain.n,):
-        raise ArgumentError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
-    good = inputs.usable(array)
-    if not good.all():
-        bad = int(np.flatnonzero(~good)[0])
-        joint = chain.joint_names[bad]
-        raise ArgumentError(f"{name}: {array[bad]} for joint {joint!r}; a number {inputs.USABLE} is needed")
+    array = inputs.array(values, name, (chain.n,))
+    for joint, value in zip(chain.joint_names, array, strict=True):
+        if not inputs.usable(value):
+            raise ArgumentError(f"{name}: {value} for joint {joint!r}; a number {inputs.USABLE} is needed")
     return array

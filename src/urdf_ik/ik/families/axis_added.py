@@ -18,7 +18,7 @@ from urdf_ik.ik.families.parts.family import FamilyMember, columns, self_motion
 from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
-from urdf_ik.kinematics.chain.redundancy import free_axis
+from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, Redundancy
 from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support.angles import amount
 from urdf_ik.typing import Array
@@ -100,7 +100,7 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
 
 def prepare_free(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> FamilyMember:
     """The plan of an arm that ``plan`` solves for whole poses, with one parameter more, which comes first."""
-    parameter = free_axis(axis)
+    parameter = Redundancy(FREE_AXIS, str(axis), (-np.pi, np.pi), 0.0, "rad")
     arm = Numbers(
         kind="axis free",
         motion=axis.motion,

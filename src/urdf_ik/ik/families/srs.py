@@ -13,7 +13,7 @@ from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words, sel
 from urdf_ik.ik.families.parts.ideal import snapped
 from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.kinematics.chain.redundancy import swivel_of
+from urdf_ik.kinematics.chain.redundancy import SWIVEL, Redundancy
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.support.angles import amount
 from urdf_ik.support.tolerances import DEFAULT
@@ -81,7 +81,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
         error=error,
         solver=Solver(arm),
-        parameters=(swivel_of(chain.joint_names[3]),),
+        parameters=(Redundancy(SWIVEL, chain.joint_names[3], (-np.pi, np.pi), 0.0, "rad"),),
         self_motion=self_motion(chain, -1, frames),
         value_of=lambda Q, T: _swivels(chain, frames, Q)[:, None],
         why=lambda T, values: _explain(arm, T, float(values[0])),

@@ -23,7 +23,7 @@ from urdf_ik.ik.redundancy.curves import Curves, End, Found, joined
 from urdf_ik.ik.redundancy.intervals import Intervals
 from urdf_ik.ik.redundancy.values import only_parameter
 from urdf_ik.ik.solver import Solver
-from urdf_ik.kinematics.chain.redundancy import SWIVEL, Redundancy
+from urdf_ik.kinematics.chain.redundancy import SWIVEL, Redundancy, spread
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest, wrapped
@@ -282,7 +282,7 @@ def _followed(solver: Solver, curves: Curves, T: Array, given: _Given) -> tuple[
 
 def _beyond(solver: Solver, plan: FamilyMember, curves: Curves, T: Array, grid: Array) -> Array:
     """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
-    poses, values = plan.parameters[0].spread(T[:, None], grid)
+    poses, values = spread(plan.parameters, T[:, None], grid)
     branches = len(plan.branches)
     q = np.full((*values.shape, branches, solver.dof), np.nan)
     rows = q.reshape(-1, branches, solver.dof)

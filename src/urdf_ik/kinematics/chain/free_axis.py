@@ -24,14 +24,15 @@ class FreeAxis(Frozen):
     Attributes:
         direction: (3,) unit vector in the tip.
         at: (3,) m, a point on the line, in the tip.
+        motion: (3, 3, 4) the rotation by v: the first part, plus cos v times the second, plus sin v times the third.
     """
 
     direction: tuple[float, float, float]
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    _parts: Array = field(init=False, repr=False, compare=False)
+    motion: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_parts", turning(np.array(self.direction), np.array(self.at)))
+        object.__setattr__(self, "motion", turning(np.array(self.direction), np.array(self.at)))
 
     @classmethod
     def read(cls, axis: Any, at: ArrayLike | None = None) -> FreeAxis:
@@ -55,23 +56,14 @@ class FreeAxis(Frozen):
         return cls((x, y, z), (px, py, pz))
 
     def __str__(self) -> str:
-        name = next((name for name, direction in _NAMED.items() if direction == self.direction), None)
-        what = f"the axis {_numbers(self.direction)} of the tip" if name is None else f"the tip's {name} axis"
-        if name is None or any(self.at):
-            where = f" through {_numbers(self.at)} m" if any(self.at) else ""
-            return f"{what}{where}"
-        return what
+        what = f"the tip's {self.name} axis" if self.name in _NAMED else f"the axis {self.name} of the tip"
+        return f"{what} through {_numbers(self.at)} m" if any(self.at) else what
 
     @property
     def name(self) -> str:
         """'x', 'y', 'z', or the direction's numbers."""
         found = next((name for name, direction in _NAMED.items() if direction == self.direction), None)
         return _numbers(self.direction) if found is None else found
-
-    @property
-    def motion(self) -> Array:
-        """(3, 3, 4) the rotation: the first part, plus cos v times the second, plus sin v times the third."""
-        return self._parts
 
     @property
     def seen(self) -> Array:
@@ -98,7 +90,7 @@ class FreeAxis(Frozen):
         """The tip's motion (..., 4, 4) when it is turned by angles (...) [rad] about the line."""
         v = inputs.real(values, "values", "an array of angles [rad]")
         out = np.zeros((*v.shape, 4, 4))
-        constant, cosine, sine = self._parts
+        constant, cosine, sine = self.motion
         out[..., :3, :] = constant + np.cos(v)[..., None, None] * cosine + np.sin(v)[..., None, None] * sine
         out[..., 3, 3] = 1.0
         return out

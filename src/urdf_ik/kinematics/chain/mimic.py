@@ -7,14 +7,14 @@ mimic follows the joint at the end of the row, and a driver beside the chain cou
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik.kinematics.chain.serial import Chain, held_values, standing
+from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.model.urdf import Joint, UrdfModel
 from urdf_ik.support.tolerances import STILL
 from urdf_ik.typing import Array
@@ -99,26 +99,11 @@ class CoupledChain(Chain):
             back, self.gain[::-1, ::-1].copy(), self.joint_names[::-1], self.joint_types[::-1], self.limits[::-1].copy()
         )
 
-    def lock(self, values: Mapping[str, float]) -> Chain:
-        """The chain of the other joints, these held still with all that they drive: see :meth:`Chain.lock`."""
-        held = held_values(self, values)
-        if not held:
-            return self
-        q = np.array([held.get(name, 0.0) for name in self.joint_names])
-        beside = {name: value for name, value in held.items() if name not in self.joint_names}
-        if len(beside) == len(held):
-            return standing(self, beside)
-        free = [k for k, name in enumerate(self.joint_names) if name not in held]
-        driven = np.asarray(self.gain[:, free].any(axis=1))
-        moved = _moved(self.axes, self.spread(q), driven)
-        moved = replace(
-            moved,
-            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
-            locked=(*self.locked, *held.items()),
-            followers=tuple(each for each in self.followers if each.driver not in held),
-        )
+    def at_rest(self, q: Array, free: Sequence[int]) -> Chain:
+        """The chain of the joints ``free`` and what they drive: see :meth:`Chain.at_rest`."""
+        driven = np.flatnonzero(self.gain[:, free].any(axis=1))
         return _joined(
-            moved,
+            self.axes.at_rest(self.spread(q), driven.tolist()),
             self.gain[driven][:, free],
             tuple(self.joint_names[k] for k in free),
             tuple(self.joint_types[k] for k in free),
@@ -140,16 +125,14 @@ def coupled(model: UrdfModel, axes: Chain, movable: list[Joint]) -> Chain:
         movable: these joints of the URDF.
     """
     rows = [model.driver(joint) for joint in movable]
-    kept = np.array([follows(multiplier) for _, multiplier, _ in rows], dtype=np.bool_)
-    moving = [row for row, keep in zip(rows, kept, strict=True) if keep]
-    drivers = list({driver.name: driver for driver, _, _ in moving}.values())
+    kept = [k for k, (_, multiplier, _) in enumerate(rows) if follows(multiplier)]
+    drivers = list({rows[k][0].name: rows[k][0] for k in kept}.values())
     names = tuple(driver.name for driver in drivers)
-    gain = np.zeros((len(moving), len(names)))
-    for row, (driver, multiplier, _) in zip(gain, moving, strict=True):
-        row[names.index(driver.name)] = multiplier
-    offsets = np.array([offset for _, _, offset in rows])
+    gain = np.zeros((len(kept), len(names)))
+    for row, k in zip(gain, kept, strict=True):
+        row[names.index(rows[k][0].name)] = rows[k][1]
     # An axis seen from below turns the other way round; its joint's value is the same.
-    moved = _moved(axes, offsets, kept)
+    moved = axes.at_rest(np.array([offset for _, _, offset in rows]), kept)
     moved = replace(moved, followers=tuple(each for each in axes.followers if follows(each.multiplier)))
     limits = np.array([_limits(driver, movable, rows) for driver in drivers]).reshape(-1, 2)
     return _joined(moved, gain, names, tuple(driver.type for driver in drivers), limits)
@@ -170,20 +153,6 @@ def _limits(driver: Joint, movable: list[Joint], rows: list[tuple[Joint, float, 
     return (lower, upper) if lower <= upper else own
 
 
-def _moved(axes: Chain, values: Array, kept: NDArray[np.bool_]) -> Chain:
-    """The chain of the axes that are ``kept``, with its zero where all axes have these values."""
-    H, points, home = axes.placed(values)
-    return replace(
-        axes,
-        joint_names=tuple(name for name, keep in zip(axes.joint_names, kept, strict=True) if keep),
-        joint_types=tuple(kind for kind, keep in zip(axes.joint_types, kept, strict=True) if keep),
-        H=H[kept],
-        P=np.diff(np.vstack([np.zeros(3), points[kept], home[:3, 3]]), axis=0),
-        R_tip=home[:3, :3].copy(),
-        limits=axes.limits[kept],
-    )
-
-
 def _joined(axes: Chain, gain: Array, names: tuple[str, ...], types: tuple[str, ...], limits: Array) -> Chain:
     """The chain of joints that drive the axes; a plain one where each drives one axis, as far as it moves itself."""
     slides = np.array([kind == "prismatic" for kind in types], dtype=np.bool_)
@@ -194,19 +163,6 @@ def _joined(axes: Chain, gain: Array, names: tuple[str, ...], types: tuple[str, 
     ):
         H = np.diag(gain)[:, None] * axes.H
         return replace(axes, joint_names=names, joint_types=types, H=H, limits=limits.copy())
-    return CoupledChain(
-        base=axes.base,
-        tip=axes.tip,
-        joint_names=names,
-        joint_types=types,
-        H=axes.H.copy(),
-        P=axes.P.copy(),
-        R_tip=axes.R_tip.copy(),
-        limits=limits.copy(),
-        tree=axes.tree,
-        root=axes.root,
-        locked=axes.locked,
-        followers=axes.followers,
-        axes_alone=axes,
-        gain=gain,
-    )
+    same = {each.name: getattr(axes, each.name) for each in fields(axes) if each.init}
+    own = {"joint_names": names, "joint_types": types, "limits": limits.copy()}
+    return CoupledChain(**{**same, **own}, axes_alone=axes, gain=gain)

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.errors import ArgumentError, PoseError
-from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain.serial import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, amount, shown, wrapped
@@ -87,60 +86,35 @@ class Redundancy:
             raise ArgumentError(f"redundancy is {value!r}; angles up to {FARTHEST:g} rad are taken: {self}")
         return values
 
-    def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:
-        """Poses (..., 4, 4) and values (...) broadcast against each other, in arrays of their own.
-
-        Raises:
-            PoseError: ``poses`` is not an array of poses.
-            ArgumentError: the values are not finite numbers, or the shapes do not fit.
-        """
-        if not isinstance(poses, np.ndarray) or poses.shape[-2:] != (4, 4):
-            raise PoseError("poses must be an array (..., 4, 4)")
-        values, batch = self.check(value), poses.shape[:-2]
-        try:
-            shape = values.shape if not batch else np.broadcast_shapes(batch, values.shape)
-        except ValueError:
-            raise ArgumentError(
-                f"poses of shape {batch} and redundancy of shape {values.shape} given; "
-                "the shapes must broadcast, as in ik(T[:, None], redundancy=values)"
-            ) from None
-        all_poses, all_values = np.empty((*shape, 4, 4)), np.empty(shape)
-        all_poses[...], all_values[...] = poses, values
-        return all_poses, all_values
-
     def wrapped(self, values: Array) -> Array:
         """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
-        given = inputs.real(values, "values", f"an array of numbers [{self.unit}]")
-        return given if self.unit == "m" else wrapped(given)
+        return values if self.unit == "m" else wrapped(values)
 
 
-def spread(parameters: tuple[Redundancy, ...], poses: Array, value: ArrayLike) -> tuple[Array, Array]:
+def spread(parameters: Sequence[Redundancy], poses: Array, value: ArrayLike) -> tuple[Array, Array]:
     """Poses (..., 4, 4) and values broadcast against each other: (...) of one parameter, (..., k) of k of them.
 
     Raises:
         ArgumentError: the values are no finite numbers, or the shapes do not fit.
     """
-    first, *rest = parameters
-    if not rest:
-        return first.spread(poses, value)
-    values = first.check(value)
-    if values.ndim == 0 or values.shape[-1] != len(parameters):
+    count, batch = len(parameters), poses.shape[:-2]
+    for parameter in parameters:
+        values = parameter.check(value)
+    last = () if count == 1 else values.shape[-1:]
+    if count > 1 and last != (count,):
         raise ArgumentError(
-            f"redundancy of shape {values.shape} given; this arm has {len(parameters)} parameters "
-            f"({', '.join(each.label for each in parameters)}), so its last dimension must be {len(parameters)}"
+            f"redundancy of shape {values.shape} given; this arm has {count} parameters "
+            f"({', '.join(each.label for each in parameters)}), so its last dimension must be {count}"
         )
-    columns = [each.spread(poses, values[..., k]) for k, each in enumerate(parameters)]
-    return columns[0][0], np.stack([column for _, column in columns], axis=-1)
-
-
-def swivel_of(joint: str) -> Redundancy:
-    """The parameter of an arm whose elbow, ``joint``, swivels about the line from shoulder to wrist."""
-    return Redundancy(SWIVEL, joint, (-math.pi, math.pi), 0.0, "rad")
-
-
-def free_axis(axis: FreeAxis) -> Redundancy:
-    """The parameter of an arm whose tip may be turned about a line in it."""
-    return Redundancy(FREE_AXIS, str(axis), (-math.pi, math.pi), 0.0, "rad")
+    own = values.shape[: values.ndim - len(last)]
+    try:
+        shape = np.broadcast_shapes(batch, own)
+    except ValueError:
+        raise ArgumentError(
+            f"poses of shape {batch} and redundancy of shape {own} given; "
+            "the shapes must broadcast, as in ik(T[:, None], redundancy=values)"
+        ) from None
+    return np.broadcast_to(poses, (*shape, 4, 4)).copy(), np.broadcast_to(values, (*shape, *last)).copy()
 
 
 def locked_joint(chain: Chain, k: int) -> Redundancy:

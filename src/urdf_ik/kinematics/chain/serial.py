@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +15,6 @@ from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.typing import Array
-
-_AnyChain = TypeVar("_AnyChain", bound="Chain")
 
 # Steps between the axes that are what rounding left: beside the way to the first axis, a share; of an arm whose slides
 # travel a metre or so, in m for each: poses of a smaller arm are rounded to more than its tolerances.
@@ -225,15 +223,21 @@ class Chain(Frozen):
             >>> urdf_ik.load("scara_rrpr").chain.lock({"joint_3": 0.1}).joint_names
             ('joint_1', 'joint_2', 'joint_4')
         """
-        held = held_values(self, values)
-        if not held:
+        if not (held := _held_values(self, values)):
             return self
         beside = {name: value for name, value in held.items() if name not in self.joint_names}
-        if len(beside) == len(held):
-            return standing(self, beside)
         q = np.array([held.get(name, 0.0) for name in self.joint_names])
-        axes, points, home = self.placed(q)
         free = [k for k, name in enumerate(self.joint_names) if name not in held]
+        return replace(
+            self if len(free) == self.n else self.at_rest(q, free),
+            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
+            locked=(*self.locked, *held.items()),
+            followers=tuple(each for each in self.followers if each.driver not in held),
+        )
+
+    def at_rest(self, q: NDArray[np.float64], free: Sequence[int]) -> Chain:
+        """The chain of the joints ``free``, with its zero where all joints have the values ``q`` (n,)."""
+        axes, points, home = self.placed(q)
         return replace(
             self,
             joint_names=tuple(self.joint_names[k] for k in free),
@@ -242,9 +246,6 @@ class Chain(Frozen):
             P=np.diff(np.vstack([np.zeros(3), points[free], home[:3, 3]]), axis=0),
             R_tip=home[:3, :3].copy(),
             limits=self.limits[free],
-            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
-            locked=(*self.locked, *held.items()),
-            followers=tuple(each for each in self.followers if each.driver not in held),
         )
 
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
@@ -346,17 +347,13 @@ class Chain(Frozen):
         return Q
 
 
-def standing(chain: _AnyChain, beside: Mapping[str, float]) -> _AnyChain:
-    """A chain whose URDF's joints beside it stand at these values [rad or m]."""
-    every = list(range(chain.n))
-    tree = tuple(joint.held(every, np.zeros(chain.n), beside) for joint in chain.tree)
-    return replace(chain, tree=tree, locked=(*chain.locked, *beside.items()))
-
-
-def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
+def _held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
     given = inputs.mapping(values, "locked", "names of joints with values, {name: 0.0},")
-    held = {name: _held_at(name, value) for name, value in given.items()}
+    held = {
+        name: inputs.number(value, f"joint {name!r} cannot be locked: its value", unit="rad or m")
+        for name, value in given.items()
+    }
     there = dict.fromkeys([*chain.joint_names, *(joint.driver for joint in chain.tree if joint.column is None)])
     able = [name for name in there if name and name not in dict(chain.locked)]
     if unknown := [name for name in held if name not in able]:
@@ -366,11 +363,6 @@ def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
             able,
         )
     return held
-
-
-def _held_at(name: str, value: float) -> float:
-    """``value`` as a float."""
-    return inputs.number(value, f"joint {name!r} cannot be locked: its value", unit="rad or m")
 
 
 def filled(q: Array) -> tuple[Array, NDArray[np.bool_]]:
