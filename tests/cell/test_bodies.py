@@ -49,14 +49,14 @@ ARMS = arms()
 def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
     """The balls' centres are those of Pinocchio's placements, in the base link."""
     arm = ARMS[name]
-    check = arm.cell.collisions.present_check().links
-    balls = [solid.one_ball()[0] for solid in check.arm.solids]
+    shapes = arm.cell.collisions.shapes
+    balls = [solid.one_ball()[0] for solid in shapes.solids]
     for q in np.random.default_rng(0).uniform(-2, 2, (10, arm.dof)):
-        placed = check.arm.bodies.place(q[None])
-        placing = check.place(q)
+        placed = shapes.bodies.place(q[None])
+        placing = shapes.place(q)
         to_base = placing.base.inverse()
         for i, ball in enumerate(balls):
-            np.testing.assert_allclose(placed.centres[0, i], (to_base * placing.shapes.oMg[i]).act(ball), atol=1e-9)
+            np.testing.assert_allclose(placed.centres[0, i], (to_base * placing.shapes[i]).act(ball), atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ARMS)

@@ -181,7 +181,7 @@ def test_pairs_that_always_collide_may_touch() -> None:
     assert always.nearest_pair([0.0, 0.0]) is None
     # Centres up to 2 * sqrt(2) apart, contact up to 2: free in 21 percent of the square.
     assert model(table(SPHERE.format(1.0), SPHERE.format(1.0))).checked_pairs == (("base", "tool"),)
-    assert model(table(SPHERE.format(1.5), SPHERE.format(1.5)), samples=0).in_collision([0.0, 0.0]) is True
+    assert always.check("base", "tool").in_collision([0.0, 0.0]) is True
 
 
 @pytest.mark.parametrize("as_file", [False, True])

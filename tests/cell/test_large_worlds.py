@@ -18,6 +18,7 @@ import trimesh
 import urdf_ik
 from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere, World, pose
 from urdf_ik.cell import CollisionModel, coal_shapes, distance_bounds
+from urdf_ik.cell.coal_shapes import geometry
 from urdf_ik.cell.obstacle_index import FEW
 from urdf_ik.cell.shapes import Shape
 from urdf_ik.cell.spatial_search import BoxTree
@@ -71,7 +72,7 @@ def pairwise(model: CollisionModel, world: World, q: Array) -> dict[tuple[str, s
     out: dict[tuple[str, str], float] = {}
     checked = set(model.checked_pairs)
     for each in world:
-        place, solid = base * pin.SE3(each.pose), each.shape.geometry()
+        place, solid = base * pin.SE3(each.pose), geometry(each.shape)
         there = coal.Transform3s(place.rotation, place.translation)
         for link, shape, at in zip(arm.links, arm.solids, placed.oMg, strict=True):
             if (link, each.name) in checked:

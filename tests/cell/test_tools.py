@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik import ArgumentError, Box, Capsule, Cylinder, HalfSpace, Mesh, Points, PoseError, Sphere
 from urdf_ik.cell import CollisionModel
+from urdf_ik.cell.coal_shapes import geometry
 from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
@@ -104,7 +105,7 @@ def test_shapes_lie_where_they_were_put(kind: str, tmp_path: Path) -> None:
     T = arm.fk(q) @ placed
     ball = coal.Sphere(0.01)
     expected = coal.distance(
-        shape.geometry(), coal.Transform3s(T[:3, :3], T[:3, 3]), ball, coal.Transform3s(np.eye(3), at),
+        geometry(shape), coal.Transform3s(T[:3, :3], T[:3, 3]), ball, coal.Transform3s(np.eye(3), at),
         coal.DistanceRequest(), coal.DistanceResult(),
     )  # fmt: skip
     for centre in TOOLS.values():

@@ -30,6 +30,7 @@ from urdf_ik import (
     pose,
 )
 from urdf_ik.cell import CollisionModel, Nearest
+from urdf_ik.cell.coal_shapes import geometry
 from urdf_ik.cell.shapes import Shape
 from urdf_ik.model import (
     urdf,
@@ -229,8 +230,8 @@ def test_cells_that_are_refused(tmp_path: Path) -> None:
         (lambda: HalfSpace((0.0, 0.0, 0.0)), "normal is .*a direction"),
         (lambda: HalfSpace((0.0, 0.0, 1.0), math.inf), "offset is inf"),
         (lambda: Mesh("a.stl", 0.0), "scale is 0.0"),
-        (lambda: Mesh("gone.stl").geometry(), "no file .*gone.stl"),
-        (lambda: Mesh("package://pack/gone.stl", package_dirs="/tmp").geometry(), "package://pack/gone.stl.*not found"),
+        (lambda: geometry(Mesh("gone.stl")), "no file .*gone.stl"),
+        (lambda: geometry(Mesh("package://pack/gone.stl", package_dirs="/tmp")), "package://pack/gone.stl.*not found"),
         (lambda: Points(np.zeros((0, 3)), 0.1), r"shape \(0, 3\)"),
         (lambda: Points([[0.0, math.nan, 0.0]], 0.1), r"points\[0, 1\] is nan"),
         (lambda: Points([[0.0, 0.0, 0.0]], 0.0), "Points: radius is 0"),
@@ -339,7 +340,7 @@ def test_same_as_pinocchio_without_shortcuts(name: str, tmp_path: Path) -> None:
     frame = plain.frames[plain.getFrameId(arm.base)]
     for each in world:
         place = frame.placement * pin.SE3(each.pose)
-        shapes.addGeometryObject(pin.GeometryObject(each.name, frame.parentJoint, place, each.shape.geometry()))
+        shapes.addGeometryObject(pin.GeometryObject(each.name, frame.parentJoint, place, geometry(each.shape)))
         owner.append((each.name, each.shape.inflation))
     for i, (a, _) in enumerate(owner):
         for j, (b, _) in enumerate(owner[:i]):

@@ -11,41 +11,22 @@ names.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from urdf_ik.support.lazy import attributes
 
 if TYPE_CHECKING:
     from urdf_ik.cell.allowed_collisions import Table
-    from urdf_ik.cell.collision_model import ALWAYS, SAMPLES, SEED, CollisionModel, Nearest
+    from urdf_ik.cell.collision_model import CollisionModel, Nearest
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import Obstacle, World
 
-__all__ = [
-    "ALWAYS",
-    "SAMPLES",
-    "SEED",
-    "CollisionModel",
-    "Motions",
-    "Nearest",
-    "Obstacle",
-    "Table",
-    "World",
-]
+__all__ = ["CollisionModel", "Motions", "Nearest", "Obstacle", "Table", "World"]
 
-_MODULE = {
-    "Motions": "swept_motions",
-    "Obstacle": "world",
-    "Table": "allowed_collisions",
-    "World": "world",
+_MODULES = {
+    "allowed_collisions": ["Table"],
+    "collision_model": ["CollisionModel", "Nearest"],
+    "swept_motions": ["Motions"],
+    "world": ["Obstacle", "World"],
 }
-
-_MODULES = ("pinocchio_reference", "shapes", "swept_motions", "tool", "world")
-
-
-def __getattr__(name: str) -> Any:
-    """A public name, or a module of this package."""
-    if name in __all__:
-        return getattr(import_module(f"{__name__}.{_MODULE.get(name, 'collision_model')}"), name)
-    if name in _MODULES:
-        return import_module(f"{__name__}.{name}")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = attributes(__name__, {name: module for module, names in _MODULES.items() for name in names})

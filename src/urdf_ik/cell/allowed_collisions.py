@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urdf_ik.cell.coal_check import ArmShapes, LinkCheck, ShapePair
+from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, ShapePair
 from urdf_ik.errors import ArgumentError, listed
 from urdf_ik.support.text import aligned, nearest, quoted
 
@@ -57,21 +57,21 @@ def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> 
     return allowed, others
 
 
-def always_colliding(check: LinkCheck, share: float, samples: int, seed: int) -> set[Pair]:
+def always_colliding(check: CoalCheck, share: float, samples: int, seed: int) -> set[Pair]:
     """Pairs of links that touch in at least this share of random joint vectors."""
     lower, upper = check.arm.reference.ranges.T
     Q = np.random.default_rng(seed).uniform(lower, upper, (samples, len(lower)))
     tolerated = round((1.0 - share) * samples)
     watched = {pair.names for pair in check.pairs}
-    for touches in (check.hulls_touch, check.touches):  # the meshes of few pairs need to be read
+    for hulls in (True, False):  # the meshes of few pairs need to be read
         free = dict.fromkeys(watched, 0)
         for q in Q:
             if not watched:
                 break
-            placing = check.place(q)
+            placing = check.arm.place(q)
             touching: set[Pair] = set()
             for k, pair in enumerate(check.pairs):
-                if pair.names in watched and pair.names not in touching and touches(placing, k):
+                if pair.names in watched and pair.names not in touching and check.touches(placing, k, hulls=hulls):
                     touching.add(pair.names)
             for names in watched - touching:
                 free[names] += 1

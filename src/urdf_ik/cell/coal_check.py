@@ -70,13 +70,32 @@ class ArmShapes:
             (self.ball_centres, np.array([radius for _, radius in single])),
             (np.array(covering), np.array([radii for _, radii in several])),
         )
+        self._work = _Work(reference.pin_model, geometry)
+
+    @property
+    def request(self) -> Any:
+        """The calling thread's request to coal; the caller sets its margin."""
+        return self._work.request
+
+    def place(self, q: Array) -> Placing:
+        """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
+        work, model, base = self._work, self.reference.pin_model, self.reference.base_frame
+        pin.updateGeometryPlacements(model, work.data, self.geometry, work.geometry, self.reference.configuration(q))
+        frame = model.frames[base]
+        return Placing(work.geometry.oMg, work.data.oMi[frame.parentJoint] * frame.placement, {}, {})
+
+    def place_at(self, link_poses: Mapping[str, Array]) -> Placing:
+        """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
+        se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
+        shapes = [se3[link] * offset for link, offset in zip(self.links, self.offsets, strict=True)]
+        return Placing(shapes, se3.get(self.reference.base), {}, {})
 
 
-class _Placing(NamedTuple):
+class Placing(NamedTuple):
     """Where everything is.
 
     Attributes:
-        shapes: Pinocchio's geometry data with the placed shapes of the arm.
+        shapes: poses of the arm's shapes, each a ``pinocchio.SE3``.
         base: the base link's pose, a ``pinocchio.SE3``.
         links: coal's poses of the arm's shapes by their numbers, made when they are first needed.
         obstacles: the same of obstacles by their serial numbers.
@@ -90,17 +109,17 @@ class _Placing(NamedTuple):
     def link(self, shape: int) -> Any:
         """Coal's pose of a shape of the arm."""
         if shape not in self.links:
-            self.links[shape] = transform(self.shapes.oMg[shape])
+            self.links[shape] = _transform(self.shapes[shape])
         return self.links[shape]
 
     def obstacle(self, standing: Standing) -> Any:
         """Coal's pose of an obstacle."""
         if standing.serial not in self.obstacles:
-            self.obstacles[standing.serial] = transform(self.base * pin.SE3(standing.pose))
+            self.obstacles[standing.serial] = _transform(self.base * pin.SE3(standing.pose))
         return self.obstacles[standing.serial]
 
 
-def transform(pose: Any) -> Any:
+def _transform(pose: Any) -> Any:
     """A ``pinocchio.SE3`` as coal has it."""
     return coal.Transform3s(pose.rotation, pose.translation)
 
@@ -114,95 +133,22 @@ class _Work(threading.local):
         self.request = coal.CollisionRequest()
 
 
-class LinkCheck:
-    """An arm's shapes, and the pairs of links that must not touch.
-
-    No world is part of it: all worlds share it.
-
-    Attributes:
-        arm: the arm's shapes.
-        pairs: the pairs of links.
-    """
-
-    def __init__(self, arm: ArmShapes, pairs: Sequence[ShapePair]) -> None:
-        self.arm, self.pairs = arm, tuple(pairs)
-        self._work = _Work(arm.reference.pin_model, arm.geometry)
-        self._base = arm.reference.pin_model.frames[arm.reference.base_frame]
-
-    def place(self, q: Array) -> _Placing:
-        """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
-        work, reference = self._work, self.arm.reference
-        configuration = reference.configuration(q)
-        pin.updateGeometryPlacements(reference.pin_model, work.data, self.arm.geometry, work.geometry, configuration)
-        return _Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement, {}, {})
-
-    def place_at(self, link_poses: Mapping[str, Array]) -> _Placing:
-        """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
-        shapes = self._work.geometry
-        se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
-        for i, (link, offset) in enumerate(zip(self.arm.links, self.arm.offsets, strict=True)):
-            shapes.oMg[i] = se3[link] * offset
-        return _Placing(shapes, se3.get(self.arm.reference.base), {}, {})
-
-    @property
-    def request(self) -> Any:
-        """The calling thread's request to coal; the caller sets its margin."""
-        return self._work.request
-
-    def has_hulls(self, pair: int) -> bool:
-        """Whether one of the shapes of a pair has a hull."""
-        first, second = self._solids(pair)
-        return first.hull is not None or second.hull is not None
-
-    def hulls_touch(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
-        """Whether the convex hulls of a pair of links come within a margin [m]."""
-        return self._touches(placing, pair, [_hull(solid) for solid in self._solids(pair)], margin)
-
-    def touches(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
-        """Whether the distance of a pair of links is within a margin [m]; its convex hulls are checked first."""
-        if self.has_hulls(pair) and not self.hulls_touch(placing, pair, margin):
-            return False
-        return self._touches(placing, pair, [solid.exact for solid in self._solids(pair)], margin)
-
-    def distance(self, placing: _Placing, pair: int, hulls: bool) -> float:
-        """Distance of a pair of links [m], or of its hulls, which is a lower bound; zero or less in collision."""
-        first, second = (_hull(solid) if hulls else solid.exact for solid in self._solids(pair))
-        here, there = self._places(placing, pair)
-        result = coal.DistanceResult()
-        coal.distance(first, here, second, there, coal.DistanceRequest(), result)
-        return float(result.min_distance)
-
-    def _solids(self, pair: int) -> tuple[Solid, Solid]:
-        return self.arm.solids[self.pairs[pair].first], self.arm.solids[self.pairs[pair].second]
-
-    def _places(self, placing: _Placing, pair: int) -> tuple[Any, Any]:
-        return placing.link(self.pairs[pair].first), placing.link(self.pairs[pair].second)
-
-    def _touches(self, placing: _Placing, pair: int, bodies: Sequence[Any], margin: float) -> bool:
-        here, there = self._places(placing, pair)
-        request = self._work.request
-        request.security_margin = margin
-        return bool(coal.collide(bodies[0], here, bodies[1], there, request, coal.CollisionResult()))
-
-
-def _hull(solid: Solid) -> Any:
-    return solid.exact if solid.hull is None else solid.hull
-
-
 class CoalCheck:
     """Pairs of an arm's shapes and of a world's obstacles that must not touch, by their numbers in ``bounds``.
 
     It is immutable; any number of threads may use it.
 
     Attributes:
-        links: the pairs of links.
+        arm: the arm's shapes.
+        pairs: the pairs of links.
         index: the obstacles.
         bounds: lower bounds on distances; they number the pairs.
     """
 
     def __init__(
         self,
-        links: LinkCheck,
+        arm: ArmShapes,
+        pairs: Sequence[ShapePair],
         index: ObstacleIndex | None = None,
         excepted: Collection[tuple[int, str]] = (),
         added: Collection[tuple[int, str]] = (),
@@ -210,66 +156,80 @@ class CoalCheck:
         """Combine the arm's pairs with the obstacles.
 
         Args:
-            links: the arm's own pairs.
+            arm: the arm's shapes.
+            pairs: of shapes of two links.
             index: the obstacles. Every shape that the joint vector moves is checked against all of them.
             excepted: pairs of a shape that moves and an obstacle that are not checked.
             added: pairs of a shape that does not move and an obstacle that are checked.
         """
-        self.links, self.index = links, index_of(()) if index is None else index
-        bodies = links.arm.bodies
+        self.arm, self.pairs, self.index = arm, tuple(pairs), index_of(()) if index is None else index
         self.bounds = DistanceBounds(
-            bodies,
-            [(pair.first, pair.second) for pair in links.pairs],
+            arm.bodies,
+            [(pair.first, pair.second) for pair in pairs],
             self.index,
-            np.flatnonzero(bodies.moves).tolist(),
+            np.flatnonzero(arm.bodies.moves).tolist(),
             [(shape, slot) for shape, name in excepted for slot in self.index.slots_of(name)],
             [(shape, slot) for shape, name in added for slot in self.index.slots_of(name)],
         )
 
     def names(self, pair: int) -> Pair:
         """Names of the two links of a pair, or of its link and its obstacle."""
-        if pair < self.bounds.among_links:
-            return self.links.pairs[pair].names
-        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
-        return self.links.arm.links[shape], self.index.standing(slot).name
+        if pair < len(self.pairs):
+            return self.pairs[pair].names
+        shape, slot = divmod(pair - len(self.pairs), self.index.count)
+        return self.arm.links[shape], self.index.standing(slot).name
 
     def rank(self, pair: int) -> tuple[int, int, int]:
         """Sort key of a pair; the order of the queries does not depend on the world's history."""
-        if pair < self.bounds.among_links:
+        if pair < len(self.pairs):
             return -1, pair, 0
-        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
+        shape, slot = divmod(pair - len(self.pairs), self.index.count)
         return shape, self.index.standing(slot).serial, slot
 
-    def touches(self, placing: _Placing, pair: int, margin: float = 0.0) -> bool:
-        """Whether the distance of a pair is within a margin [m]; its convex hulls are checked first."""
-        if pair < self.bounds.among_links:
-            return self.links.touches(placing, pair, margin)
-        request = self.links.request
-        for first, second, grown, at in self._solids(placing, pair):
+    def touches(self, placing: Placing, pair: int, margin: float = 0.0, *, hulls: bool = False) -> bool:
+        """Whether a pair comes within a margin [m], its convex hulls first; ``hulls``: whether these do."""
+        request = self.arm.request
+        for first, second, grown, (at, there) in self._solids(placing, pair, hulls):
             request.security_margin = margin + grown
-            if not coal.collide(first, at[0], second, at[1], request, coal.CollisionResult()):
+            if not coal.collide(first, at, second, there, request, coal.CollisionResult()):
                 return False
         return True
 
-    def distance(self, placing: _Placing, pair: int, hulls: bool = False) -> float:
+    def distance(self, placing: Placing, pair: int, hulls: bool = False) -> float:
         """Distance of a pair [m], or of its hulls, which is a lower bound; zero or less in collision."""
-        if pair < self.bounds.among_links:
-            return self.links.distance(placing, pair, hulls)
-        first, second, grown, at = next(self._solids(placing, pair)) if hulls else [*self._solids(placing, pair)][-1]
+        *_, (first, second, grown, (at, there)) = self._solids(placing, pair, hulls)
         result = coal.DistanceResult()
-        coal.distance(first, at[0], second, at[1], coal.DistanceRequest(), result)
+        coal.distance(first, at, second, there, coal.DistanceRequest(), result)
         return float(result.min_distance) - grown
 
-    def has_hulls(self, pair: int) -> bool:
-        """Whether one of the shapes of a pair has a hull."""
-        if pair < self.bounds.among_links:
-            return self.links.has_hulls(pair)
-        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
-        return self.links.arm.solids[shape].hull is not None or self.index.solid(slot).hull is not None
+    def _both(self, pair: int) -> tuple[Solid, Solid]:
+        """Coal's geometries of the two shapes of a pair."""
+        if pair < len(self.pairs):
+            return self.arm.solids[self.pairs[pair].first], self.arm.solids[self.pairs[pair].second]
+        shape, slot = divmod(pair - len(self.pairs), self.index.count)
+        return self.arm.solids[shape], self.index.solid(slot)
+
+    def _solids(self, placing: Placing, pair: int, hulls: bool) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
+        """Coal's geometries of a pair, the second one's inflation [m], and the poses of both.
+
+        The convex hulls come first, if there are any, then the shapes, unless only ``hulls`` are asked for.
+        """
+        one, other = self._both(pair)
+        if pair < len(self.pairs):
+            poses, grown = (placing.link(self.pairs[pair].first), placing.link(self.pairs[pair].second)), 0.0
+        else:
+            shape, slot = divmod(pair - len(self.pairs), self.index.count)
+            obstacle = self.index.standing(slot)
+            poses, grown = (placing.link(shape), placing.obstacle(obstacle)), obstacle.shape.inflation
+        has_hulls = one.hull is not None or other.hull is not None
+        if has_hulls:
+            yield one.hull or one.exact, other.hull or other.exact, grown, poses
+        if not (hulls and has_hulls):
+            yield one.exact, other.exact, grown, poses
 
     def nearest(
         self,
-        placing: _Placing,
+        placing: Placing,
         pairs: Sequence[int],
         least: Sequence[float],
         known: dict[tuple[int, bool], float] | None = None,
@@ -298,7 +258,7 @@ class CoalCheck:
             bound, of_hulls, rank, pair = heapq.heappop(waiting)
             if bound >= best:
                 break
-            if not of_hulls and self.has_hulls(pair):
+            if not of_hulls and any(each.hull is not None for each in self._both(pair)):
                 heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, rank, pair))
             elif (distance_of_pair := max(distance(pair, False), 0.0)) < best:
                 best, nearest = distance_of_pair, pair
@@ -339,15 +299,15 @@ class CoalCheck:
             own = slice(ends[i], ends[i + 1])
             pairs = [*range(len(among_links)), *pair[own].tolist()]
             limits = [*among_links.tolist(), *least[own].tolist()]
-            yield self.nearest(self.links.place(q[i]), pairs, limits, known[i])
+            yield self.nearest(self.arm.place(q[i]), pairs, limits, known[i])
 
-    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], _Placing]:
+    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], Placing]:
         """Pairs that may touch, or may be the nearest, with every link at a given pose (4, 4).
 
         Returns:
             The pairs, lower bounds on their distances [m], and the placed shapes.
         """
-        bounds, arm, placing = self.bounds, self.links.arm, self.links.place_at(link_poses)
+        bounds, arm, placing = self.bounds, self.arm, self.arm.place_at(link_poses)
         pairs, least = list(range(bounds.among_links)), [-np.inf] * bounds.among_links
         if bounds.has_obstacles:
             links = np.stack([link_poses[link] for link in arm.links])
@@ -378,17 +338,3 @@ class CoalCheck:
             row, pair = np.concatenate([row, lost[more]]), np.concatenate([pair, near_pairs])
             reach *= 4.0
         return row, pair
-
-    def _solids(self, placing: _Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
-        """Coal's geometries of a link and an obstacle, the obstacle's inflation [m], and the poses of both.
-
-        The convex hulls come first, if there are any, then the shapes.
-        """
-        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
-        link_solid, obstacle_solid = self.links.arm.solids[shape], self.index.solid(slot)
-        obstacle = self.index.standing(slot)
-        transforms = placing.link(shape), placing.obstacle(obstacle)
-        grown = obstacle.shape.inflation
-        if link_solid.hull is not None or obstacle_solid.hull is not None:
-            yield _hull(link_solid), _hull(obstacle_solid), grown, transforms
-        yield link_solid.exact, obstacle_solid.exact, grown, transforms

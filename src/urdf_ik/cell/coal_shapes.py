@@ -13,9 +13,9 @@ import pinocchio as pin
 from lxml import etree
 from numpy.typing import NDArray
 
-from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Shape, Sphere, cloud, reason_of
+from urdf_ik.cell.shapes import SPECK, Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Shape, Sphere
 from urdf_ik.cell.spatial_search import DistanceField, cell_codes
-from urdf_ik.errors import UrdfError
+from urdf_ik.errors import ArgumentError, UrdfError, printable
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import UrdfModel, resolve_mesh
 from urdf_ik.support import kept_arrays
@@ -29,6 +29,51 @@ PIECE = 4096
 
 LARGE_FILE = 2**22
 """Size of a mesh's file from which on it is cut into pieces [bytes]."""
+
+
+def geometry(shape: Shape) -> Any:
+    """Coal's ``CollisionGeometry`` of a shape, smaller on all sides by ``shape.inflation``.
+
+    Raises:
+        ArgumentError: a mesh is not there, or cannot be read.
+    """
+    match shape:
+        case Box(size):
+            return coal.Box(*size)
+        case Sphere(radius):
+            # Coal's sphere takes a triangle without area for one that it touches.
+            return coal.Capsule(radius, 0.0)
+        case Cylinder(radius, length):
+            return coal.Cylinder(radius, length)
+        case Capsule(radius, length):
+            return coal.Capsule(radius, length)
+        case HalfSpace(normal, offset):
+            return coal.Halfspace(np.array(normal), offset)
+        case Points(points):
+            return _cloud(points)
+        case Mesh():
+            return _of_file(shape, coal.NODE_TYPE.BV_OBBRSS)
+    raise ArgumentError(f"coal has no geometry of a {type(shape).__name__}")
+
+
+def _of_file(shape: Mesh, volumes: Any) -> Any:
+    """Coal's model of a file's triangles with bounding volumes of this kind, a ``coal.NODE_TYPE``."""
+    path, name = str(shape.file()), repr(str(shape.file()))
+    try:
+        mesh = coal.MeshLoader(volumes).load(path, np.array(shape.scale))
+        meshes.check_vertices(mesh.vertices(), Path(path), "Mesh")
+    except UrdfError as error:
+        raise ArgumentError(f"Mesh {name}: {error.problem} ({error.hint})") from None
+    except (ValueError, RuntimeError, MemoryError) as error:
+        raise ArgumentError(f"Mesh {name} cannot be read: {_reason(error)}") from None
+    if not mesh.num_tris:
+        raise ArgumentError(f"Mesh {name} has no triangles")
+    return mesh
+
+
+def _reason(error: Exception) -> str:
+    """What coal or Pinocchio has to say, without the place in their sources."""
+    return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
 
 
 def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list[Solid]]:
@@ -58,7 +103,7 @@ def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list[Solid]]:
             if file not in solids:
                 solids[file] = MeshFile(*file, model.source)
     except (OSError, ValueError, RuntimeError, MemoryError) as error:
-        raise UrdfError(f"a collision shape cannot be read: {reason_of(error)}", source=model.source) from None
+        raise UrdfError(f"a collision shape cannot be read: {_reason(error)}", source=model.source) from None
     if not placed.ngeoms:
         raise UrdfError(
             "no link has a collision shape",
@@ -71,7 +116,7 @@ def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list[Solid]]:
         if body.name in files:
             shapes.append(solids[files[body.name]])
         else:
-            shapes.append(Solid(Sphere(exact.radius).geometry() if isinstance(exact, coal.Sphere) else exact))
+            shapes.append(Solid(coal.Capsule(exact.radius, 0.0) if isinstance(exact, coal.Sphere) else exact))
     return placed, shapes
 
 
@@ -337,7 +382,7 @@ class _Pieces:
             return
         if isinstance(shape, Mesh) and shape.file().stat().st_size > LARGE_FILE:
             # Boxes that are parallel to the axes take a fifth of the memory of coal's usual volumes.
-            mesh = shape._loaded(coal.NODE_TYPE.BV_AABB)
+            mesh = _of_file(shape, coal.NODE_TYPE.BV_AABB)
             self._points, triangles = np.array(mesh.vertices()), _triangles(mesh)
             corners = self._points[triangles]
             order = np.argsort(cell_codes(corners.mean(axis=1)), kind="stable")
@@ -345,7 +390,7 @@ class _Pieces:
             self.low = np.minimum.reduceat(corners.min(axis=1)[order], starts)
             self.high = np.maximum.reduceat(corners.max(axis=1)[order], starts)
             return
-        exact = shape.geometry()
+        exact = geometry(shape)
         self._solids[0] = Solid(exact)
         self.frame, low, high, self.radius = rounded_box(shape, exact)
         self.low, self.high = low[None], high[None]
@@ -364,18 +409,29 @@ class _Pieces:
         """Coal's geometry of a piece, in the shape's frame."""
         if piece not in self._solids:
             part = slice(piece * PIECE, (piece + 1) * PIECE)
-            exact = surface(self._points, self._triangles[part]) if len(self._triangles) else cloud(self._points[part])
+            exact = _piece(self._points, self._triangles[part]) if len(self._triangles) else _cloud(self._points[part])
             self._solids.setdefault(piece, Solid(exact))
         return self._solids[piece]
 
 
-def surface(vertices: Array, triangles: NDArray[np.intp]) -> Any:
-    """A ``coal.BVHModelOBBRSS`` of some triangles (t, 3) of a mesh with these vertices (v, 3) [m]."""
+def _piece(vertices: Array, triangles: NDArray[np.intp]) -> Any:
+    """Some triangles (t, 3) of a mesh with these vertices (v, 3) [m]."""
     used, corners = np.unique(triangles, return_inverse=True)
+    return _surface(vertices[used], corners.reshape(-1, 3))
+
+
+def _cloud(points: Array) -> Any:
+    """Points (k, 3), each a triangle within ``SPECK`` of it: an octree would have cubes as large as its cells."""
+    corners = (points[:, None] + SPECK * np.eye(3)).reshape(-1, 3)
+    return _surface(corners, np.arange(len(corners)).reshape(-1, 3))
+
+
+def _surface(vertices: Array, triangles: NDArray[np.intp]) -> Any:
+    """A ``coal.BVHModelOBBRSS`` of triangles (t, 3)."""
     mesh = coal.BVHModelOBBRSS()
-    mesh.beginModel(len(triangles), len(used))
-    mesh.addVertices(vertices[used])
-    mesh.addTriangles(corners.reshape(-1, 3))
+    mesh.beginModel(len(triangles), len(vertices))
+    mesh.addVertices(vertices)
+    mesh.addTriangles(triangles)
     mesh.endModel()
     return mesh
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.cell import allowed_collisions, coal_shapes, swept_motions
 from urdf_ik.cell.allowed_collisions import Table
-from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, LinkCheck
+from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, ShapePair
 from urdf_ik.cell.pinocchio_reference import Reference, finite
 from urdf_ik.cell.swept_motions import Motions
 from urdf_ik.cell.world import World
@@ -87,9 +87,8 @@ class CollisionModel:
         *,
         srdf: str | os.PathLike[str] | bytes | None = None,
         disabled: Collection[Pair] = (),
-        samples: int = SAMPLES,
-        seed: int = SEED,
         locked: Mapping[str, float] | None = None,
+        allowed: Mapping[Pair, str] | None = None,
     ) -> None:
         """Read the collision shapes and decide which pairs to check.
 
@@ -99,16 +98,16 @@ class CollisionModel:
             tip: tip link; default: the end of the only movable chain.
             srdf: path or text of an SRDF whose ``disable_collisions`` are allowed pairs.
             disabled: pairs of an SRDF that was read already.
-            samples: number of random joint vectors in the search for pairs that always collide; 0: no search.
-            seed: seed of these joint vectors.
             locked: fixed values of joints outside the joint vector [rad or m].
+            allowed: pairs that may touch, to the reason; default: those of the URDF and the SRDF, and those that touch
+                in nearly all of ``SAMPLES`` joint vectors.
 
         Raises:
             UrdfError: the SRDF is broken, or names a link that the URDF does not have.
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint with more than one degree of freedom.
         """
-        self._made_from = (model, base, tip, dict(locked or {}), samples, seed)
+        self._made_from = (model, base, tip, dict(locked or {}))
         self.reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self.reference.joint_names
         self.world: World | None = None
@@ -116,7 +115,7 @@ class CollisionModel:
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
         self._current: _Current | None = None
-        self._link_check: LinkCheck | None = None
+        self._kept: list[ShapePair] | None = None
         # The last result of ``in_world``, as most callers use one world again and again.
         self._last: CollisionModel | None = None
         disabled = (*disabled, *(() if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)))
@@ -130,14 +129,15 @@ class CollisionModel:
         _ask_about_millimetres(self.shapes, chain)
         excused = {allowed_collisions.ordered(*pair, self._rank) for pair in disabled}
         self._allowed, self._pairs = allowed_collisions.among_links(self.shapes, self._rank, excused)
-        if samples:
+        if allowed is not None:
+            self._allowed = dict(allowed)
+        else:
             kept = [pair for pair in self._pairs if pair.names not in self._allowed]
-            always = allowed_collisions.always_colliding(LinkCheck(self.shapes, kept), ALWAYS, samples, seed)
+            always = allowed_collisions.always_colliding(CoalCheck(self.shapes, kept), ALWAYS, SAMPLES, SEED)
             self._allowed.update(dict.fromkeys(always, allowed_collisions.ALWAYS_COLLIDE))
 
     def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
-        allowed = None if self._error is not None else dict(self._allowed)
-        return _restored, (*self._made_from, allowed, dict(self._changes), self.world)
+        return _restored, (self._made_from, self.__dict__.get("_allowed"), self._changes, self.world)
 
     def __repr__(self) -> str:
         known = "without shapes" if self._error else f"{len(self.checked_pairs)} pairs checked"
@@ -191,7 +191,7 @@ class CollisionModel:
         last = self._last
         if last is None or last.world is not world:
             if self._error is None:
-                self._links()  # made once for all worlds
+                self._checked()  # found once for all worlds
             last = self._copy()
             last.world = world
             self._last = last
@@ -268,7 +268,7 @@ class CollisionModel:
             both = f"{quoted(first)} and {quoted(second)}"
             raise ArgumentError(f"{both} are both obstacles, which stand still; a pair has a link")
         out = self._copy()
-        out._changes, out._link_check = {**self._changes, pair: must_not}, None
+        out._changes, out._kept = {**self._changes, pair: must_not}, None
         return out
 
     def _ranks(self, obstacles: Iterable[str]) -> dict[str, int]:
@@ -294,18 +294,16 @@ class CollisionModel:
             if index is not None and (same := next((link for link in self._rank if index.slots_of(link)), None)):
                 raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
             excepted, added = allowed_collisions.exceptions(self.shapes, self._changes, self._rank)
-            self._current = current = _Current(version, CoalCheck(self._links(), index, excepted, added))
+            self._current = current = _Current(version, CoalCheck(self.shapes, self._checked(), index, excepted, added))
         return current
 
-    def _links(self) -> LinkCheck:
-        """The check of links against each other, which no world changes."""
-        check = self._link_check
-        if check is None:
+    def _checked(self) -> list[ShapePair]:
+        """The pairs of links that must not touch, which no world changes."""
+        if self._kept is None:
             names = {pair.names for pair in self._pairs}
             checked = set(allowed_collisions.made(self._allowed, names, self._changes, self._rank).checked)
-            kept = [pair for pair in self._pairs if pair.names in checked]
-            self._link_check = check = LinkCheck(self.shapes, kept)
-        return check
+            self._kept = [pair for pair in self._pairs if pair.names in checked]
+        return self._kept
 
     def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
         """Whether a checked pair touches.
@@ -479,7 +477,7 @@ class CollisionModel:
         """Rows of Q (k, n) in which a pair may touch, each with the pairs that do."""
         for part, placed in check.bounds.chunks(Q):
             for i, pairs in check.bounds.near_in_rows(placed, margin):
-                placing = check.links.place(Q[part.start + i])
+                placing = check.arm.place(Q[part.start + i])
                 yield part.start + i, (pair for pair in pairs if check.touches(placing, pair, margin))
 
     def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
@@ -523,21 +521,9 @@ def _ask_about_millimetres(shapes: ArmShapes, chain: Chain) -> None:
         )
 
 
-def _restored(
-    model: UrdfModel,
-    base: str | None,
-    tip: str | None,
-    locked: dict[str, float],
-    samples: int,
-    seed: int,
-    allowed: dict[Pair, str] | None,
-    changes: dict[Pair, bool],
-    world: World | None,
-) -> CollisionModel:
+def _restored(made_from: Any, allowed: Mapping[Pair, str] | None, changes: Any, world: Any) -> CollisionModel:
     """A collision model as it was before it was pickled: coal's shapes are made again."""
-    out = CollisionModel(model, base, tip, samples=0 if allowed is not None else samples, seed=seed, locked=locked)
-    if allowed is not None:
-        out._allowed = allowed
-    out._made_from = (model, base, tip, locked, samples, seed)
+    model, base, tip, locked = made_from
+    out = CollisionModel(model, base, tip, locked=locked, allowed=allowed)
     out._changes, out.world = changes, world
     return out

@@ -1,4 +1,4 @@
-"""The shapes of obstacles and tools; coal is imported when its first geometry is made.
+"""The shapes of obstacles and tools; ``coal_shapes`` makes coal's geometry of them.
 
 Each shape is centred at the origin of its frame, cylinders and capsules along z, as in a URDF.
 """
@@ -9,12 +9,11 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.errors import ArgumentError, UrdfError, printable
+from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.model import meshes
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
@@ -30,16 +29,8 @@ class Shape:
 
     @property
     def inflation(self) -> float:
-        """Length [m] by which the caller must grow :meth:`geometry` on all sides."""
+        """Length [m] by which coal's geometry of the shape is smaller on all sides."""
         return 0.0
-
-    def geometry(self) -> Any:
-        """A new coal ``CollisionGeometry`` of this shape.
-
-        Raises:
-            ArgumentError: a mesh is not there, or cannot be read.
-        """
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -60,12 +51,6 @@ class Box(Shape):
     def __init__(self, size: ArrayLike) -> None:
         object.__setattr__(self, "size", _lengths("Box", "size", size, 3))
 
-    def geometry(self) -> Any:
-        """A ``coal.Box``."""
-        import coal
-
-        return coal.Box(*self.size)
-
 
 @dataclass(frozen=True)
 class Sphere(Shape):
@@ -84,12 +69,6 @@ class Sphere(Shape):
 
     def __post_init__(self) -> None:
         _set_lengths(self, "radius")
-
-    def geometry(self) -> Any:
-        """A ``coal.Capsule`` without length: coal's sphere takes a triangle without area for one that it touches."""
-        import coal
-
-        return coal.Capsule(self.radius, 0.0)
 
 
 @dataclass(frozen=True)
@@ -112,12 +91,6 @@ class Cylinder(Shape):
     def __post_init__(self) -> None:
         _set_lengths(self, "radius", "length")
 
-    def geometry(self) -> Any:
-        """A ``coal.Cylinder``."""
-        import coal
-
-        return coal.Cylinder(self.radius, self.length)
-
 
 @dataclass(frozen=True)
 class Capsule(Shape):
@@ -138,12 +111,6 @@ class Capsule(Shape):
 
     def __post_init__(self) -> None:
         _set_lengths(self, "radius", "length")
-
-    def geometry(self) -> Any:
-        """A ``coal.Capsule``."""
-        import coal
-
-        return coal.Capsule(self.radius, self.length)
 
 
 @dataclass(frozen=True)
@@ -170,12 +137,6 @@ class HalfSpace(Shape):
             raise ArgumentError("HalfSpace: normal is (0, 0, 0); a direction that points out of the solid is needed")
         object.__setattr__(self, "normal", tuple(float(x) for x in normal / length))
         object.__setattr__(self, "offset", _numbers("HalfSpace", "offset", self.offset, 1)[0])
-
-    def geometry(self) -> Any:
-        """A ``coal.Halfspace``."""
-        import coal
-
-        return coal.Halfspace(np.array(self.normal), self.offset)
 
 
 @dataclass(frozen=True)
@@ -235,33 +196,6 @@ class Mesh(Shape):
             hint = "give the folder that holds it, or its package, in package_dirs"
             raise ArgumentError(f"Mesh {quoted(self.path)}: {error.problem} ({hint})") from None
 
-    def geometry(self) -> Any:
-        """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
-        import coal
-
-        return self._loaded(coal.NODE_TYPE.BV_OBBRSS)
-
-    def _loaded(self, volumes: Any) -> Any:
-        """Coal's model of the file's triangles with bounding volumes of this kind, a ``coal.NODE_TYPE``.
-
-        Raises:
-            ArgumentError: the file is not there, or cannot be read.
-        """
-        import coal
-
-        path = self.file()
-        name = repr(str(path))
-        try:
-            mesh = coal.MeshLoader(volumes).load(str(path), np.array(self.scale))
-            meshes.check_vertices(mesh.vertices(), path, "Mesh")
-        except UrdfError as error:
-            raise ArgumentError(f"Mesh {name}: {error.problem} ({error.hint})") from None
-        except (ValueError, RuntimeError, MemoryError) as error:
-            raise ArgumentError(f"Mesh {name} cannot be read: {reason_of(error)}") from None
-        if not mesh.num_tris:
-            raise ArgumentError(f"Mesh {name} has no triangles")
-        return mesh
-
 
 @dataclass(frozen=True, eq=False)
 class Points(Frozen, Shape):
@@ -298,32 +232,8 @@ class Points(Frozen, Shape):
 
     @property
     def inflation(self) -> float:
-        """The balls' radius, and the size of the triangles that :meth:`geometry` has for their centres."""
+        """The balls' radius, and the size of the triangles that coal has for their centres."""
         return self.radius + SPECK
-
-    def geometry(self) -> Any:
-        """A ``coal.BVHModelOBBRSS`` of the centres, each a triangle within ``SPECK`` of it.
-
-        An octree would take every point for a cube as large as its cells.
-        """
-        return cloud(self.points)
-
-
-def cloud(points: Array) -> Any:
-    """A ``coal.BVHModelOBBRSS`` of points (k, 3), each a triangle within ``SPECK`` of it."""
-    import coal
-
-    mesh = coal.BVHModelOBBRSS()
-    mesh.beginModel(len(points), 3 * len(points))
-    mesh.addVertices((points[:, None] + SPECK * np.eye(3)).reshape(-1, 3))
-    mesh.addTriangles(np.arange(3 * len(points)).reshape(-1, 3))
-    mesh.endModel()
-    return mesh
-
-
-def reason_of(error: Exception) -> str:
-    """What coal or Pinocchio has to say, without the place in their sources."""
-    return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
 
 
 def _numbers(shape: str, name: str, value: ArrayLike, count: int) -> tuple[float, ...]:

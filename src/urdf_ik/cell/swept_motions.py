@@ -248,7 +248,7 @@ def _contact(
     Returns:
         A pair in contact, if there is one.
     """
-    placing = check.links.place(q)
+    placing = check.arm.place(q)
     candidates = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
     ranked = sorted(own.tolist(), key=lambda k: check.rank(int(world.pair[k])))
     candidates += [(int(world.pair[k]), k, still, float(world.closer[k])) for k in ranked]

@@ -252,7 +252,9 @@ def _length(chain: Chain, length: float | None) -> float:
 
 def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     """One positive number a joint."""
-    array = inputs.array(values, name, (chain.n,))
+    array = inputs.real(values, name, f"{chain.n} numbers")
+    if array.shape != (chain.n,):
+        raise ArgumentError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
     for joint, value in zip(chain.joint_names, array, strict=True):
         if not inputs.usable(value):
             raise ArgumentError(f"{name}: {value} for joint {joint!r}; a number {inputs.USABLE} is needed")

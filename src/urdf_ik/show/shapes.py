@@ -87,7 +87,9 @@ def triangles(shape: Shape, size: float) -> Any:
             return plate.apply_transform(T)
         case Mesh():
             # As coal has read it, since that is what is asked about contacts.
-            solid = shape.geometry()
+            from urdf_ik.cell.coal_shapes import geometry
+
+            solid = geometry(shape)
             faces = [[one[k] for k in range(3)] for one in map(solid.tri_indices, range(solid.num_tris))]
             return trimesh.Trimesh(np.array(solid.vertices()), np.array(faces), process=False)
     raise ArgumentError(f"a {type(shape).__name__} cannot be drawn")
