@@ -202,7 +202,7 @@ def test_an_srdf_excuses_pairs(as_file: bool, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ('<robot name="r">\n<disable_collisions link1="tool" link2="bas"/></robot>', r":2: .*'bas'.*mean base"),
+        ('<robot name="r">\n<disable_collisions link1="tool" link2="bas"/></robot>', r":2: .*'bas'.*mean 'base'"),
         ('<robot name="r"><disable_collisions link1="tool"/></robot>', "link2 is missing.*base, plate"),
         ('<robot name="r"><disable_collisions', "<text>"),
         ('<!DOCTYPE r><robot name="r"/>', "DOCTYPE"),
