@@ -83,36 +83,6 @@ def test_binary_data_do_not_go_to_a_terminal() -> None:
     assert format_for(Format.JSON, Path("x.csv"), terminal=True) is Format.JSON
 
 
-@pytest.mark.skipif(os.name == "nt", reason="a pseudo-terminal is a thing of POSIX")
-def test_colour_only_on_a_terminal_that_wants_it() -> None:
-    """On a terminal the table has colour; NO_COLOR takes it away."""
-    import pty
-
-    shown = {}
-    for no_colour in ("", "1"):
-        theirs, ours = pty.openpty()
-        env = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "FORCE_COLOR")}
-        env |= {"TERM": "xterm", **({"NO_COLOR": "1"} if no_colour else {})}
-        command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", "ik", ARM, "--no-check"]
-        child = subprocess.Popen(command, stdout=ours, stderr=subprocess.DEVNULL, env=env)
-        os.close(ours)
-        parts = []
-        while True:
-            try:
-                part = os.read(theirs, 65536)
-            except OSError:  # Linux's word for the end of a terminal
-                part = b""
-            if not part:
-                break
-            parts.append(part)
-        os.close(theirs)
-        assert child.wait(timeout=60) == 0
-        shown[no_colour] = b"".join(parts)
-    assert b"\x1b[" in shown[""]
-    assert b"\x1b[" not in shown["1"]
-    assert b"8 solutions" in shown["1"]
-
-
 @pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_reader_that_leaves_ends_it_quietly(unbuffered: str) -> None:

@@ -241,7 +241,7 @@ def test_long_work_says_how_far_it_is(capsys: pytest.CaptureFixture[str], monkey
     with progress.Progress("following") as shown:
         shown.tick(1, 2)
         shown.say("looking")
-    assert capsys.readouterr().err.splitlines() == ["following: 1 of 2", "following: looking, 0 s so far"]
+    assert capsys.readouterr().err.splitlines() == ["following: 1 of 2, 0 s so far", "following: looking, 0 s so far"]
 
 
 @pytest.mark.parametrize("command", ["path", "plot", "view"])

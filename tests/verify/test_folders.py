@@ -89,7 +89,7 @@ def test_an_arm_that_is_not_pinocchios_fails(lab: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(urdf_ik.Arm, "fk", off)
     found = check_folder(lab, n=5)
     assert [each.result for each in found.arms] == [REFUSED, FAILED, PASSED, PASSED]
-    assert found.arms[1].words.startswith("forward kinematics, position: pose ")
+    assert found.arms[1].words.startswith("FAILED forward kinematics, position: pose ")
 
 
 def test_what_cannot_be_checked_is_refused(lab: Path, tmp_path: Path) -> None:

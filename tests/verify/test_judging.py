@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.verify import judge, judging
 from urdf_ik.verify.judging import Judgement, replay
 from urdf_ik.verify.sampling import least_singular_value
-from urdf_ik.verify.solvers import SolverProcess, solver_of
+from urdf_ik.verify.solvers import opened
 
 PUMA = urdf_ik.load("puma_560")
 
@@ -159,29 +158,21 @@ if __name__ == "__main__":
 
 
 def test_a_file_a_process_and_their_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A function of a file, a process by lines of JSON; one that ends, talks nonsense or is silent is a fault."""
+    """A function of a file, a process by lines of JSON; one that ends or talks nonsense is a fault."""
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(SOLVER)
-    assert judge(PUMA, solver_of("mine.py:solve"), n=2).passed
-    with closing(SolverProcess([sys.executable, "mine.py"])) as process:
-        assert judge(PUMA, process, n=2).passed
-    for code in (
-        "",
-        "print('nonsense', flush=True); input()",
-        "import json; input(); print(json.dumps({'error': 'no'}))",
+    for number, code in enumerate(
+        ("", "print('nonsense', flush=True); input()", "import json; input(); print(json.dumps({'error': 'no'}))")
     ):
-        with closing(SolverProcess([sys.executable, "-c", code])) as process:
-            assert {each.fault for each in judge(PUMA, process, n=1).faults} == {"failed"}
-    with (
-        closing(SolverProcess([sys.executable, "-c", "input(); input()"], timeout=0.2)) as process,
-        pytest.raises(ArgumentError),
-    ):
-        process(np.eye(4))
-    with pytest.raises(ArgumentError):
-        SolverProcess(["/no/such/program"])
-    for spec in ("nothing", "mine.py:absent", "no.such.module:solve", "absent.py:solve"):
-        with pytest.raises(ArgumentError):
-            solver_of(spec)
+        Path(f"odd_{number}.py").write_text(code)
+        with opened(f"process:{sys.executable} odd_{number}.py") as solve:
+            assert {each.fault for each in judge(PUMA, solve, n=1).faults} == {"failed"}
+    for spec in ("mine.py:solve", f"process:{sys.executable} mine.py"):
+        with opened(spec) as solve:
+            assert judge(PUMA, solve, n=2).passed
+    for spec in ("nothing", "mine.py:absent", "no.such.module:solve", "absent.py:solve", "process:/no/such/program"):
+        with pytest.raises(ArgumentError), opened(spec):
+            pass
 
 
 def test_the_command_judges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

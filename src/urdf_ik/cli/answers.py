@@ -16,6 +16,7 @@ from urdf_ik.cli.console import Angles
 from urdf_ik.ik.solutions import IKSolutions, Singular
 from urdf_ik.ik.solutions.distances import measure
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.support.text import counted
 from urdf_ik.typing import Array
 
 SUMMARY_ABOVE = 20
@@ -239,15 +240,14 @@ def as_text(answer: CheckedSolutions, note: str) -> str:
     legend = "joints: " + ", ".join(f"q{i} {name} [{unit}]" for i, (name, unit) in enumerate(named, 1))
     lines = [*head, *tables.folded(legend, further=" " * 8)]
     for i, pose in enumerate(answer.poses):
-        count, values = int(answer.counts[i]), answer.redundancy
-        heading = f"{count} solution{'s' * (count != 1)}" if count else "no solution"
-        if values is not None:
+        heading = counted(int(answer.counts[i]), "solution") if answer.counts[i] else "no solution"
+        if (values := answer.redundancy) is not None:
             each = zip(arm.solver.parameters, np.atleast_1d(values[i]) + 0.0, strict=True)
             parts = [f"{p.label} {x:.4f} {angles.unit if p.unit == 'rad' else 'm'}" for p, x in each]
             heading += f" at {', '.join(parts)}"
         where = "" if len(answer.poses) == 1 else f"pose {i}: "
         first, second = tables.pose_lines(pose)
-        lines += ["", where + first, second, f"{heading}:", "", *_solutions(answer, i)]
+        lines += ["", where + first, second, f"{heading}:", *_solutions(answer, i)]
     return tables.render(*lines)
 
 
@@ -256,11 +256,13 @@ def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
     angles, names = answer.angles, answer.solutions.names[pose]
     places = np.flatnonzero(answer.solutions.valid[pose]).tolist()
     if not places:
-        return [answer.explanation(pose)]
-    heads, cells = _branch_columns([names[b] for b in places])
-    q = angles.shown(answer.solutions.q[pose])
-    values = [[str(k + 1), *cells[k], *tables.numbers(q[b], 2 if angles.degrees else 4)] for k, b in enumerate(places)]
-    header = ["#", *heads, *(f"q{i + 1}" for i in range(q.shape[-1]))]
+        return ["", answer.explanation(pose)]
+    q, branches = angles.shown(answer.solutions.q[pose]), _branch_columns([names[b] for b in places])
+    digits = 2 if angles.degrees else 4
+    values = [
+        {"#": k, **branches[k - 1], **{f"q{i}": tables.number(x, digits) for i, x in enumerate(q[b], 1)}}
+        for k, b in enumerate(places, 1)
+    ]
     checks = [_checks(answer, pose, b) for b in places]
     notes = [""] * bool(answer.hits)
     for k, b in enumerate(places, 1):
@@ -273,21 +275,20 @@ def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
             k = int(np.argmax(apart))
             far = f"from --nearest: {answer.distance[pose, b]:.4g} {unit} ({metric})"
             notes.append(f"{far}; farthest joint: q{k + 1}, {apart[k]:.4g} {angles.units[k]}")
-    rows = [row + list(check.values()) for row, check in zip(values, checks, strict=True)]
-    whole = tables.grid([*header, *checks[0]], rows, left=heads)
+    whole = tables.outline({"rows": [row | check for row, check in zip(values, checks, strict=True)]})
     if not tables.fits(whole):
-        numbered = [[k, *check.values()] for k, check in enumerate(checks, 1)]
-        whole = [*tables.grid(header, values, left=heads), "", *tables.grid(["#", *checks[0]], numbered)]
+        numbered = [{"#": k, **check} for k, check in enumerate(checks, 1)]
+        whole = tables.outline({"values": values, "checks": numbered})
     return [*whole, *notes]
 
 
 def _checks(answer: CheckedSolutions, pose: int, b: int) -> dict[str, str]:
     """The checks of a solution by the heads of their columns."""
     row = {} if answer.configurations is None else {"configuration": str(answer.configurations[pose, b])}
-    row |= {"in limits": "yes" if answer.within[pose, b] else "by turns" if answer.turned[pose, b] else "no"}
+    row["in limits"] = "yes" if answer.within[pose, b] else "by turns" if answer.turned[pose, b] else "no"
     if answer.free is not None:
         row["collision"] = "free" if answer.free[pose, b] else "hits"
-    row["singular"] = ", ".join(flags(answer.solutions.singular[pose, b])) or "-"
+    row["singular"] = ", ".join(flags(answer.solutions.singular[pose, b])) or "no"
     if answer.errors is not None:
         position, rotation = answer.columns["position_error"], answer.columns["rotation_error"]
         row |= {"error [m]": f"{position[pose, b]:.1e}", f"error [{answer.angles.unit}]": f"{rotation[pose, b]:.1e}"}
@@ -299,12 +300,10 @@ def _summary(answer: CheckedSolutions) -> list[str]:
     counts, columns = answer.counts, answer.columns
     solved, total = int((counts > 0).sum()), int(counts.sum())
     lines = [f"{len(counts)} poses, {solved} solved, {len(counts) - solved} without a solution, {total} solutions"]
-    within, turned = int(answer.within.sum()), int(answer.turned.sum())
-    lines.append(f"within limits: {within} of {total} solutions, {turned} more by whole turns")
-    if answer.free is not None:
-        lines.append(f"free of self-collision: {int(answer.free.sum())} of {total} solutions")
-    singular = int(((answer.solutions.singular != 0) & answer.solutions.valid).sum())
-    lines.append(f"singular: {singular} of {total} solutions")
+    shares = {"within limits": answer.within, "within limits by whole turns": answer.turned}
+    shares |= {} if answer.free is None else {"free of self-collision": answer.free}
+    shares["singular"] = (answer.solutions.singular != 0) & answer.solutions.valid
+    lines += [f"{name}: {int(flags.sum())} of {total} solutions" for name, flags in shares.items()]
     if answer.errors is not None and total:
         position, rotation = (np.nanmax(columns[name]) for name in ("position_error", "rotation_error"))
         lines.append(f"worst error as Pinocchio measures it: {position:.1e} m, {rotation:.1e} {answer.angles.unit}")
@@ -315,14 +314,14 @@ def _summary(answer: CheckedSolutions) -> list[str]:
         first = int(np.flatnonzero(counts == 0)[0])
         lines.append(f"first pose without a solution: {first}: {answer.explanation(first)}")
     numbers, poses = np.unique(counts, return_counts=True)
-    rows = [[c, p, "#" * max(1, round(40 * p / poses.max()))] for c, p in zip(numbers, poses, strict=True)]
-    return [*lines, "", *tables.grid(["solutions", "poses", "share"], rows, left=["share"])]
+    shown = (40 * poses / poses.max()).round().astype(int).clip(min=1)
+    rows = [{"solutions": c, "poses": p, "share": "#" * k} for c, p, k in zip(numbers, poses, shown, strict=True)]
+    return [*lines, *tables.outline({"histogram": rows})]
 
 
-def _branch_columns(branches: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+def _branch_columns(branches: Sequence[str]) -> list[dict[str, str]]:
     """Names like 'shoulder front, elbow up' as columns 'shoulder' and 'elbow'; other names as one column."""
-    parts = [[part.partition(" ")[::2] for part in name.split(", ")] for name in branches]
-    heads = [tuple(head for head, _ in each) for each in parts]
-    if len(set(heads)) == 1 and all(value for each in parts for _, value in each):
-        return list(heads[0]), [[value for _, value in each] for each in parts]
-    return ["branch"], [[name] for name in branches]
+    parts = [dict(part.partition(" ")[::2] for part in name.split(", ")) for name in branches]
+    if all(each.keys() == parts[0].keys() and all(each.values()) for each in parts):
+        return parts
+    return [{"branch": name} for name in branches]

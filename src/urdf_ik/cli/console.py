@@ -17,7 +17,6 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from urdf_ik.cli import options
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.support import files
 from urdf_ik.support.tables import Table, read_table
@@ -26,8 +25,6 @@ from urdf_ik.typing import Array
 
 STDIN = "-"
 _NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
-_GOOD = ("yes", "free", "passed")
-_VERDICTS = re.compile(r"(?<=  )(yes|free|passed|no|hits|FAIL(?:ED)?)(?=  |$)", re.MULTILINE)
 _NUMBER_FILES = (".csv", ".json", ".npy", ".npz", ".txt")
 
 
@@ -204,18 +201,16 @@ def emit(
 
 
 def write(text: str | bytes, output: Path | None = None) -> None:
-    """Write to ``output``, or to standard output; a terminal that takes colour gets some.
+    """Write to ``output``, or to standard output.
 
     Raises:
         ArgumentError: the file cannot be written.
     """
-    # A name in a file of unknown origin must not control the terminal.
-    shown = escaped(text) if isinstance(text, str) else text
-    plain = "NO_COLOR" in os.environ or os.environ.get("TERM") == "dumb"
-    if output is None and isinstance(shown, str) and options.is_terminal(sys.stdout) and not plain:
-        shown = _VERDICTS.sub(lambda word: f"\x1b[{32 if word[0] in _GOOD else 31}m{word[0]}\x1b[0m", shown)
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    data = shown.encode(encoding, "backslashreplace") if isinstance(shown, str) else shown
+    if isinstance(text, str):  # a name in a file of unknown origin must not control the terminal
+        encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+        data = escaped(text).encode(encoding, "backslashreplace")
+    else:
+        data = text
     if output is not None:
         files.write(output, data)
     elif sys.stdout is not None:  # None: closed by the caller, who wants the status only

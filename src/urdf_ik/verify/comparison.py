@@ -33,8 +33,8 @@ from urdf_ik.verify.differences import (
     DEFAULT,
     Difference,
     Tolerance,
-    angle_between,
     apart,
+    between_axes,
     differences,
     ignored,
     moved,
@@ -194,10 +194,8 @@ def _off(arm: Arm) -> str:
 def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[_AxisChange, ...]:
     out = []
     for i, k in enumerate(order):
-        u, v = a.chain.H[i], b.chain.H[k]
-        angle = angle_between(u, v)
-        slides = bool(a.chain.prismatic[i])
-        distance = 0.0 if slides else float(np.linalg.norm(np.cross(a.chain.points[i] - b.chain.points[k], v)))
+        ours, theirs = (a.chain.points[i], a.chain.H[i]), (b.chain.points[k], b.chain.H[k])
+        distance, angle = between_axes(ours, theirs, bool(a.chain.prismatic[i]))
         flipped = angle > np.pi - TOLERANCES.near_angle
         out.append(_AxisChange(a.joint_names[i], b.joint_names[k], angle, distance, flipped))
     return tuple(out)
@@ -224,23 +222,13 @@ def _drawn(arm: Arm, n: int, seed: int) -> Array:
 
 
 def _answers(a: Arm, b: Arm, T: Array, maker: Arm | None = None, q: Array | None = None) -> _Answers:
-    """Solutions of both arms for poses (m, 4, 4), as far as each task controls them.
+    """Solutions of both arms for poses T (m, 4, 4), as far as each task controls them.
 
-    Args:
-        a: the first arm.
-        b: the second arm.
-        T: the poses.
-        maker: the arm whose joint vectors made the poses, if any. An arm with the same redundancy parameter is asked
-            at the maker's values.
-        q: (m, n) rad or m, these joint vectors.
+    ``q`` (m, n) [rad or m] of ``maker`` made the poses: an arm with its redundancy parameter is asked at its values.
     """
-    solved = []
-    for arm in (a, b):
-        values = None
-        if maker is not None and q is not None and (arm is maker or _same_parameter(arm, maker)):
-            values = redundancy_at(maker, q)
-        solved.append(solutions_of(arm, T, values))
-    return _Answers(*solved)
+    same = [maker is not None and (arm is maker or _same_parameter(arm, maker)) for arm in (a, b)]
+    values = None if maker is None or q is None else redundancy_at(maker, q)
+    return _Answers(*(solutions_of(arm, T, values if own else None) for arm, own in zip((a, b), same, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,16 +240,13 @@ class _Answers:
 
     def reach(self, made_by: str) -> Reach:
         """How many poses each has a solution for, and how many solutions."""
-        counts = [solutions.count for solutions in (self.a, self.b)]
-        within = [solutions.within_limits().count for solutions in (self.a, self.b)]
-        return Reach(
-            made_by=made_by,
-            poses=len(counts[0]),
-            solved=(int((counts[0] > 0).sum()), int((counts[1] > 0).sum())),
-            within_limits=(int((within[0] > 0).sum()), int((within[1] > 0).sum())),
-            solutions=(int(counts[0].sum()), int(counts[1].sum())),
-            same_number=int((counts[0] == counts[1]).sum()),
+        counts, within = (
+            [solutions.count for solutions in sides]
+            for sides in ((self.a, self.b), (self.a.within_limits(), self.b.within_limits()))
         )
+        reached, inside = ((int((a > 0).sum()), int((b > 0).sum())) for a, b in (counts, within))
+        every = int(counts[0].sum()), int(counts[1].sum())
+        return Reach(made_by, len(counts[0]), reached, inside, every, int((counts[0] == counts[1]).sum()))
 
     def branches(self, order: list[int], signs: Array) -> tuple[BranchChange, ...]:
         """Every branch of A that has solutions, against B.
@@ -286,16 +271,10 @@ class _Answers:
                 column = np.argmin(np.where(self.b.valid[rows], far, np.inf), axis=1)
             gaps = self._gap(mine, others[np.arange(len(rows)), column])
             gaps = gaps[~np.isnan(gaps).any(axis=1)]  # where B has that solution
-            nothing = np.full(len(order), np.nan)
+            nothing = np.full((1, len(order)), np.nan)
+            spread = (_floats(of(gaps if len(gaps) else nothing, axis=0)) for of in (np.median, np.max))
             out.append(
-                BranchChange(
-                    branch=name,
-                    matched="name" if name in theirs else "nearest",
-                    poses=len(gaps),
-                    unmatched=len(rows) - len(gaps),
-                    median=_floats(np.median(gaps, axis=0) if len(gaps) else nothing),
-                    worst=_floats(gaps.max(axis=0) if len(gaps) else nothing),
-                )
+                BranchChange(name, "name" if name in theirs else "nearest", len(gaps), len(rows) - len(gaps), *spread)
             )
         return tuple(out)
 
@@ -553,9 +532,9 @@ class Comparison(Report):
         return "\n".join(f"{letter}: {side.robot}, {side.base} to {side.tip} ({side.source})" for letter, side in sides)
 
     def sections(self) -> tuple[Section, ...]:
-        """The tables: structure, frames, limits, reach, branches, tool error."""
-        tables = [_structure_table(self), _frames_table(self)]
-        tables += [_limits_table(self)] if self.limits else []
+        """The tables: structure, frames, reach, branches, tool error."""
+        tables = [] if self.alignment is None else [_alignment_table(self, self.alignment)]
+        tables += [_structure_table(self), _frames_table(self)]
         tables += [_reach_table(self)] if self.reach else []
         tables += [_branches_table(self)] if self.branches else []
         tables += [_tool_table(self.tool)] if self.tool is not None else []
@@ -579,10 +558,7 @@ class Comparison(Report):
         return self.summary()
 
 
-def _alignment_table(comparison: Comparison) -> Section | None:
-    found = comparison.alignment
-    if found is None:
-        return None
+def _alignment_table(comparison: Comparison, found: Alignment) -> Section:
     ends = (("base", found.base), ("tip", found.tip))
     lines = tuple(f"{what}: {moved(*apart(np.eye(4), matrix(row)))}" for what, row in ends)
     sides = zip(comparison.a.joint_names, comparison.b.joint_names, comparison.a.prismatic, strict=True)
@@ -616,16 +592,6 @@ def _frames_table(comparison: Comparison) -> Section:
     moved = f": {len(rows)} of {len(comparison.axes)} axes moved" if rows else ": no axis moved"
     title, remarks = f"frames{moved if comparison.axes else ''}", (f"tip at q = 0: {apart}", farthest)
     return Section(title, ("joint", "turned [deg]", "moved [mm]", ""), rows, remarks, left=("joint", ""))
-
-
-def _limits_table(comparison: Comparison) -> Section:
-    rows = tuple(
-        (_pair(c.joint, c.joint_b), *(_value(x, slides) for x in (*c.a, *c.b)), "mm" if slides else "deg")
-        for c, slides in zip(comparison.limits, comparison.a.prismatic, strict=True)
-        if not c.same
-    )
-    title = f"limits: {f'{len(rows)} of {len(comparison.limits)} joints differ' if rows else 'the same'}"
-    return Section(title, ("joint", "A lower", "A upper", "B lower", "B upper", "unit"), rows, left=("joint", "unit"))
 
 
 def _reach_table(comparison: Comparison) -> Section:

@@ -266,10 +266,19 @@ def greatest_change(a: Description, b: Description) -> tuple[float, float]:
 
 
 def _line(a: Description, b: Description, k: int) -> tuple[float, float]:
-    """How far axis k moved [m] and turned [rad]; an axis of a joint that slides has no place."""
-    u, v = np.array(a.directions[k]), np.array(b.directions[k])
-    away = np.array(a.points[k]) - np.array(b.points[k])
-    return 0.0 if a.sliding[k] else float(np.linalg.norm(np.cross(away, v))), angle_between(u, v)
+    """How far axis k moved [m] and turned [rad]."""
+    ours, theirs = ((np.array(side.points[k]), np.array(side.directions[k])) for side in (a, b))
+    return between_axes(ours, theirs, a.sliding[k])
+
+
+def between_axes(ours: tuple[Array, Array], theirs: tuple[Array, Array], sliding: bool) -> tuple[float, float]:
+    """Distance [m] of our point from their axis, and the angle [rad] between the axes, each a point and a direction.
+
+    The axis of a joint that slides has no place: its distance is 0.
+    """
+    (point, direction), (other, along) = ours, theirs
+    distance = 0.0 if sliding else float(np.linalg.norm(np.cross(point - other, along)))
+    return distance, angle_between(direction, along)
 
 
 def _segments(a: Description, b: Description) -> list[tuple[list[Step], list[Step], str]]:

@@ -18,9 +18,6 @@ from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.verify import completeness, crosscheck
 
-ENDING = ".urdf"
-"""Ending of the files that are checked."""
-
 RESULTS = ("passed", "FAILED", "REFUSED", "not ended", "not checked", "not an arm")
 PASSED, FAILED, REFUSED, NOT_ENDED, NOT_CHECKED, NOT_AN_ARM = RESULTS
 """Results of a file. No arm can be read from a refused one; no check is for an arm that was not checked; what is not an
@@ -40,8 +37,7 @@ class _CheckedFile:
         tip: tip link.
         joints: number of joints from base to tip.
         family: the family that solves the arm.
-        found: the figure that the check ends with.
-        words: what failed, was left out, or why the arm was not checked; '' for an arm that passed.
+        words: what was found, or why the arm was not checked.
         report: the whole report as plain values, or None.
     """
 
@@ -52,7 +48,6 @@ class _CheckedFile:
     tip: str = ""
     joints: int = 0
     family: str = ""
-    found: str = ""
     words: str = ""
     report: dict[str, Any] | None = field(default=None, repr=False)
 
@@ -87,12 +82,12 @@ class FolderCheck(Report):
 
     def sections(self) -> tuple[Section, ...]:
         """A table with a row a file; the family's name without its details."""
-        header = ("file", "joints", "family", "found", "result")
-        rows = tuple((c.file, str(c.joints or ""), re.split("[,:]", c.family)[0], c.found, c.result) for c in self.arms)
-        return (Section("", header, rows, left=("file", "family", "found", "result")),)
+        header = ("file", "joints", "family", "result")
+        rows = tuple((c.file, str(c.joints or ""), re.split("[,:]", c.family)[0], c.result) for c in self.arms)
+        return (Section("", header, rows, left=("file", "family", "result")),)
 
     def lines(self) -> tuple[str, ...]:
-        """What failed, or why an arm was not checked."""
+        """What was found, or why an arm was not checked."""
         return tuple(f"{each.result} {each.file}: {each.words}" for each in self.arms if each.words)
 
     def summary(self) -> str:
@@ -138,9 +133,9 @@ def check_folder(
     """
     inputs.poses(n)
     watch = Watch(time_limit, progress)
-    paths = sorted(path for path in Path(folder).rglob(f"*{ENDING}") if path.is_file())
+    paths = sorted(path for path in Path(folder).rglob("*.urdf") if path.is_file())
     if not paths:
-        problem = f"the folder holds no file that ends in {ENDING}"
+        problem = "the folder holds no file that ends in .urdf"
         raise UrdfError(problem, source=str(folder), hint="name a folder of URDFs, or a single file")
     arms: list[_CheckedFile] = []
     for (k,) in watch.parts(len(paths), 1, "files"):
@@ -149,10 +144,15 @@ def check_folder(
             arm = load(paths[k], base, tip, mesh_roots=mesh_roots)
             about = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joints": arm.dof}
             about["family"] = arm.structure.family or ""
+            report: Report
             if complete:
-                checked = _completed(completeness.compare(arm, n=n, seed=seed, time_limit=watch.left))
+                report = completeness.compare(arm, n=n, seed=seed, time_limit=watch.left)
             else:
-                checked = _crosschecked(crosscheck.check(arm, n, seed, collision, time_limit=watch.left))
+                report = crosscheck.check(arm, n, seed, collision, time_limit=watch.left)
+            result = PASSED if report.passed else FAILED if report.faulty else NOT_ENDED
+            failed = [line for line in report.lines() if line.startswith("FAILED")]
+            words = "; ".join([*failed, report.summary(), *filter(None, [report.unlooked])])
+            checked: dict[str, Any] = {"result": result, "words": words, "report": report.to_dict()}
         except UrdfIkError as error:
             without = isinstance(error, ChainError) and not read(paths[k], mesh_roots=mesh_roots)[0].chains()
             result = NOT_AN_ARM if without else NOT_CHECKED if isinstance(error, UnsupportedArm) else REFUSED
@@ -160,19 +160,3 @@ def check_folder(
         arms.append(_CheckedFile(file, **about, **checked))
     question = {"n": n, "seed": seed, "complete": complete, "collision": collision, "base": base, "tip": tip}
     return FolderCheck(question, tuple(arms), watch.unlooked)
-
-
-def _completed(report: completeness.Completeness) -> dict[str, Any]:
-    words = report.verdict() if report.differences or report.unlooked else ""
-    return _result(report, f"{sum(group.solver for group in report.groups)} solutions", words)
-
-
-def _crosschecked(report: crosscheck.CrossCheck) -> dict[str, Any]:
-    worst = [f"{row.worst:.1e} {row.unit}" for row in report.rows if row.name == "solutions, position"]
-    wrong = [f"{row.name}: {row.place() or 'at no particular pose'}" for row in report.failed]
-    return _result(report, "".join(worst), "; ".join(filter(None, [*wrong, report.unlooked])))
-
-
-def _result(report: Report, figure: str, words: str) -> dict[str, Any]:
-    result = PASSED if report.passed else FAILED if report.faulty else NOT_ENDED
-    return {"result": result, "found": figure, "words": words, "report": report.to_dict()}

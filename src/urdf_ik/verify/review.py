@@ -4,26 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.support.text import json_text
-from urdf_ik.typing import Array
 from urdf_ik.verify.baselines import Verification
-from urdf_ik.verify.description import Description
-from urdf_ik.verify.differences import pose_of
 from urdf_ik.version import __version__
 
 _SARIF = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 _NAMED = re.compile(r"<(joint|link|body)\b[^<>]*?\sname\s*=\s*[\"'](.*?)[\"']", re.DOTALL)
-_POSTURE = 0.5  # rad or m, of every joint of a picture, as far as its limits allow
-_COLUMNS, _ROWS = 36, 12  # of a picture
-_DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])  # of a Braille character, by row and column
 
 
 class Finding(NamedTuple):
@@ -96,28 +88,17 @@ def sarif(files: Sequence[VerifiedFile]) -> str:
     found = [each for file in files for each in file.findings()]
     rules = [{"id": kind} for kind in dict.fromkeys(each.kind for each in found)]
     driver = {"name": "urdf-ik", "version": __version__, "rules": rules}
-    results = [
-        {
-            "ruleId": each.kind,
-            "level": "error",
-            "message": {"text": each.words},
-            "locations": [
-                {
-                    "physicalLocation": {
-                        "artifactLocation": {"uri": each.file.replace("\\", "/")},
-                        "region": {"startLine": each.line},
-                    }
-                }
-            ],
-        }
-        for each in found
-    ]
+    results = []
+    for each in found:
+        artifact, region = {"uri": each.file.replace("\\", "/")}, {"startLine": each.line}
+        place = {"physicalLocation": {"artifactLocation": artifact, "region": region}}
+        results.append({"ruleId": each.kind, "level": "error", "message": {"text": each.words}, "locations": [place]})
     run = {"tool": {"driver": driver}, "results": results}
     return json_text({"$schema": _SARIF, "version": "2.1.0", "runs": [run]})
 
 
 def markdown(files: Sequence[VerifiedFile]) -> str:
-    """A summary: the verdict of each file, a table of its findings, and both arms where they move differently."""
+    """A summary: the verdict of each file, and a table of its findings."""
     parts = []
     for file in files:
         found = list(file.findings())
@@ -127,47 +108,7 @@ def markdown(files: Sequence[VerifiedFile]) -> str:
             parts.append("\n".join(["| line | kind | difference |", "|---|---|---|", *rows]))
         if isinstance(file.result, Verification) and file.result.notes:
             parts.append("\n".join(f"- {_cell(note)}" for note in file.result.notes))
-        if isinstance(file.result, Verification) and any(each.kind == "kinematics" for each in found):
-            parts.append(f"```text\n{picture(file.result.frozen, file.result.arm)}\n```")
     return "\n\n".join(parts) + "\n"
-
-
-def picture(then: Description, now: Description) -> str:
-    """Both arms side by side in one posture and at one scale, drawn in Braille characters."""
-    sides = [_frames(then), _frames(now)]
-    points = np.vstack(sides)
-    plane = np.linalg.svd(points - points.mean(axis=0))[2][:2]
-    up = plane[:, 2] if np.linalg.norm(plane[:, 2]) > 0.1 else np.array([0.0, 1.0])
-    plane = np.array([[up[1], -up[0]], up]) @ plane / np.linalg.norm(up)
-    flat = points @ plane.T
-    size = np.array([2 * _COLUMNS - 1, 4 * _ROWS - 1])
-    scale = (size / np.maximum(np.ptp(flat, axis=0), 1e-12)).min()
-    pictures = [_drawn((side @ plane.T - flat.min(axis=0)) * scale) for side in sides]
-    titles = (f"in the lock: {then.title}"[:_COLUMNS], f"now: {now.title}")
-    rows = [titles, *zip(*pictures, strict=True)]
-    return "\n".join(f"{left:<{_COLUMNS}}  {right}".rstrip() for left, right in rows)
-
-
-def _frames(arm: Description) -> Array:
-    """Origins (k, 3) m of the frames from base to tip, every joint at 0.5 rad or m, as far as its limits allow."""
-    limits = zip(arm.joint_names, arm.limits, strict=True)
-    values = {name: min(max(_POSTURE, lower), upper) for name, (lower, upper) in limits}
-    values |= {name: factor * values[driver] + offset for name, driver, factor, offset in arm.followers}
-    T, out = np.eye(4), [np.zeros(3)]
-    for step in arm.steps:
-        T = T @ pose_of([replace(step, held=values.get(step.name, step.held))])
-        out.append(T[:3, 3])
-    return np.array(out)
-
-
-def _drawn(corners: Array) -> list[str]:
-    """Lines of text that show a polyline (k, 2), in dots from the lower left corner."""
-    cells = np.zeros((_ROWS, _COLUMNS), dtype=np.int64)
-    for start, end in zip(corners[:-1], corners[1:], strict=True):
-        for x, y in np.rint(np.linspace(start, end, 1 + int(np.abs(end - start).max() + 1))).astype(int):
-            row = 4 * _ROWS - 1 - y
-            cells[row // 4, x // 2] |= _DOTS[row % 4, x % 2]
-    return ["".join(chr(0x2800 + cell) for cell in row) for row in cells]
 
 
 def _places(file: str) -> list[tuple[re.Pattern[str], int]]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +18,6 @@ try:
     from flint import acb, arb
 except ImportError as error:  # python-flint is an extra
     raise extras.missing("proofs are checked in ball arithmetic", "proof") from error
-
-from collections.abc import Sequence
 
 from urdf_ik.arm import Arm
 from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
@@ -144,7 +145,8 @@ def check_proof(
     statuses = np.asarray(solutions.status).reshape(-1)
     q = np.asarray(solutions.q).reshape(count, -1, arm.dof)
     valid = np.asarray(solutions.valid).reshape(count, -1)
-    accepted, open_, refused, looked_at = 0, list[_Refusal](), list[_Refusal](), 0
+    found: dict[bool | None, list[_Refusal]] = {True: [], None: [], False: []}
+    looked_at = 0
     for (i,) in watch.parts(count):
         status, looked_at = str(statuses[i]), i + 1
         if status not in ("complete", "clustered"):
@@ -153,11 +155,9 @@ def check_proof(
         proof = solutions[place].proof if solutions.shape else solutions.proof
         loop, rng = Loop.of(arm.chain, T[i]), np.random.default_rng(i)
         verdict, reason = examine(loop, q[i, valid[i]], proof, rng, clustered=status == "clustered")
-        accepted += verdict is True
-        if not verdict:
-            (open_ if verdict is None else refused).append(_Refusal(i, status, reason))
-    unproven = looked_at - accepted - len(open_) - len(refused)
-    return ProofCheck(arm.name, looked_at, unproven, accepted, tuple(open_), tuple(refused), watch.unlooked)
+        found[verdict].append(_Refusal(i, status, reason))
+    unproven, answers = looked_at - sum(map(len, found.values())), (tuple(found[None]), tuple(found[False]))
+    return ProofCheck(arm.name, looked_at, unproven, len(found[True]), *answers, watch.unlooked)
 
 
 def _same_axes(a: Chain, b: Chain) -> bool:
@@ -186,14 +186,8 @@ def examine(
     return _by_search(loop, answer, rng)
 
 
-@dataclass(frozen=True)
-class _Answer:
-    """What is examined.
-
-    Attributes:
-        solutions: (k, 6) rad.
-        clustered: whether some of them are left to the rounding of the pose.
-    """
+class _Answer(NamedTuple):
+    """Solutions (k, 6) rad, and whether some of them are left to the rounding of the pose."""
 
     solutions: Array
     clustered: bool
@@ -349,15 +343,13 @@ def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:
 
 def _overlap(singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]) -> tuple[str, str] | None:
     """The names of two enclosures that may hold the same root; None if there are none."""
-    for i, one in enumerate(singles):
-        for k in range(i):
-            if not one.apart(singles[k]):
-                return f"root {k}", f"root {i}"
-        for k, group in enumerate(clusters):
-            if not outside(one, group):
-                return f"root {i}", f"cluster {k}"
-    for i, first in enumerate(clusters):
-        for k in range(i):
-            if not first.distance(clusters[k].centre) > first.radius + clusters[k].radius:
-                return f"cluster {k}", f"cluster {i}"
-    return None
+    every: list[tuple[str, Enclosure | ClusterEnclosure]] = [(f"root {k}", one) for k, one in enumerate(singles)]
+    every += [(f"cluster {k}", one) for k, one in enumerate(clusters)]
+    return next(((a, b) for (a, one), (b, other) in combinations(every, 2) if not _apart(one, other)), None)
+
+
+def _apart(one: Enclosure | ClusterEnclosure, other: Enclosure | ClusterEnclosure) -> bool:
+    """Whether two enclosures have no point in common; of a box and a polydisc the box comes first."""
+    if isinstance(one, ClusterEnclosure):
+        return isinstance(other, ClusterEnclosure) and bool(one.distance(other.centre) > one.radius + other.radius)
+    return one.apart(other) if isinstance(other, Enclosure) else outside(one, other)

@@ -122,15 +122,8 @@ def is_identity(X: acb_mat) -> bool | None:
 def twist(h: list[arb], p: list[arb]) -> acb_mat:
     """The 4x4 matrix of the unit twist about the axis through p along h."""
     v = [p[1] * h[2] - p[2] * h[1], p[2] * h[0] - p[0] * h[2], p[0] * h[1] - p[1] * h[0]]
-    zero = arb(0)
-    return acb_mat(
-        [
-            [acb(zero), acb(-h[2]), acb(h[1]), acb(v[0])],
-            [acb(h[2]), acb(zero), acb(-h[0]), acb(v[1])],
-            [acb(-h[1]), acb(h[0]), acb(zero), acb(v[2])],
-            [0, 0, 0, 0],
-        ]
-    )
+    rows = [[arb(0), -h[2], h[1], v[0]], [h[2], arb(0), -h[0], v[1]], [-h[1], h[0], arb(0), v[2]]]
+    return acb_mat([*([acb(x) for x in row] for row in rows), [0, 0, 0, 0]])
 
 
 def midpoints(values: Sequence[acb]) -> list[acb]:
@@ -216,11 +209,5 @@ def _identity() -> acb_mat:
 
 
 def _six(A: acb_mat) -> list[acb]:
-    return [
-        A[0, 3],
-        A[1, 3],
-        A[2, 3],
-        (A[2, 1] - A[1, 2]) * _HALF,
-        (A[0, 2] - A[2, 0]) * _HALF,
-        (A[1, 0] - A[0, 1]) * _HALF,
-    ]
+    skew = ((A[2, 1] - A[1, 2]), (A[0, 2] - A[2, 0]), (A[1, 0] - A[0, 1]))
+    return [A[0, 3], A[1, 3], A[2, 3], *(each * _HALF for each in skew)]

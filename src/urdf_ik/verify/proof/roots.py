@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import factorial
@@ -173,37 +173,19 @@ def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho
     except ZeroDivisionError:
         return "more singular values are small"
 
-    def size(rows: Sequence[int], one: Sequence[int], two: Sequence[int], what: list[list[list[acb]]]) -> arb:
-        total = arb(0)
-        for row in rows:
-            for i in one:
-                for j in two:
-                    total += what[row][i][j].abs_upper() ** 2
-        return total.sqrt()
-
-    def linear_size(rows: Sequence[int], columns: Sequence[int]) -> arb:
-        return sum((linear[i, k].abs_upper() ** 2 for i in rows for k in columns), arb(0)).sqrt()
-
-    def constant_size(rows: Sequence[int]) -> arb:
-        return sum((constant[i, 0].abs_upper() ** 2 for i in rows), arb(0)).sqrt()
-
     changed = [[[second[row][i][j] - at_centre[row][i][j] for j in range(6)] for i in range(6)] for row in range(6)]
     r, p = arb(R), arb(rho)
-    on_y = (
-        constant_size(kept)
-        + linear_size(kept, free) * r
-        + size(kept, free, free, second) * r**2 / 2
-        + size(kept, free, kept, second) * r * p
-        + size(kept, kept, kept, second) * p**2 / 2
-    )
-    on_t = (
-        constant_size(free)
-        + linear_size(free, free) * r
-        + linear_size(free, kept) * p
-        + size(free, free, free, changed) * r**2 / 2
-        + size(free, free, kept, second) * r * p
-        + size(free, kept, kept, second) * p**2 / 2
-    )
+
+    def others(rows: Sequence[int], leading: list[list[list[acb]]]) -> arb:
+        """A bound on the terms of some rows of g but one: the constant, along t, and the second derivatives."""
+        along_t = _norm(leading[row][i][j] for row in rows for i in free for j in free)
+        mixed = _norm(second[row][i][j] for row in rows for i in free for j in kept)
+        along_y = _norm(second[row][i][j] for row in rows for i in kept for j in kept)
+        flat = _norm(constant[i, 0] for i in rows) + _norm(linear[i, k] for i in rows for k in free) * r
+        return flat + along_t * r**2 / 2 + mixed * r * p + along_y * p**2 / 2
+
+    on_y = others(kept, second)
+    on_t = others(free, changed) + _norm(linear[i, k] for i in free for k in kept) * p
     if not weakest * p > on_y:
         return "Rouche's condition fails across the weak directions"
     if not least * r**2 > on_t:
@@ -244,15 +226,9 @@ def _weight(key: Sequence[int], r: int) -> arb:
 
 def _in_coordinates(H: list[list[list[acb]]], left: acb_mat, V: acb_mat) -> list[list[list[acb]]]:
     """Second derivatives of U* f along the columns of V: ``[row][i][j]``."""
-    turned = V.transpose()
-    rows = [turned * acb_mat([[H[i][j][row] for j in range(6)] for i in range(6)]) * V for row in range(6)]
-    out = []
-    for row in range(6):
-        total = acb_mat([[acb(0)] * 6] * 6)
-        for k in range(6):
-            total += rows[k] * left[row, k]
-        out.append([[total[i, j] for j in range(6)] for i in range(6)])
-    return out
+    rows = [V.transpose() * acb_mat([[H[i][j][row] for j in range(6)] for i in range(6)]) * V for row in range(6)]
+    totals = [sum((rows[k] * left[row, k] for k in range(1, 6)), rows[0] * left[row, 0]) for row in range(6)]
+    return [[[total[i, j] for j in range(6)] for i in range(6)] for total in totals]
 
 
 def _matrix(values: NDArray[np.complex128]) -> acb_mat:
@@ -264,7 +240,11 @@ def _column(values: Sequence[acb]) -> acb_mat:
 
 
 def _frobenius(M: acb_mat) -> arb:
-    return sum((M[i, k].abs_upper() ** 2 for i in range(M.nrows()) for k in range(M.ncols())), arb(0)).sqrt()
+    return _norm(M[i, k] for i in range(M.nrows()) for k in range(M.ncols()))
+
+
+def _norm(values: Iterable[acb]) -> arb:
+    return sum((value.abs_upper() ** 2 for value in values), arb(0)).sqrt()
 
 
 def _frobenius_bound(V: acb_mat) -> arb:
