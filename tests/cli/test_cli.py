@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from command import ARM, TWO_JOINTS, TYPED, call, strict_json, succeed, target
 
@@ -61,20 +60,7 @@ COMMANDS = (
         (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--max-step", "-1"), None, 2, ("within", "zero or positive")),
         (("ik", ARM, "--poses", "no/such.csv"), None, 2, ("no/such.csv", "No such file")),
         (("ik", ARM, "--poses", "-"), "", 2, ("standard input is empty", "qx,qy,qz,qw")),
-        (("ik", ARM, "--poses", "-"), "1,2,3\n", 2, ("line 1: 3 numbers", "qx,qy,qz")),
         (("ik", ARM, "--poses", "-"), "1,0,0,0,0,0,1\n1,0,0,0,0,east,1\n", 2, ("line 2, column qz", "'east'")),
-        (("ik", ARM, "--poses", "-"), "1,0,0,0,0,0,1\n1,0,0\n", 2, ("line 2: 3 values", "7 are needed")),
-        (("ik", ARM, "--poses", "-"), '[[1, 0, 0, 0, 0, "up", 1]]', 2, ('pose 0: "up"',)),
-        (("ik", ARM, "--poses", "-"), '{"targets": []}', 2, ("targets", "poses or waypoints")),
-        (("ik", ARM, "--poses", "-"), "[[1, 2", 2, ("line 1", "Expecting")),
-        (("ik", ARM, "--poses", "-"), b"\x93NUMPY\x01", 2, ("damaged",)),
-        (("ik", ARM, "--poses", "-"), b"PK\x03\x04nothing", 2, ("damaged",)),
-        (("ik", ARM, "--poses", "-"), b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'\x1b", 2, ("damaged",)),
-        (("ik", ARM, "--poses", "-"), b"\xff\xfe\x00", 2, ("neither text nor",)),
-        (("ik", ARM, "--poses", "-"), json.dumps([np.eye(4).tolist(), np.diag([1, 1, -1, 1]).tolist()]), 2, ("[1]",)),
-        (("ik", ARM, "--poses", "-"), "x" * 140000 + ",1\n", 2, ("line 1", "field limit")),
-        (("ik", ARM, "--poses", "-"), '"1,0,0\n0,0,0,1\n', 2, ("standard input, line",)),
-        (("ik", ARM, "--poses", "-"), "[[2, 0, 0, 3, 0, 0, 0]]", 2, ("pose 0", "the length 3")),
         (("ik", "-", "--poses", "-"), "", 2, ("standard input",)),
         (("fk", ARM), None, 2, ("Missing option", "--q")),
         (("fk", ARM, "--q", "x.csv"), None, 2, ("x.csv", "No such file")),
@@ -131,27 +117,14 @@ def test_errors_have_a_status_and_one_readable_message(
     assert result.stdout.count("\n") <= (status == 1)
 
 
-NEEDED = {
-    "fk": ("--q", TYPED),
-    "compare": (ARM,),
-    "path": ("-p", "no/such.csv"),
-    "plot": ("-o", "no/such.png"),
-    "view": ("-o", "no/such.html"),
-    "placement": ("-p", "no/such.csv", "--bounds", "0,0,0,1,1,1", "--step", "0.5"),
-}
-
-
-@pytest.mark.parametrize("command", [*COMMANDS, "view"])
-def test_what_is_no_urdf_is_refused_by_every_command(command: str, tmp_path: Path) -> None:
+def test_what_is_no_urdf_is_refused(tmp_path: Path) -> None:
     """A file that is missing, a folder, empty, binary or cut short is named in one message, and the status is 3."""
     (tmp_path / "empty.urdf").touch()
     (tmp_path / "binary.urdf").write_bytes(bytes(range(256)))
     (tmp_path / "cut.urdf").write_text(catalogue.resolve(ARM).path.read_text()[:700])
     for name in ("missing.urdf", "", "empty.urdf", "binary.urdf", "cut.urdf"):
-        if command == "check" and not name:  # of a folder every file is checked
-            continue
         source = str(tmp_path / name)
-        result = call(command, source, *NEEDED.get(command, ()))
+        result = call("info", source)
         assert result.exit_code == 3, result.output
         assert result.stderr.startswith(f"Error: {source}:")
         assert result.stderr.count("\n") == 1

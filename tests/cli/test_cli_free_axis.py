@@ -7,15 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
+from command import call
 
 import urdf_ik
-from urdf_ik.cli import app
-
-
-def call(*args: str) -> Result:
-    """Run the command in this process."""
-    return CliRunner().invoke(app, list(args), env={"COLUMNS": "100"}, catch_exceptions=False)
 
 
 def test_ik_solves_the_turned_target() -> None:

@@ -28,32 +28,6 @@ def test_many_poses_are_summed_up_from_the_data() -> None:
     assert f"{worst:.1e} m" in text
 
 
-@pytest.mark.parametrize("width", [80, 120])
-@pytest.mark.parametrize(
-    "args", [("info", ARM), ("info", "ur5"), ("ik", ARM), ("ik", "ur5"), ("fk", ARM, "--q", TYPED)]
-)
-def test_tables_fit_the_width_in_plain_text(width: int, args: tuple[str, ...]) -> None:
-    """Where nobody watches, tables are ASCII without colour, and fit the width without cutting anything off."""
-    text = succeed(*args, COLUMNS=str(width))
-    assert text.isascii()
-    assert "\x1b" not in text
-    paths = [line for line in text.splitlines() if os.sep in line]
-    assert all(len(line) <= width for line in text.splitlines() if line not in paths)
-    assert text.endswith("\n")
-
-
-def test_info_tells_the_structure() -> None:
-    """The bundled arm's axes z y y z y z, its parallel pair, its wrist and its eight branches, in table and JSON."""
-    data = strict_json(succeed("info", ARM, "-f", "json"))
-    assert [np.round(joint["axis"]).astype(int).tolist().index(1) for joint in data["joints"]] == [2, 1, 1, 2, 1, 2]
-    assert [pair["relation"] for pair in data["structure"]["pairs"]].count("parallel") == 1
-    assert {"axes": [4, 5, 6], "relation": "meet"}.items() <= data["structure"]["triples"][0].items()
-    assert data["solver"]["max_solutions"] == len(data["solver"]["branches"]) == 8
-    text = succeed("info", ARM)
-    for word in (*(joint["name"] for joint in data["joints"]), data["solver"]["family"], *data["solver"]["branches"]):
-        assert word in text
-
-
 def test_info_tells_what_is_known_of_an_arm_that_cannot_be_solved() -> None:
     """Status 0 for any arm that can be read; it says that no solver takes it, and writes a missing limit as null."""
     data = strict_json(succeed("info", "-", "-f", "json", given=TWO_JOINTS))
@@ -98,18 +72,6 @@ def test_a_reader_that_leaves_ends_it_quietly(unbuffered: str) -> None:
     assert b"Exception" not in complaint
     child.stderr.close()
     assert child.wait(timeout=60) == 141
-
-
-@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
-def test_a_full_disk_is_one_message() -> None:
-    """Standard output that cannot be written: status 2 and one line, no second complaint at exit."""
-    if not os.path.exists("/dev/full"):
-        pytest.skip("this system has no /dev/full")
-    command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", "info", ARM]
-    with open("/dev/full", "wb") as full:
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
-    assert done.returncode == 2
-    assert len([line for line in done.stderr.splitlines() if "rror" in line or "xception" in line]) == 1
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")

@@ -69,14 +69,6 @@ def test_robots_that_are_not_here_are_listed_on_demand(tmp_path: Path, monkeypat
     assert strict_json(succeed("robots", "ur10e", "-f", "json"))["robots"] == []
 
 
-def test_tables_fit_eighty_columns(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is printed first, and the lists of robots, are no wider than a terminal of 80 columns."""
-    monkeypatch.setenv("COLUMNS", "80")
-    for arguments in ((), ("robots",), ("robots", "--all"), ("doctor",), ("info", ARM), ("info", ARM, "--chains")):
-        lines = succeed(*arguments).splitlines()
-        assert max(map(len, lines)) <= 80, (arguments, max(lines, key=len))
-
-
 def test_the_doctor_finds_versions_and_a_working_solver() -> None:
     """It names what is installed, and finds all joint vectors that it made poses of."""
     found = strict_json(succeed("doctor", "--json"))

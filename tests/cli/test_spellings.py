@@ -14,11 +14,9 @@ from command import ARM, TYPED, call, strict_json, succeed
 
 import urdf_ik
 from urdf_ik.cli import app
-from urdf_ik.cli.commands import COMMANDS, GROUPS
+from urdf_ik.cli.commands import COMMANDS
 
 DRAWING = {"plot", "view", "compile", "export"}  # what they make is a picture or a file
-POSES = {"xyz", "rpy", "quat_xyzw", "quat_wxyz", "rotvec", "q", "poses"}
-TAKE_POSES = ("ik", "explain", "compare", "freeze", "path", "placement", "plot", "view")
 
 
 def options() -> Iterator[tuple[str, Any]]:
@@ -44,26 +42,12 @@ def test_an_option_means_the_same_everywhere() -> None:
     assert {name: found for name, found in forms.items() if len(found) > 1} == {}
 
 
-def test_every_command_stands_in_a_group() -> None:
-    """Four groups, as the help shows them, and each command in one."""
-    text = succeed("--help")
-    assert len(GROUPS) == 4 and all(f"\n{group}:\n" in text for group in GROUPS)
-    assert len(COMMANDS) == sum(map(len, GROUPS.values()))
-
-
 def test_every_command_that_prints_has_json() -> None:
     """--json is --format json, and not together with another format."""
     having = {name for name, option in options() if "--json" in option.opts}
     assert having == set(COMMANDS) - DRAWING
     assert succeed("fk", ARM, "--q", TYPED, "--json") == succeed("fk", ARM, "--q", TYPED, "-f", "json")
     assert call("fk", ARM, "--q", TYPED, "--json", "-f", "csv").exit_code == 2
-
-
-@pytest.mark.parametrize("command", TAKE_POSES)
-def test_every_command_that_takes_poses_takes_all_forms(command: str) -> None:
-    """The options of a pose are the same ones, and stand together."""
-    found = {option.name: option.rich_help_panel for name, option in options() if name == command}
-    assert set(found) >= POSES and {found[name] for name in POSES} == {"Poses"}
 
 
 @pytest.mark.parametrize(

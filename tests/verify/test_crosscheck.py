@@ -54,11 +54,6 @@ class Damaged:
         members = object.__getattribute__(self, "_members")
         return members[name] if name in members else getattr(arm, name)
 
-    @property
-    def chain(self) -> Any:
-        """What tells an arm from an object that answers to any name."""
-        return self.__getattr__("chain")
-
 
 def damaged_ik(change: Callable[[np.ndarray, np.ndarray], None], *, where: str = "both") -> Any:
     """An ``ik`` whose joint vectors (m, B, n) and valid flags (m, B) go through ``change``."""

@@ -27,15 +27,7 @@ def name_of(source: Any) -> str:
 
 
 def read(source: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> bytes:
-    """All bytes of a file.
-
-    Args:
-        source: a path, or a file open for reading, of bytes or text.
-        error: what is raised.
-
-    Raises:
-        UrdfIkError: ``error``; it cannot be read.
-    """
+    """All bytes of a path, or of a file open for reading; ``error`` is raised where it cannot be read."""
     try:
         data = source.read() if hasattr(source, "read") else Path(source).read_bytes()
     except (OSError, ValueError) as failure:  # ValueError: null bytes in the name, a closed file, no UTF-8
@@ -44,11 +36,7 @@ def read(source: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> by
 
 
 def writable(path: str | os.PathLike[str], error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
-    """The path of a file that may be written; whether the disk takes it is seen when it is written.
-
-    Raises:
-        UrdfIkError: ``error``; it is a folder, or its folder is not there.
-    """
+    """The path of a file that may be written: no folder, in a folder that is there; else ``error`` is raised."""
     file = Path(path)
     if file.is_dir():
         raise error(f"cannot write {name_of(file)}: it is a folder")
@@ -64,13 +52,8 @@ def write(
 ) -> None:
     """Write a file; one that is there already is replaced when the new one is whole, and not before.
 
-    Args:
-        path: the file. A device or a pipe is written as it is; a link is followed.
-        content: its bytes, or what writes them to an open file.
-        error: what is raised.
-
-    Raises:
-        UrdfIkError: ``error``; it cannot be written, and the message names the folder.
+    ``content``: bytes, or the function that writes them to an open file. A device or a pipe is written as it is; a
+    link is followed. Where it cannot be written, ``error`` names the folder.
     """
     file = writable(path, error)
     try:

@@ -34,16 +34,9 @@ def _refusal(value: Any, what: str, needed: str, error: Error = ArgumentError) -
 
 
 def real(value: Any, what: str, needed: str, error: Error = ArgumentError) -> Array:
-    """``value`` as a C-contiguous float64 array of its own shape; finite or not.
+    """Numbers as a C-contiguous float64 array of their own shape, finite or not; such an array is returned as it is.
 
-    Args:
-        value: an array, a number, or lists of them; returned as it is where it is such an array already.
-        what: how the error calls it.
-        needed: what would be valid.
-        error: class of the error.
-
-    Raises:
-        UrdfIkError: ``error``; complex numbers, truth values, dates, text, ragged lists and other objects.
+    ``what`` is how the error calls it, ``needed`` what would be valid.
     """
     if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
         return np.require(value, np.float64, ["C", "A", "E"])
@@ -67,15 +60,7 @@ def array(
 ) -> Array:
     """``value`` as a C-contiguous float64 array of finite numbers.
 
-    Args:
-        value: an array, a number, or lists of them.
-        what: how the error calls it.
-        shape: (4, 4) for one pose, (..., 6) for any number of twists, (None, 3) for a list of points.
-        error: class of the error.
-        unit: of the numbers, for the message.
-
-    Raises:
-        UrdfIkError: ``error``; not numbers, of another shape, or not finite.
+    ``shape``: (4, 4) for one pose, (..., 6) for any number of twists, (None, 3) for a list of points.
     """
     wanted = (
         f"({', '.join('...' if n is ... else 'm' if n is None else str(n) for n in shape)}{',' * (len(shape) == 1)})"
@@ -113,11 +98,7 @@ def number(
     above: float | None = None,
     unit: str = "",
 ) -> float:
-    """A single number from ``low`` to ``high``, or greater than ``above``.
-
-    Raises:
-        UrdfIkError: ``error``; not a number, or out of range.
-    """
+    """A single number from ``low`` to ``high``, or greater than ``above``."""
     valid = is_real(value) or (isinstance(value, np.ndarray) and not value.ndim and value.dtype.kind in "fiu")
     if valid and low <= float(value) <= high and (above is None or value > above):
         return float(value)
@@ -141,11 +122,7 @@ USABLE = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
 
 
 def whole(value: Any, what: str, error: Error = ArgumentError, *, low: int = 0, high: int = 2**31) -> int:
-    """A single whole number from ``low`` to ``high``; not 2.0.
-
-    Raises:
-        UrdfIkError: ``error``; not a whole number, or out of range.
-    """
+    """A single whole number from ``low`` to ``high``; not 2.0."""
     try:
         if low <= (count := operator.index(value)) <= high:
             return count
@@ -175,31 +152,11 @@ def poses(value: Any) -> int:
     return whole(value, "n", low=1, high=MOST_POSES)
 
 
-def items(value: Any, what: str, needed: str, error: Error = ArgumentError) -> tuple[Any, ...]:
-    """The items of a list or another iterable; not the letters of a text."""
-    if isinstance(value, str | bytes | os.PathLike) or not hasattr(value, "__iter__"):
-        raise _refusal(value, what, f"{needed} are", error)
-    return tuple(value)
-
-
 def path(value: Any, what: str, error: Error = ArgumentError) -> Path:
     """The path of a file, which need not exist."""
     if not isinstance(value, str | os.PathLike) or not str(value).strip():
         raise _refusal(value, what, "the path of a file is", error)
     return Path(value)
-
-
-def flag(value: Any, what: str, error: Error = ArgumentError) -> bool:
-    """True or False, also as 1 or 0."""
-    if value in (True, False):
-        return bool(value)
-    raise _refusal(value, what, "True or False is", error)
-
-
-def kind(value: Any, attribute: str, what: str, needed: str, error: Error = ArgumentError) -> None:
-    """Refuse an object without an attribute."""
-    if not hasattr(value, attribute):
-        raise _refusal(value, what, f"{needed} is", error)
 
 
 def arm(value: Any, what: str = "arm") -> None:
@@ -215,18 +172,8 @@ def mapping(value: Any, what: str, needed: str) -> Mapping[Any, Any]:
     raise _refusal(value, what, f"{needed} is")
 
 
-def callback(value: Any, what: str) -> None:
-    """Refuse a value that is neither None nor a function."""
-    if value is not None and not callable(value):
-        raise _refusal(value, what, "a function, or None, is")
-
-
 def choice(value: Any, what: str, choices: Sequence[str]) -> str:
-    """One of several words.
-
-    Raises:
-        ArgumentError: it is not one of ``choices``.
-    """
+    """One of several words."""
     if isinstance(value, str) and value in choices:
         return value
     raise _refusal(value, what, f"one of {', '.join(map(repr, choices))} is")

@@ -11,9 +11,7 @@ from typing import Any
 def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable[[str], Any]:
     """The ``__getattr__`` of a package: its public names, and its modules. ``dir()`` of the package lists just these.
 
-    Args:
-        package: its full name.
-        names: the module of each public name, relative to the package.
+    ``names``: the module of each public name, relative to the package.
     """
     module_of = names or {}
 

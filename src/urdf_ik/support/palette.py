@@ -17,9 +17,7 @@ _ON_BLACK = {"444444": "c0c0c0", "7a0019": "f0e442"}
 def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
     """``count`` colours, red, green and blue from 0 to 1: eight hues, then the same darker, then round the circle.
 
-    Args:
-        count: number of colours.
-        dark: for a black background; instead of darker the second eight are lighter.
+    ``dark``: for a black background; instead of darker the second eight are lighter.
     """
     codes = [_ON_BLACK.get(code, code) if dark else code for code in _EIGHT]
     eight = [tuple(part / 255.0 for part in _parts(code)) for code in codes]

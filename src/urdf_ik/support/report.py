@@ -8,7 +8,7 @@ from dataclasses import asdict, fields, is_dataclass
 from types import NoneType, UnionType
 from typing import Any, Self, Union, get_args, get_origin, get_type_hints
 
-from urdf_ik.errors import ArgumentError, escaped, printable
+from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section, json_text, plain
 
@@ -74,7 +74,7 @@ class Report:
         try:
             report: Self = from_plain(cls, data)
         except (KeyError, TypeError, ValueError) as error:
-            raise ArgumentError(f"this is no {cls.__name__} that to_dict() wrote: {printable(error, 200)}") from None
+            raise ArgumentError(f"this is no {cls.__name__} that to_dict() wrote: {error}") from None
         return report
 
     @classmethod
@@ -87,7 +87,7 @@ class Report:
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:
-            raise ArgumentError(f"this is no JSON: {printable(error, 200)}") from None
+            raise ArgumentError(f"this is no JSON: {error}") from None
         return cls.from_dict(data)
 
     def __str__(self) -> str:

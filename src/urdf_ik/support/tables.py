@@ -16,16 +16,7 @@ from urdf_ik.typing import Array
 
 
 class Table(NamedTuple):
-    """A CSV.
-
-    Attributes:
-        name: the file's name in messages.
-        header: names of its columns; None if its first line holds a number.
-        first: the line of the header, or of the first row.
-        lines: the line number of each row.
-        cells: texts, a list a row, without the header.
-        error: the class of errors.
-    """
+    """A CSV: its name, the header (None if the first line holds a number) and its line, each row's line and texts."""
 
     name: str
     header: list[str] | None
@@ -35,15 +26,7 @@ class Table(NamedTuple):
     error: Callable[[str], UrdfIkError]
 
     def numbers(self, columns: Sequence[str], header: Sequence[str]) -> Array:
-        """(k, c) the columns asked for, as finite numbers.
-
-        Args:
-            columns: names, each of them in ``header``.
-            header: what the columns of the file are called.
-
-        Raises:
-            UrdfIkError: a line is too short or too long, or a cell is no finite number.
-        """
+        """(k, c) the columns asked for, each of them in ``header``, as finite numbers."""
         picked = [(column, header.index(column)) for column in columns]
         out = np.empty((len(self.cells), len(picked)))
         for k, (line, row) in enumerate(zip(self.lines, self.cells, strict=True)):
@@ -53,7 +36,7 @@ class Table(NamedTuple):
             for j, (column, place) in enumerate(picked):
                 out[k, j] = number(row[place])
                 if not np.isfinite(out[k, j]):
-                    raise self.error(f"{where}, column {printable(column)}: {row[place]!r} is no finite number")
+                    raise self.error(f"{where}, column {column}: {row[place]!r} is no finite number")
         return out
 
 
@@ -75,12 +58,6 @@ def read_table(
 
     Raises:
         UrdfIkError: ``error``; the file cannot be read, or holds no numbers.
-
-    Example:
-        >>> import io
-        >>> name, table = read_table(io.BytesIO(b"[[1, 2], [3, 4]]"), ["T"], "waypoint", "rows of numbers are needed")
-        >>> table.tolist()
-        [[1.0, 2.0], [3.0, 4.0]]
     """
     name, data = files.name_of(source), files.read(source, error)
     try:
@@ -104,12 +81,7 @@ def read_table(
 def csv_rows(text: str, element: str) -> tuple[list[str] | None, list[int], list[list[str]]]:
     """The header of a CSV, the line numbers of header and rows, and the rows; lines that begin with '#' are remarks.
 
-    Args:
-        text: of the file; commas, semicolons, tabs or blanks separate the cells.
-        element: what the messages call a row.
-
-    Raises:
-        ValueError: there are no rows, or the text is no CSV; its message follows the file's name.
+    Commas, semicolons, tabs or blanks separate the cells. The message of a ValueError follows the file's name.
     """
     numbered = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()[:1] not in ("", "#")]
     if not numbered:

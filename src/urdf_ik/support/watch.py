@@ -30,12 +30,7 @@ class Watch:
     """
 
     def __init__(self, limit: Any, progress: Callable[..., object] | None) -> None:
-        """Begin now.
-
-        Raises:
-            ArgumentError: ``limit`` is neither None nor a number of seconds, or ``progress`` is no function.
-        """
-        inputs.callback(progress, "progress")
+        """Begin now; an ArgumentError unless ``limit`` is None or a number of seconds."""
         self.limit = float("inf") if limit is None else inputs.number(limit, "time_limit", low=0.0, unit="s")
         self.doing = "reading the settings"
         self.best: Any = None
@@ -54,11 +49,7 @@ class Watch:
         return None if self.limit == float("inf") else max(0.0, self._end - monotonic())
 
     def begin(self, doing: str) -> None:
-        """Report what is looked at next.
-
-        Raises:
-            TimeIsUp: the time limit has passed.
-        """
+        """Report what is looked at next; TimeIsUp where the time limit has passed."""
         self.check()
         self.doing = doing
         if self._progress is not None:
@@ -80,11 +71,7 @@ class Watch:
             self.step(part.stop, total)
 
     def check(self) -> None:
-        """Go on, or not.
-
-        Raises:
-            TimeIsUp: the time limit has passed.
-        """
+        """TimeIsUp where the time limit has passed."""
         if self.is_over:
             raise TimeIsUp
 

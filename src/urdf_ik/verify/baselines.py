@@ -24,7 +24,7 @@ from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.model.catalogue import Origin, origin_of
 from urdf_ik.model.poses import as_pose_array, check_poses
-from urdf_ik.support import files, inputs
+from urdf_ik.support import files
 from urdf_ik.support.angles import difference, shortest
 from urdf_ik.support.report import Report, from_plain
 from urdf_ik.support.text import counted, plain
@@ -115,7 +115,6 @@ def freeze(
         >>> len(lock.planted), sorted({pose.kind for pose in lock.poses})
         (20, ['near limits', 'near singularity', 'random', 'round'])
     """
-    inputs.arm(arm)
     rng, reference = np.random.default_rng(seed), arm.cell.reference
     own = np.zeros((0, 4, 4)) if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     shapes, unchecked = arm.cell.to_check(collisions)
@@ -205,7 +204,7 @@ class Baseline:
 
         Raises:
             ArgumentError: a tolerance is negative, or a kind cannot be ignored.
-            ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
+            ArgumentError: ``time_limit`` is no number of seconds.
 
         Example:
             >>> import urdf_ik
@@ -213,7 +212,6 @@ class Baseline:
             >>> print(lock.verify(urdf_ik.load("planar_2r_unit"), ignore="collisions,visuals").differences[0])
             joint_2: its origin moved by 934 mm
         """
-        inputs.arm(arm)
         watch = Watch(time_limit, progress)
         tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
         then, now, notes = self.arm, described(arm), []

@@ -70,12 +70,11 @@ def compare(
         >>> report.passed, [group.solver == group.second for group in report.groups]
         (True, [True, True, True])
     """
-    inputs.arm(arm)
     n = inputs.poses(n)
     watch = Watch(time_limit, progress)
     vectors = planted(arm, n, seed)
     sameness = Sameness(arm.chain, arm.cell.reference)
-    groups: dict[float | None, Group] = {}
+    counts: dict[float | None, Array] = {}
     differences: list[Difference] = []
     for indices in watch.parts(3 * n, _CHUNK):
         T = sameness.reference.pose(vectors[indices.start : indices.stop])
@@ -83,18 +82,23 @@ def compare(
         q, valid = np.asarray(mine.q), np.asarray(mine.valid)
         for i, index in enumerate(indices):
             near = _distance_to_singularity(n, index)
-            group = groups.setdefault(near, Group(near))
             theirs = second_method.solutions(arm.chain, T[i], np.random.default_rng([seed, index, 1]))
             answer = sameness.unmatched(T[i], vectors[index], q[i, valid[i]], theirs)
-            names = np.asarray(mine.branches, dtype=object)[valid[i]]
-            found = list(_records(sameness, answer, T[i], vectors[index], index, near, list(names)))
-            group.poses += 1
-            group.solver += int(valid[i].sum())
-            group.second += len(theirs)
-            group.double_roots += answer.double_roots
-            group.continua += answer.continua
-            group.differences += len(found)
+            found = list(
+                _records(
+                    sameness,
+                    answer,
+                    T[i],
+                    vectors[index],
+                    index,
+                    near,
+                    [name for name, is_there in zip(mine.branches, valid[i], strict=True) if is_there],
+                )
+            )
+            numbers = (1, valid[i].sum(), len(theirs), answer.double_roots, answer.continua, len(found))
+            counts[near] = counts.get(near, np.zeros(6, np.intp)) + numbers
             differences += found
+    order = sorted(counts, key=lambda near: -np.inf if near is None else -near)
     import pinocchio as pin
 
     return Completeness(
@@ -107,7 +111,7 @@ def compare(
         reference=f"Pinocchio {pin.__version__}",
         solver=arm.structure.family,
         second=second_method.NAME,
-        groups=tuple(groups[key] for key in sorted(groups, key=lambda near: -np.inf if near is None else -near)),
+        groups=tuple(Group(near, *counts[near].tolist()) for near in order),
         differences=tuple(differences),
         unlooked=watch.unlooked,
     )
@@ -223,7 +227,7 @@ def _in_words(near: float | None) -> str:
     return f"{near:.0e} rad from a singularity" if near else "at right angles"
 
 
-@dataclass
+@dataclass(frozen=True)
 class Group:
     """The poses at one distance from a singularity.
 
@@ -238,12 +242,12 @@ class Group:
     """
 
     near: float | None
-    poses: int = 0
-    solver: int = 0
-    second: int = 0
-    double_roots: int = 0
-    continua: int = 0
-    differences: int = 0
+    poses: int
+    solver: int
+    second: int
+    double_roots: int
+    continua: int
+    differences: int
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,6 @@ def check(
         >>> check(urdf_ik.load("planar_2r"), n=5).passed
         True
     """
-    inputs.arm(arm)
     n = inputs.poses(n)
     watch = Watch(time_limit, progress)
     reference, tallies = arm.cell.reference, _Tallies(arm)

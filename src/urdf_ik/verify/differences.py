@@ -10,6 +10,7 @@ import numpy as np
 
 from urdf_ik.cell.pinocchio_reference import pose_errors
 from urdf_ik.errors import ArgumentError
+from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 from urdf_ik.verify.description import MISSING, Description, Shape, Step, matrix
@@ -190,24 +191,18 @@ def _names(a: Description, b: Description) -> list[Difference]:
 def _joints(a: Description, b: Description) -> list[Difference]:
     """Numbers, types and mimicry of the joints, and what is held."""
     out = []
-    before, after = ({follower[0]: follower for follower in side.followers} for side in (a, b))
-    for name in (*before, *(name for name in after if name not in before)):
-        if before.get(name) == after.get(name):
-            continue
-        was, now = (
-            f"{side[name][2]:g} {side[name][1]} {side[name][3]:+g}" if name in side else "" for side in (before, after)
-        )
-        words = (
-            f"mimics a joint now: {now}" if not was else f"mimicked {was}, and {'mimics ' + now if now else 'moves'}"
-        )
-        out.append(Difference("kinematics", name, words + ("" if now else " by itself")))
+    before, after = ({f[0]: f"{f[2]:g} {f[1]} {f[3]:+g}" for f in side.followers} for side in (a, b))
+    for name in dict.fromkeys((*before, *after)):
+        was, now = before.get(name), after.get(name)
+        if was != now:
+            is_now = f"mimics {now} now" if now else "moves by itself now"
+            out.append(Difference("kinematics", name, f"mimicked {was}, and {is_now}" if was else is_now))
     if a.dof != b.dof:
         gone = [name for name in a.joint_names if name not in b.joint_names and name not in after]
         new = [name for name in b.joint_names if name not in a.joint_names and name not in before]
-        words = f"the arm had {a.dof} joints, and has {b.dof}"
-        words += f"; gone: {', '.join(gone)}" if gone else ""
-        words += f"; new: {', '.join(new)}" if new else ""
-        out.append(Difference("kinematics", ", ".join((*gone, *new)), words))
+        parts = [f"the arm had {a.dof} joints, and has {b.dof}"]
+        parts += [f"{what}: {', '.join(names)}" for what, names in (("gone", gone), ("new", new)) if names]
+        out.append(Difference("kinematics", ", ".join((*gone, *new)), "; ".join(parts)))
     elif a.joint_types != b.joint_types:
         for name, was, now in zip(a.joint_names, a.joint_types, b.joint_types, strict=True):
             if was != now:
@@ -238,7 +233,7 @@ def _kinematics(a: Description, b: Description, tolerance: Tolerance, frames: bo
             if not within(change, tolerance)
         ]
     out = []
-    for ours, theirs, name in _segments(a, b):
+    for ours, theirs, name in zip(_cut(a), _cut(b), (*a.moving, a.tip), strict=False):
         origin, (turned, slid) = _origin(ours, theirs), _axis(ours, theirs)
         if not within(origin, tolerance):
             names = _changed(ours, theirs, tolerance) or [name]
@@ -281,14 +276,8 @@ def between_axes(ours: tuple[Array, Array], theirs: tuple[Array, Array], sliding
     return distance, angle_between(direction, along)
 
 
-def _segments(a: Description, b: Description) -> list[tuple[list[Step], list[Step], str]]:
-    """The ways from each moving joint to the next, in both: fixed joints and the moving one, or the tip."""
-    ours, theirs = _cut(a), _cut(b)
-    names = (*a.moving, a.tip)
-    return [(mine, other, name) for mine, other, name in zip(ours, theirs, names, strict=False)]
-
-
 def _cut(side: Description) -> list[list[Step]]:
+    """The steps from each moving joint to the next one, which is the last of them, and to the tip."""
     out: list[list[Step]] = [[]]
     for step in side.steps:
         out[-1].append(step)
@@ -308,15 +297,8 @@ def pose_of(steps: Sequence[Step]) -> Array:
 
 def _at_value(step: Step) -> Array:
     """Transform (4, 4) of a locked joint at its value."""
-    T = np.eye(4)
-    if step.held:
-        axis = np.array(step.axis)
-        if step.type == "prismatic":
-            T[:3, 3] = step.held * axis
-        else:
-            K = np.cross(np.eye(3), axis)
-            T[:3, :3] += math.sin(step.held) * K + (1.0 - math.cos(step.held)) * K @ K
-    return T
+    along = step.held * np.array(step.axis)
+    return pose(along) if step.type == "prismatic" else pose(np.zeros(3), rotvec=along)
 
 
 def _origin(ours: Sequence[Step], theirs: Sequence[Step]) -> tuple[float, float]:

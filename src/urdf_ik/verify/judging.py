@@ -108,7 +108,6 @@ def judge(
         >>> judge(arm, lambda T: arm.ik(T).to_array()[1:], n=1, name="forgetful").passed
         False
     """
-    inputs.arm(arm)
     if not callable(solve):
         raise ArgumentError(f"solve={solve!r} given; a function that takes a pose is needed")
     n = inputs.poses(n)

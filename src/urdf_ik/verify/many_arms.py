@@ -14,7 +14,7 @@ from urdf_ik.arm import Arm, Robot, loaded
 from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.model.poses import as_pose_array, check_poses
-from urdf_ik.support import extras, inputs
+from urdf_ik.support import extras
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
@@ -238,7 +238,7 @@ def compare_many(
         ArgumentError: no arm is given.
         PoseError: one of ``poses`` is no pose.
         UrdfError: ``collisions="require"``, and not all shapes of an arm can be read.
-        ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
+        ArgumentError: ``time_limit`` is no number of seconds.
 
     Example:
         >>> import urdf_ik
@@ -278,13 +278,12 @@ def compare_many(
 def _named(arms: Mapping[str, Robot] | Iterable[Robot]) -> dict[str, Arm]:
     """The arms by their names; where two robots have the same name, the second gets a number."""
     named: dict[str, Arm] = {}
-    if isinstance(arms, Mapping):
-        named = {str(name): loaded(arm) for name, arm in arms.items()}
-    else:
-        every = [loaded(arm) for arm in inputs.items(arms, "arms", "arms, or what urdf_ik.load takes,")]
-        for arm in every:
-            names = (arm.name, *(f"{arm.name} ({i})" for i in range(2, len(every) + 2)))
-            named[next(name for name in names if name not in named)] = arm
+    pairs = arms.items() if isinstance(arms, Mapping) else ((None, arm) for arm in arms)
+    for called, robot in pairs:
+        arm = loaded(robot)
+        name = arm.name if called is None else str(called)
+        names = (name, *(f"{name} ({i})" for i in range(2, len(named) + 2)))
+        named[next(each for each in names if each not in named)] = arm
     if not named:
         raise ArgumentError("no arm given; one or more are needed")
     return named

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.support.text import json_text
@@ -16,15 +16,6 @@ from urdf_ik.version import __version__
 
 _SARIF = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 _NAMED = re.compile(r"<(joint|link|body)\b[^<>]*?\sname\s*=\s*[\"'](.*?)[\"']", re.DOTALL)
-
-
-class Finding(NamedTuple):
-    """A difference, or the reason why there is no verdict, at a line of a file."""
-
-    file: str
-    line: int
-    kind: str
-    words: str
 
 
 @dataclass(frozen=True)
@@ -39,18 +30,15 @@ class VerifiedFile:
     file: str
     result: Verification | UrdfIkError
 
-    def findings(self) -> Iterator[Finding]:
-        """What a reviewer has to look at, at the lines of the joints and links."""
+    def findings(self) -> list[tuple[int, str, str]]:
+        """What a reviewer has to look at: the line of a joint or link, the kind of the difference, and its words."""
         if isinstance(self.result, UrdfIkError):
-            line = getattr(self.result, "line", None) or 1
-            yield Finding(self.file, line, "unreadable", str(self.result))
-            return
-        places, line = _places(self.file), 1
+            return [(getattr(self.result, "line", None) or 1, "unreadable", str(self.result))]
+        places, line, found = _places(self.file), 1, []
         for each in self.result.differences:
             line = _line(places, each.name, line)  # solutions: where their cause is
-            yield Finding(self.file, line, each.kind, str(each))
-        if self.result.unlooked:
-            yield Finding(self.file, 1, "unfinished", self.result.unlooked)
+            found.append((line, each.kind, str(each)))
+        return [*found, *([(1, "unfinished", self.result.unlooked)] if self.result.unlooked else [])]
 
     @property
     def passed(self) -> bool:
@@ -76,35 +64,35 @@ def github(files: Sequence[VerifiedFile]) -> str:
     """Workflow commands that annotate a pull request, and the verdict of each file."""
     lines = []
     for file in files:
+        path = _command(file.file).replace(":", "%3A").replace(",", "%2C")
         lines.append(_command(file.verdict()))
-        for each in file.findings():
-            path = _command(each.file).replace(":", "%3A").replace(",", "%2C")
-            lines.append(f"::error file={path},line={each.line},title=urdf-ik {each.kind}::{_command(each.words)}")
+        for line, kind, words in file.findings():
+            lines.append(f"::error file={path},line={line},title=urdf-ik {kind}::{_command(words)}")
     return "\n".join(lines) + "\n"
 
 
 def sarif(files: Sequence[VerifiedFile]) -> str:
     """A SARIF log for code scanning: a result a finding."""
-    found = [each for file in files for each in file.findings()]
-    rules = [{"id": kind} for kind in dict.fromkeys(each.kind for each in found)]
-    driver = {"name": "urdf-ik", "version": __version__, "rules": rules}
     results = []
-    for each in found:
-        artifact, region = {"uri": each.file.replace("\\", "/")}, {"startLine": each.line}
-        place = {"physicalLocation": {"artifactLocation": artifact, "region": region}}
-        results.append({"ruleId": each.kind, "level": "error", "message": {"text": each.words}, "locations": [place]})
-    run = {"tool": {"driver": driver}, "results": results}
-    return json_text({"$schema": _SARIF, "version": "2.1.0", "runs": [run]})
+    for file in files:
+        artifact = {"uri": file.file.replace("\\", "/")}
+        for line, kind, words in file.findings():
+            place = {"physicalLocation": {"artifactLocation": artifact, "region": {"startLine": line}}}
+            results.append({"ruleId": kind, "level": "error", "message": {"text": words}, "locations": [place]})
+    rules = [{"id": kind} for kind in dict.fromkeys(each["ruleId"] for each in results)]
+    driver = {"name": "urdf-ik", "version": __version__, "rules": rules}
+    return json_text(
+        {"$schema": _SARIF, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+    )
 
 
 def markdown(files: Sequence[VerifiedFile]) -> str:
     """A summary: the verdict of each file, and a table of its findings."""
     parts = []
     for file in files:
-        found = list(file.findings())
         parts.append(f"#### {_cell(file.verdict())}")
-        if found:
-            rows = (f"| {_cell(each.file)}:{each.line} | {each.kind} | {_cell(each.words)} |" for each in found)
+        rows = [f"| {_cell(file.file)}:{line} | {kind} | {_cell(words)} |" for line, kind, words in file.findings()]
+        if rows:
             parts.append("\n".join(["| line | kind | difference |", "|---|---|---|", *rows]))
         if isinstance(file.result, Verification) and file.result.notes:
             parts.append("\n".join(f"- {_cell(note)}" for note in file.result.notes))

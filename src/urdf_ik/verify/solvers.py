@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, printable
+from urdf_ik.errors import ArgumentError
 from urdf_ik.typing import Array
 
 Solver = Callable[[Array], Any]
@@ -56,7 +56,7 @@ def _process(command: list[str]) -> Iterator[Solver]:
     try:
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
     except (OSError, ValueError, IndexError) as error:
-        raise ArgumentError(f"the solver {' '.join(command)!r} cannot be started: {printable(error)}") from None
+        raise ArgumentError(f"the solver {' '.join(command)!r} cannot be started: {error}") from None
     stdin, stdout = process.stdin, process.stdout
     assert stdin is not None and stdout is not None
 
@@ -72,7 +72,7 @@ def _process(command: list[str]) -> Iterator[Solver]:
             answer = json.loads(line)
             q = answer["q"]
         except (ValueError, TypeError, KeyError, RecursionError):
-            raise ArgumentError(f"the process answered {printable(line)}; an object with 'q' is needed") from None
+            raise ArgumentError(f"the process answered {line[:80]!r}; an object with 'q' is needed") from None
         return (q, np.array(answer["approximate"])) if "approximate" in answer else q
 
     try:

@@ -16,9 +16,8 @@ from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import PartOfPose, PoseOptions, ReportFormat
 from urdf_ik.ik.solutions import IKSolutions, limits
+from urdf_ik.support.text import counted
 from urdf_ik.typing import Array
-
-_INTERVALS_SHOWN = 8
 
 
 def explain(
@@ -109,14 +108,11 @@ def _text(arm: Arm, note: str, found: list[dict[str, Any]]) -> str:
     lines = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}", *tables.folded(note)]
     for one in found:
         number, intervals = one["solutions"], one["intervals"]
-        count = f"{number} solution{'s' * (number != 1)}, {one['of_use']} of use" if number else "no solution"
+        count = f"{counted(number, 'solution')}, {one['of_use']} of use" if number else "no solution"
         lines += ["", count if len(found) == 1 else f"pose {one['pose']}: {count}"]
         words = [one["why"], *(f"{k} {text}" for k, text in enumerate(one["each"], 1))]
         if intervals:
-            words += ["", f"{arm.redundancy}", f"has {len(intervals)} intervals with solutions:"]
-            words += intervals[:_INTERVALS_SHOWN]
-            more = len(intervals) - _INTERVALS_SHOWN
-            words += [f"and {more} more: --json lists them"] if more > 0 else []
+            words += ["", f"{arm.redundancy}", f"has {len(intervals)} intervals with solutions:", *intervals]
         words += [f"contacts were not checked: {one['unchecked']}"] if one["unchecked"] else []
         lines += [line for text in words for line in tables.folded(text, "  ", "    ")]
     return tables.render(lines)

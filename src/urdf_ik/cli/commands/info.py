@@ -22,6 +22,9 @@ _SIGN = "the sign of the Jacobian's determinant, which changes only across a sin
 _NUMBERED = f"where geometry gives no name: {_NUMBER}"
 _SIGNED = f"where geometry gives no name: {_SIGN}, and {_NUMBER}"
 _UNSOLVED = "none: no solver takes this structure"
+_JOINT = ("name", "type", "axis", "lower", "upper")
+_PAIR = ("axes", "relation", "angle", "distance", "off_angle", "off_distance")
+_TRIPLE = ("axes", "relation", "off_angle", "off_distance", "point")
 _JOINTS_ANALYSED = 7
 """Chains with more joints are not analysed for the table: each choice of joints to lock is an arm of its own."""
 _LIMBS_SHOWN = 12
@@ -72,7 +75,16 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
 
     structure = arm.structure
     angle, distance = structure.imperfection
-    limits = angles.shown(arm.limits.T).T
+    joints = zip(arm.joint_names, arm.chain.joint_types, arm.chain.directions, *angles.shown(arm.limits.T), strict=True)
+    turn = angles.angle
+    pairs = [
+        ([p.first, p.first + 1], p.relation, turn(p.angle), p.distance, turn(p.off_angle), p.off_distance)
+        for p in structure.pairs
+    ]
+    triples = []
+    for t in structure.triples:
+        off = (turn(t.imperfection), 0.0) if t.relation == "parallel" else (0.0, t.imperfection)
+        triples.append(([t.first, t.first + 1, t.first + 2], t.relation, *off, t.point))
     slides = {joint.name for joint in arm.model.joints if joint.type == "prismatic"}
     return {
         "robot": arm.name,
@@ -82,35 +94,11 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
         "tip": arm.tip,
         "units": {"angle": angles.unit, "length": "m"},
         "locked": {name: value if name in slides else angles.angle(value) for name, value in arm.chain.locked},
-        "joints": [
-            {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
-            for name, kind, axis, (lower, upper) in zip(
-                arm.joint_names, arm.chain.joint_types, arm.chain.directions, limits, strict=True
-            )
-        ],
+        "joints": [dict(zip(_JOINT, row, strict=True)) for row in joints],
         "mimics": [follower._asdict() for follower in arm.chain.followers],
         "structure": {
-            "pairs": [
-                {
-                    "axes": [pair.first, pair.first + 1],
-                    "relation": pair.relation,
-                    "angle": angles.angle(pair.angle),
-                    "distance": pair.distance,
-                    "off_angle": angles.angle(pair.off_angle),
-                    "off_distance": pair.off_distance,
-                }
-                for pair in structure.pairs
-            ],
-            "triples": [
-                {
-                    "axes": [triple.first + k for k in range(3)],
-                    "relation": triple.relation,
-                    "off_angle": angles.angle(triple.imperfection) if triple.relation == "parallel" else 0.0,
-                    "off_distance": triple.imperfection if triple.relation == "meet" else 0.0,
-                    "point": triple.point,
-                }
-                for triple in structure.triples
-            ],
+            "pairs": [dict(zip(_PAIR, row, strict=True)) for row in pairs],
+            "triples": [dict(zip(_TRIPLE, row, strict=True)) for row in triples],
             "imperfection": {"angle": angles.angle(angle), "distance": distance},
         },
         "solver": {

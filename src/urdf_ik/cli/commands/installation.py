@@ -172,20 +172,16 @@ def _test(name: str) -> dict[str, Any]:
     from urdf_ik.support import angles
 
     arm = load(name)
-    turning = ~np.asarray(arm.chain.prismatic)
     pinocchio = arm.cell.reference if missing_pinocchio.installed() else None
-    low, high = limits.drawn(arm.limits, turning).T
+    low, high = limits.drawn(arm.limits, ~np.asarray(arm.chain.prismatic)).T
     Q = np.random.default_rng(0).uniform(low, high, (_POSES, arm.dof))
     T = arm.fk(Q) if pinocchio is None else pinocchio.pose(Q)
     answer = arm.ik(T, redundancy=None if arm.redundancy is None else arm.redundancy_of(Q))
-    off = answer.q - Q[:, None]
-    off = np.where(turning, angles.wrapped(off), off)
-    near = np.abs(np.where(answer.valid[..., None], off, np.inf)).max(axis=-1).min(axis=-1)
+    near = np.abs(angles.difference(answer.nearest(Q).q[:, 0], Q, arm.chain.prismatic)).max(axis=-1)
     error = None
     if pinocchio is not None:
-        position, rotation = pinocchio.errors(answer.q, T[:, None])
-        error = float(np.where(answer.valid, np.maximum(position, rotation), 0.0).max())
-    counts = {"poses": _POSES, "solutions": int(answer.valid.sum()), "missed": int((near > 1e-6).sum())}
+        error = float(np.nanmax(pinocchio.errors(answer.q, T[:, None])))
+    counts = {"poses": _POSES, "solutions": int(answer.valid.sum()), "missed": _POSES - int((near <= 1e-6).sum())}
     return {"arm": name, **counts, "error": error}
 
 

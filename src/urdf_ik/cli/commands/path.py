@@ -26,6 +26,7 @@ from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 from urdf_ik.support.text import counted
+from urdf_ik.typing import Array
 
 SUFFIXES = (".csv", ".json", ".npz")
 _FREE = {None: "not checked", True: "free", False: "hits"}
@@ -238,8 +239,7 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> dict[str, 
         facts["waypoints added"] = f"{between}, so that the tip keeps to the straight segments"
     strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
     facts["tolerance"] = f"{strays} from the straight segments, proven"
-    low, high = plan.solver.limits.T
-    room = np.minimum(plan.q - low, high - plan.q)
+    room = _room(plan)
     k, joint = (int(x) for x in np.unravel_index(int(np.argmin(room)), room.shape))
     if np.isfinite(room[k, joint]):
         shown = tables.number(angles.shown(room[k])[joint])
@@ -261,6 +261,13 @@ def _cost(found: Followed, plan: Plan, angles: Angles) -> float:
     if found.cost == "time" or not angles.turning.all():
         return plan.cost
     return float(angles.angle(angles.angle(plan.cost) if found.cost == "l2" else plan.cost))
+
+
+def _room(plan: Plan) -> Array:
+    """Distance (m, n) of each joint from its nearer limit [rad or m]."""
+    low, high = plan.solver.limits.T
+    room: Array = np.minimum(plan.q - low, high - plan.q)
+    return room
 
 
 def _clearance(plan: Plan) -> float:
@@ -288,8 +295,7 @@ def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[
     }
     if plan.found:
         margins = {name: getattr(plan.margins, name) for name in ("limits", "clearance", "manipulability")}
-        low, high = plan.solver.limits.T
-        room = np.minimum(plan.q - low, high - plan.q)
+        room = _room(plan)
         least = np.argmin(room, axis=1)[:, None]
         data |= {
             "cost": _cost(found, plan, angles),
@@ -299,12 +305,8 @@ def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[
             "margins": margins | {"limits": np.take_along_axis(angles.shown(room), least, axis=1)[:, 0]},
             "duration": None if in_time is None else in_time.duration,
             "alternatives": [
-                {
-                    "first": each.branches[0],
-                    "last": each.branches[-1],
-                    "cost": _cost(found, each, angles),
-                    "q": angles.shown(each.q),
-                }
+                {"first": each.branches[0], "last": each.branches[-1]}
+                | {"cost": _cost(found, each, angles), "q": angles.shown(each.q)}
                 for each in others
             ],
         }

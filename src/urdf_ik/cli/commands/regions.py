@@ -19,6 +19,7 @@ from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps import placements, workspaces
 from urdf_ik.support import files
+from urdf_ik.typing import Array
 
 _VALUES = ("collision-free", "manipulability", "margin", "clearance")
 
@@ -165,27 +166,15 @@ def _parts(region: workspaces.PlanarWorkspace) -> dict[str, workspaces.Region]:
 
 
 def _region_data(region: workspaces.PlanarWorkspace, angles: Angles) -> dict[str, Any]:
-    return {
-        "robot": region.name,
-        "lengths": region.lengths,
-        "axes": region.plane.axes,
-        "units": {"angle": angles.unit, "length": "m"},
-        "regions": {
-            name: {
-                "area": part.area,
-                "arcs": [
-                    {
-                        "centre": arc.centre,
-                        "radius": arc.radius,
-                        "start": angles.angle(arc.start),
-                        "sweep": angles.angle(arc.sweep),
-                    }
-                    for arc in part.arcs
-                ],
-            }
-            for name, part in _parts(region).items()
-        },
+    def arc(one: Any) -> dict[str, Any]:
+        ends = {"start": angles.angle(one.start), "sweep": angles.angle(one.sweep)}
+        return {"centre": one.centre, "radius": one.radius, **ends}
+
+    regions = {
+        name: {"area": part.area, "arcs": [arc(one) for one in part.arcs]} for name, part in _parts(region).items()
     }
+    about = {"robot": region.name, "lengths": region.lengths, "axes": region.plane.axes}
+    return about | {"units": {"angle": angles.unit, "length": "m"}, "regions": regions}
 
 
 def _map_text(found: workspaces.WorkspaceMap) -> str:
@@ -306,8 +295,6 @@ def placement(
 
 def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, data: dict[str, Any], best: Any) -> str:
     """The sums of a map of positions, and a table of the best ones."""
-    from urdf_ik.model.poses import to_rpy
-
     about: dict[str, Any] = {name: data[name] for name in ("robot", "base", "tip", "reached_all")}
     about |= {"targets": len(found.targets), "positions": " x ".join(map(str, found.reached.shape[:3]))}
     about["headings"] = len(found.headings)
@@ -318,9 +305,17 @@ def _places_text(found: placements.PlacementMap, arm: Arm, angles: Angles, data:
         why = arm.explain(np.linalg.inv(base) @ found.targets[0]) or "it touches something"
         about["why"] = f"from ({', '.join(tables.numbers(base[:3, 3], 3))}) m, target 0: {why}"
     names = ("x [m]", "y [m]", "z [m]", *(f"{name} [{angles.unit}]" for name in ("roll", "pitch", "yaw")))
+    tilted = not np.array_equal(found.mount, np.eye(3))  # or roll and pitch are worth a column
     about["places"] = [
-        dict(zip(names, (*place.pose[:3, 3], *angles.angle(np.asarray(to_rpy(place.pose)))), strict=True))
-        | {name: value for name, value in place._asdict().items() if name != "pose"}
+        {name: value for name, value in zip(names, _where(place, angles), strict=True) if tilted or name[0] not in "rp"}
+        | {name: value for name, value in place._asdict().items() if name not in ("pose", "solutions")}
         for place in best
     ]
     return tables.render(tables.outline(about))
+
+
+def _where(place: placements.Place, angles: Angles) -> Array:
+    """Position [m] and roll, pitch, yaw of a place, as shown."""
+    from urdf_ik.model.poses import to_rpy
+
+    return np.round(np.hstack([place.pose[:3, 3], angles.angle(np.asarray(to_rpy(place.pose)))]), 6)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support import extras, inputs
+from urdf_ik.support import extras
 from urdf_ik.support.report import Report
 from urdf_ik.support.watch import Watch
 
@@ -133,7 +133,6 @@ def check_proof(
         >>> report.passed, report.accepted
         (True, 1)
     """
-    inputs.arm(arm)
     watch = Watch(time_limit, progress)
     if not _same_axes(solutions.solver.chain, arm.chain):
         raise ArgumentError("the solutions are of another arm")
