@@ -113,3 +113,39 @@ def test_the_command(tmp_path: object) -> None:
     assert "position and direction of x" in said
     assert call("ik", path, "--axis=x").exit_code == 2
     assert "inside the limits" in " ".join(call("ik", path, "--xyz=-0.05,0.04,0.21", "--task=position").stdout.split())
+
+
+def test_a_region_of_five_joints() -> None:
+    """Any orientation at the point where the arm stands: the nearest joint vector is the one it has."""
+    arm = arm_of("hobby")
+    q = np.array([0.3, -0.2, 0.5, 0.7, 0.2])
+    here = arm.oracle.pose(q)
+    anyhow = urdf_ik.Region(cone=3.1415, rotation=np.pi)
+    found = arm.arm.ik_nearest(urdf_ik.pose(here[:3, 3]), q, region=anyhow)
+    assert np.abs(found[0].q - q).max() < 1e-6
+    beside = urdf_ik.pose(here[:3, 3] + [0.0, 0.01, 0.0])
+    moved = arm.arm.ik_nearest(beside, q, region=anyhow)
+    reached = arm.oracle.pose(moved[0].q)
+    assert anyhow.contains(beside, reached)
+    assert np.abs(moved[0].q - q).max() < 0.1
+
+
+@pytest.mark.parametrize("task", ["pose", "level", "position"])
+def test_teleoperation(task: str) -> None:
+    """The tip is pushed 60 mm aside, 1 mm a cycle: it comes along to 1e-6 m, and says what it misses."""
+    arm = arm_of("hobby")
+    q = np.array([0.0, -0.3, 0.4, 0.6, 0.0])
+    T = arm.oracle.pose(q)
+    tracker = arm.arm.for_task(task).tracker(q, dt=0.02)
+    for _ in range(60):
+        T[1, 3] += 0.001
+        step = tracker.step(T)
+    reached = arm.oracle.pose(step.q)
+    assert np.linalg.norm(reached[:3, 3] - T[:3, 3]) < 1e-6
+    assert step.distance < 1e-6
+    if task == "pose":
+        assert (step.status, step.why) == ("limited", "reach")
+        assert np.trace(reached[:3, :3] @ T[:3, :3].T) == pytest.approx(1.0 + 2.0 * np.cos(step.angle), abs=1e-9)
+    else:
+        assert step.status == "ok"
+        assert missed(task, T[:3, 0], T, reached) < 1e-6

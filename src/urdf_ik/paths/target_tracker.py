@@ -10,7 +10,7 @@ proof: where singularities lie closer to each other than a piece is long, a fold
 """
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,9 +18,11 @@ from numpy.typing import ArrayLike
 from urdf_ik._core import Step
 from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
+from urdf_ik.ik.descent import Wanted, constrained, descended
 from urdf_ik.ik.families.parts import written as task
 from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import POSE
 from urdf_ik.kinematics.chain import CoupledChain, velocity_limits
 from urdf_ik.model.poses import check_poses
 from urdf_ik.paths.path_settings import per_joint
@@ -30,6 +32,12 @@ from urdf_ik.typing import Array
 RECENTRING = 1.0
 """1/s: the rate at which the joints of a redundant arm leave the outer tenth of their ranges, by default."""
 MOST_JOINTS = 7
+EXACT = 1e-9
+"""m, rad: a tip this near to a target is at it."""
+_HARD = 100.0
+"""Weight of the part that counts first where it is out of reach."""
+_ROUNDS = 30
+"""Newton's rounds of a cycle to the nearest posture."""
 
 _KINDS = {
     "pose": task.POSE,
@@ -38,6 +46,17 @@ _KINDS = {
     "planar position": task.PLANAR_POSITION,
     "planar pose": task.PLANAR_POSE,
 }
+
+
+class PartialStep(NamedTuple):
+    """What a cycle answers to a part of a pose, or to a pose that the joints do not control: see ``Tracker.step``."""
+
+    q: Array
+    velocity: Array
+    status: str
+    why: str | None
+    distance: float
+    angle: float
 
 
 class Tracker:
@@ -69,6 +88,7 @@ class Tracker:
         velocity: ArrayLike | None = None,
         acceleration: ArrayLike | None = None,
         recentring: float | None = None,
+        first: str | None = None,
         world: Any = None,
         self_collision: bool = False,
         margin: float = 0.0,
@@ -86,13 +106,16 @@ class Tracker:
             recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
                 0.2 of the arm's size) while the tip moves, as far as the target allows; default: ``RECENTRING``; 0: the
                 joints move as little as possible.
+            first: what counts first where the joints do not control all of a pose: 'position', the default of arms with
+                fewer than six joints, 'orientation', or 'both' (the least sum of squares, rad and shares of the size).
+                The joints go to the nearest posture of :func:`urdf_ik.ik.closest.closest` on this branch.
             world: obstacles to stay clear of, see :class:`urdf_ik.World`; the arm is checked against itself too.
             self_collision: whether the arm is checked against itself where no world is given.
             margin: m, clearance to keep.
 
         Raises:
             ArgumentError: ``q0`` does not fit the arm, or is outside the limits.
-            ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
+            ArgumentError: ``first``, ``dt``, ``recentring`` or ``margin`` is out of its range.
             ArgumentError: a limit of velocity or acceleration is not positive.
             UnsupportedArm: the arm has more than seven joints, joints that mimic others, or a free axis.
         """
@@ -144,7 +167,12 @@ class Tracker:
         if self_collision or world is not None:
             self._collision = solver.arm.cell.in_world(world)
         # A pose is tracked and no collision is checked: the core does the whole cycle.
-        self._quick = self._core.step if self._targets is None and self._collision is None else None
+        chosen = inputs.choice(first or "position", "first", ("position", "orientation", "both"))
+        few = chain.n < 6 and self._targets is None and solver.asked.has_place and solver.asked.has_turn
+        self._first = chosen if few else "both"
+        self._partial = solver.asked != POSE or self._first != "both"
+        whole = self._targets is None and not self._partial
+        self._quick = self._core.step if whole and self._collision is None else None
         self.reset(q0)
 
     def __repr__(self) -> str:
@@ -178,9 +206,9 @@ class Tracker:
         check_inside(place, chain.limits, chain.joint_names, "tracking begins inside them")
         self._start, self._start_velocity = np.clip(place, *chain.limits.T), speed.copy()
         self._core.reset(self._start, self._start_velocity)
-        self._last: Step | None = None
+        self._last: Step | PartialStep | None = None
 
-    def step(self, T: Any) -> Step:
+    def step(self, T: Any) -> Step | PartialStep:
         """One cycle: move towards a target, as far as the limits allow.
 
         Args:
@@ -191,7 +219,8 @@ class Tracker:
             ``q`` (n,), the joint vector to command for the end of the cycle, and ``velocity``; each access makes a new
             array. ``status`` and ``why``:
 
-            - ``'ok'``: the tip is at the target, to 1e-9 m and rad; ``why`` is None.
+            - ``'ok'``: the tip is at the target, to 1e-9 m and rad; ``why`` is None. An arm that does not control the
+              whole target and is at its nearest posture is ``'limited'`` by ``'reach'``.
             - ``'limited'``: the joints moved, but the tip is not at the target. ``why`` is ``'velocity'`` where they
               would exceed their speeds: the tip moved straight towards the target, as far as the speeds allow. At a
               joint limit (``'limit'``), out of reach (``'reach'``) or near a singularity, they moved to where the
@@ -218,23 +247,50 @@ class Tracker:
             if step is not None:
                 self._last = step
                 return step
-        pose = self._pose(T)
-        before = self.q
-        step = self._core.step(pose)
+        target = self._pose(T)
+        before, speed = self.q, self.velocity
+        step = self._core.step(target)
+        if self._partial and step is not None and (step.status != "ok" or self.solver.asked != POSE):
+            self._core.reset(before, speed)
+            step = self._core.step(self._reachable(target))
         if step is None:
-            check_poses(pose)
+            check_poses(target)
             raise PoseError("a rotation that is neither orthonormal nor near it")
         if self._collision is not None:
             motion = self._collision.motions_free(before[None], step.q[None], margin=self._margin)
             if not motion.free[0]:
                 step = self._core.back("collision")
-        self._last = step
-        return step
+        self._last = self._measured(step, target) if self._partial else step
+        return self._last
+
+    def _reachable(self, T: Array) -> Array:
+        """The tip's pose in the nearest posture on this branch."""
+        asked, chain, q = self.solver.asked, self.solver.chain, self.q
+        seen = asked.chain(chain)
+        here = chain.fk(q)
+        along = (T[:3, 3] - here[:3, 3]) @ here[:3, :3] @ np.array(asked.axis or (0.0, 0.0, 1.0))
+        start = np.append(q, max(along, 0.0))[None, : seen.n]
+        wanted = Wanted(seen, T[None, :3, 3], *asked.matrix(T[None]))
+        if self._first == "both":
+            found = descended(wanted, start, seen.limits, float(asked.has_place), float(asked.has_turn), _ROUNDS)
+        else:
+            found, good = constrained(wanted, start, seen.limits, self._first)
+            if not good[0]:
+                pair = (_HARD, 1.0) if self._first == "position" else (1.0, _HARD)
+                found = descended(wanted, start, seen.limits, *pair, _ROUNDS)
+        return chain.fk(found[0, : chain.n])
+
+    def _measured(self, step: Step, T: Array) -> PartialStep:
+        """A step towards the nearest posture, as one towards its target: what is missed of what was asked."""
+        off, angle = (float(each) for each in self.solver.asked.errors(T, self.solver.chain.fk(step.q)))
+        short = step.status == "ok" and max(off, angle) > EXACT
+        status, why = ("limited", "reach") if short else (step.status, step.why)
+        return PartialStep(step.q, step.velocity, status, why, off, angle)
 
     def _pose(self, T: Any) -> Array:
         """A target as a pose (4, 4), of which the core uses what the task controls."""
         if self._targets is None:
-            pose = check_poses(T)
+            pose = check_poses(T) if self.solver.asked == POSE else self.solver.asked.read_targets(T)
             if pose.ndim != 2:
                 raise PoseError(f"an array of shape {pose.shape} given; a cycle takes a single pose (4, 4)")
             return pose

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.ik.descent import Wanted, descended
 from urdf_ik.ik.minima import spread_evenly
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
@@ -216,13 +217,23 @@ def nearest_in_region(
     for k, (pose, q) in enumerate(zip(stack, near, strict=True)):
         found = _nearest(solver.fixed, pose, q, sought, bounds, measure.factors, threads)
         if found is not None:
-            stack[k] = pose if region is None else sought.clipped(pose, solver.chain.fk(found))
+            if solver.dof < 6:  # the pose has to stay one that the joints reach
+                found = _placed(solver, pose, found, bounds) if not np.ptp(sought.box, axis=1).any() else found
+                stack[k] = solver.chain.fk(found)
+            else:
+                stack[k] = pose if region is None else sought.clipped(pose, solver.chain.fk(found))
             values[k] = nearest_values(solver, found[None], stack[k][None])[0] if solver.parameters else []
     count = len(solver.parameters)
     at = values.reshape(shape if count == 1 else (*shape, count)) if count else None
     solutions = solve(solver, stack.reshape(*shape, 4, 4), redundancy=at, threads=threads)
     chosen: IKSolutions = solutions.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
     return chosen
+
+
+def _placed(solver: Solver, T: Array, q: Array, bounds: Array) -> Array:
+    """A joint vector (n,) whose tip is nearly at the position of a pose, moved to be there to rounding."""
+    wanted = Wanted(solver.chain, T[None, :3, 3], T[None, :3, :3], 3.0)
+    return np.asarray(descended(wanted, q[None], bounds, 1.0, 0.0, 8)[0])
 
 
 def _nearest(
@@ -256,6 +267,8 @@ def _nearest(
 
 def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int) -> Array:
     """(k, n) joint vectors from which to search: of all branches of all samples, the nearest, no two alike."""
+    if solver.dof < 6:
+        return _starts_of_few(solver, T, q_ref, bounds, scale)
     spread = region.widths > 0.0
     parameters = solver.parameters
     wide = int(spread.sum()) + len(parameters)
@@ -288,6 +301,21 @@ def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Arra
             if len(chosen) == STARTS:
                 break
     return np.array(chosen).reshape(-1, solver.dof)
+
+
+def _starts_of_few(solver: Solver, T: Array, q_ref: Array, bounds: Array, scale: Array) -> Array:
+    """(k, n) joint vectors near a pose that the joints need not reach: nearest postures, by the position first."""
+    low, high = np.clip(bounds.T, -np.pi * solver.chain.size, np.pi * solver.chain.size)
+    q = np.vstack([q_ref[None], low + spread_evenly(SAMPLES, solver.dof) * (high - low)]).clip(
+        bounds[:, 0], bounds[:, 1]
+    )
+    wanted = Wanted(solver.chain, np.tile(T[:3, 3], (len(q), 1)), np.tile(T[:3, :3], (len(q), 1, 1)), 3.0)
+    q = np.vstack([q[:1], descended(wanted, q, bounds, 1.0, 0.01, 30)])
+    chosen: list[Array] = []
+    for each in q[np.argsort((((q - q_ref) * scale) ** 2).sum(axis=-1), kind="stable")]:
+        if len(chosen) < STARTS and all(np.abs(each - other).max() > APART for other in chosen):
+            chosen.append(each)
+    return np.array(chosen)
 
 
 class _Conditions:
