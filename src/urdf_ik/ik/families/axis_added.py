@@ -16,7 +16,7 @@ from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import FamilyMember, columns, self_motion
 from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Numbers, written
-from urdf_ik.kinematics.chain import Chain, is_redundant
+from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, Redundancy
 from urdf_ik.kinematics.structure import Structure, analyse
@@ -30,8 +30,8 @@ _OBLIQUE = 1.05
 
 
 def prepare_completed(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
-    """The plan for poses of five revolute joints, None for other arms."""
-    if chain.n != 5 or chain.prismatic.any() or is_redundant(chain):
+    """The plan for poses of five revolute joints, or of two and three slides; None for other arms."""
+    if chain.n != 5 or chain.prismatic.sum() not in (0, 3) or is_redundant(chain):
         return None
     before = structure.triple(1, "parallel") is not None
     crossing = structure.triple(2, "parallel") is not None
@@ -43,7 +43,7 @@ def prepare_completed(structure: Structure, chain: Chain, choose: Choose) -> Fam
         whole, at = _with_axis_before(chain, h, chain.points[0] + away), 1
     else:
         whole, at = with_axis_behind(chain, h, chain.points[4] + away), 0
-    return _plan(chain, whole, at, Aim(), choose, "5R", "that must stay at zero")
+    return _plan(chain, whole, at, Aim(), choose, kinds_of(chain), "that must stay at zero")
 
 
 def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> FamilyMember | None:

@@ -16,6 +16,7 @@ from urdf_ik.ik.families import (
     hollow_wrist,
     joint_given,
     parallel_shoulder,
+    parallelogram,
     planar,
     slides,
     spherical_middle,
@@ -87,6 +88,10 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> F
         chain: the joints.
         given: names of joints whose values are to be the redundancy parameters.
     """
+    if (plain := parallelogram.uncoupled(chain)) is not None:
+        plan = choose(analyse(plain), plain)
+        links = ", ".join(map(str, chain.followers))
+        return plan and replace(plan, reason=f"parallelograms turn as one axis ({links}): {plan.reason}")
     if chain.axes is not chain:
         return _first(MIMICKING, structure, chain)
     if chain.n < 6:
