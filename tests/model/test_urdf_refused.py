@@ -14,7 +14,7 @@ BROKEN = {
     "no robot name": (2, ' name="tiny"', "", 2, "<robot>", "no name", 'name="..."'),
     "unknown version": (2, "<robot", '<robot version="2.0"', 2, "<robot>", "'2.0'", "1.2"),
     "link without name": (4, ' name="arm"', "", 4, "<link>", "no name", 'name="..."'),
-    "duplicated link": (4, '"arm"', '"base"', 4, '<link name="base">', "taken by line 3", "of its own"),
+    "duplicated link": (4, '"arm"', '"base"', 4, '<link name="base">', "taken by line 3", "different name"),
     "reserved joint name": (7, '"turn"', '"universe"', 7, '<joint name="universe">', "Pinocchio's own", "another name"),
     "unknown type": (7, "revolute", "ball", 7, JOINT, "'ball'", "revolute, continuous, prismatic, fixed"),
     "no parent": (8, '<parent link="base"/>', "", 7, JOINT, "<parent> is missing", "<parent link="),

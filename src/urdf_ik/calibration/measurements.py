@@ -68,7 +68,7 @@ def measured(arm: Arm, q: ArrayLike, values: Any = None, kind: str | None = None
 
     Raises:
         ArgumentError: shapes do not fit, a number is not finite, two rows are the same, or units look mixed up.
-        PoseError: a pose is none.
+        PoseError: an invalid pose.
     """
     Q = arm.chain.check(q)
     if Q.ndim != 2:

@@ -96,7 +96,7 @@ class Differentiable:
             redundancy: (...) or (..., k) values of the redundancy parameters; None: the defaults.
 
         Raises:
-            PoseError: a pose is none.
+            PoseError: an invalid pose.
             ArgumentError: a solution is singular, and ``at_folds`` is 'raise'.
             UnsupportedArm: the changed arm has other branches.
         """

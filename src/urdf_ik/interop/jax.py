@@ -39,7 +39,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     Raises:
         MissingPackage: jax is not installed.
         ArgumentError: jax computes with 32 bits, a solution is singular, or an argument does not fit.
-        PoseError: a pose is none. Under ``jit`` jax raises an error of its own that holds the message.
+        PoseError: an invalid pose. Under ``jit`` jax raises its own error with this message.
         UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
 
     Example:

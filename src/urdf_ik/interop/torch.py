@@ -47,7 +47,7 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
 
     Raises:
         MissingPackage: torch is not installed.
-        PoseError: a pose is none.
+        PoseError: an invalid pose.
         ArgumentError: a solution is singular, or an argument does not fit.
         UnsupportedArm: the arm, or the arm with these numbers, has no such branches.
 

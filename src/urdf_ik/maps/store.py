@@ -252,7 +252,7 @@ class BlockStore:
 def fill(
     path: str | os.PathLike[str], question: Question, client: Any, progress: Progress | None, units: int, what: str
 ) -> BlockStore:
-    """Compute all blocks that a store lacks; the store is created where there is none.
+    """Compute all blocks that a store lacks; a missing store is created.
 
     Args:
         path: folder of the store.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from urdf_ik.errors import UrdfError, printable
+from urdf_ik.errors import UrdfError
 from urdf_ik.model.xml import XACRO_HINT, has_xacro
 from urdf_ik.support.tolerances import LARGEST
 
@@ -91,7 +91,7 @@ def read_scene(path: Path, source: str) -> Any:
     try:
         scene = trimesh.load_scene(path, process=False)
     except Exception as failure:  # trimesh's readers have no common class of errors
-        raise _error(f"cannot read: {printable(failure, 200)}", path, source, "export it again") from None
+        raise _error(f"cannot read: {failure}", path, source, "export it again") from None
     for mesh in scene.geometry.values():
         if isinstance(mesh, trimesh.Trimesh):
             check_vertices(mesh.vertices, path, source)  # first: trimesh would drop them in silence
@@ -100,7 +100,7 @@ def read_scene(path: Path, source: str) -> Any:
 
 
 def _error(problem: str, path: Path, source: str, hint: str) -> UrdfError:
-    return UrdfError(problem, source=source, element=f"mesh {printable(path, 200)}", hint=hint)
+    return UrdfError(problem, source=source, element=f"mesh {path}", hint=hint)
 
 
 MANIFEST = "package.xml"

@@ -79,7 +79,7 @@ def parse(source: Source) -> Any:
             source=source.name,
             line=text.count("\n", 0, text.index("<!DOCTYPE")) + 1,
             element="<!DOCTYPE>",
-            hint="delete the DOCTYPE and write out what its entities stand for",
+            hint="delete the DOCTYPE and write out its entities",
         )
     if tag(root) != "robot":
         raise UrdfError(

@@ -48,14 +48,10 @@ class Obstacles(NamedTuple):
 
     def free(self, q: Array) -> NDArray[np.bool_]:
         """Whether joint vectors (k, n) are free of contact, (k,)."""
-        if not len(q):
-            return np.ones(0, dtype=np.bool_)
         return ~np.asarray(self.model.in_collision(q, self.margin + CLEARANCE))
 
     def motions_free(self, q0: Array, q1: Array) -> NDArray[np.bool_]:
         """Whether straight joint motions (k, n) are free of contact from end to end, (k,)."""
-        if not len(q0):
-            return np.ones(0, dtype=np.bool_)
         return np.asarray(self.model.motions_free(q0, q1, self.margin).free)
 
     def pair(self, q: Array) -> tuple[str, str] | None:

@@ -37,7 +37,7 @@ class Counting:
 
     @property
     def vectors(self) -> Array:
-        """(k, n) the solutions that are left, pose by pose."""
+        """(k, n) the remaining solutions, pose by pose."""
         if self._q is None:
             self._q = self._all[self.kept]
         return self._q
@@ -59,11 +59,11 @@ class Counting:
         self._keep(~np.asarray(model.in_collision(self.vectors, margin), dtype=np.bool_))
 
     def clearance(self, world: World | None) -> Array:
-        """(k,) m, of the solutions that are left: see ``arm.clearance``."""
+        """(k,) m, of the remaining solutions: see ``arm.clearance``."""
         return np.asarray(self._arm.clearance(self.vectors, world), dtype=np.float64)
 
     def manipulability(self) -> Array:
-        """(k,) of the solutions that are left; for positions that of the tip's translation."""
+        """(k,) of the remaining solutions; for positions that of the tip's translation."""
         return self._arm.manipulability(self.vectors, self._arm.solver.control.part)
 
     def margin(self) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 
 from urdf_ik.errors import ChainError
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
-from urdf_ik.support.text import meant, quoted
+from urdf_ik.support.text import meant
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _KINDS = {
@@ -377,7 +377,7 @@ def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], c
     """The error for an ambiguous chain, or for a name that no chain or several chains have."""
     if chain is not None:
         every = dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)])
-        names = ", ".join(quoted(name) for name in islice(every, _MOST_NAMES))
+        names = ", ".join(map(repr, islice(every, _MOST_NAMES)))
         near = meant(chain, [limb.name for limb in limbs])
         return ChainError(f"{source}: no chain, or more than one, is called {chain!r}{near}; there are {names}")
     longest = len(candidates[0].before) + len(candidates[0].joints)

@@ -16,7 +16,7 @@ from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 from urdf_ik.support.read_only import Frozen, frozen
-from urdf_ik.support.text import meant, quoted
+from urdf_ik.support.text import meant
 from urdf_ik.support.tolerances import LARGEST
 
 _T = TypeVar("_T")
@@ -249,7 +249,7 @@ def _joint_name(place: Place, taken: Mapping[str, Joint], defects: Defects) -> s
             place.fail("the joint name 'universe' is Pinocchio's own", hint="give the joint another name")
         if (other := taken.get(name)) is not None:
             problem = f"the joint name {name!r} is taken by line {other.line}"
-            place.fail(problem, hint="give each joint a name of its own")
+            place.fail(problem, hint="give each joint a different name")
     except UrdfError as error:
         own = f"{name or 'joint'} (line {place.element.sourceline})"
         while own in taken:
@@ -286,7 +286,7 @@ def check_name(place: Place) -> str:
 def label_of(element: Any) -> str:
     """The name of a link or joint in messages."""
     name = element.get("name")
-    return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{quoted(name)[1:-1]}">'
+    return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{name}">'
 
 
 def _end(place: Place, end: str) -> str:

@@ -10,10 +10,9 @@ from typing import Any
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.model.urdf.checks import Place
+from urdf_ik.model.urdf.checks import Place, label_of
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import child, children, tag, written_tag
-from urdf_ik.support.text import quoted
 
 _SHAPES: dict[str, dict[str, int]] = {
     "box": {"size": 3},
@@ -32,7 +31,7 @@ def write_links(robot: Any, links: dict[str, Any], source: str, defects: Defects
         for kind, write in (*parts, ("visual", _visual), ("collision", _shape)):
             found = list(children(element, kind))
             for part in found[:1] if kind == "inertial" else found:
-                place = Place(source, part, f'<{kind}> of <link name="{quoted(name)[1:-1]}">')
+                place = Place(source, part, f"<{kind}> of {label_of(element)}")
                 out = etree.Element(tag(part))
                 try:
                     write(place, out)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from urdf_ik.errors import UrdfError, listed, printable
+from urdf_ik.errors import UrdfError, listed
 from urdf_ik.model.urdf.checks import MOVABLE, Joint, Place, Written, check_joint, check_name, label_of
 from urdf_ik.model.urdf.defects import Defects
 from urdf_ik.model.xml import XACRO_HINT, child, children, is_xacro, written_tag
@@ -52,7 +52,7 @@ def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
             defects.add("link xacro" if name else "link name", error, links=[name] if name else [])
         if name in links:
             problem = f"the link name {name!r} is taken by line {links[name].sourceline}"
-            twice = place.error(problem, hint="give each link a name of its own")
+            twice = place.error(problem, hint="give each link a different name")
             defects.add("link twice", twice, links=[name], collides=_collides([element]))
         elif name:
             links[name] = element
@@ -177,7 +177,7 @@ def _circles(
         while link in parent_of and link not in sound:
             if link in walked:
                 loop = list(walked)[list(walked).index(link) :]
-                shown = " <- ".join(map(printable, [*loop[:_SHOWN], *(["..."] if len(loop) > _SHOWN else []), link]))
+                shown = " <- ".join([*loop[:_SHOWN], *(["..."] if len(loop) > _SHOWN else []), link])
                 problem = f"the links form a cycle: {shown}"
                 hint = "remove the joint that closes the cycle, so that the links form a tree"
                 place = written[parent_of[link].name].place
@@ -214,7 +214,7 @@ def _circle_error(joint: Joint, joints: Mapping[str, Joint], place: Place) -> Ur
     while mimic is not None and mimic[0] != joint.name:
         way.append(mimic[0])
         mimic = joints[mimic[0]].mimic
-    shown = " -> ".join(printable(name) for name in [*way[:_SHOWN], *(["..."] if len(way) > _SHOWN else [])])
-    problem = "it mimics itself" + (f", through {shown} -> {printable(joint.name)}" if len(way) > 1 else "")
+    shown = " -> ".join([*way[:_SHOWN], *(["..."] if len(way) > _SHOWN else [])])
+    problem = "it mimics itself" + (f", through {shown} -> {joint.name}" if len(way) > 1 else "")
     element = child(place.element, "mimic")
     return place.error(problem, hint="let one joint of the circle move by itself", at=element)

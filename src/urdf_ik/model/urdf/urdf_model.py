@@ -9,7 +9,7 @@ from typing import Any
 
 from lxml import etree
 
-from urdf_ik.errors import ChainError, printable
+from urdf_ik.errors import ChainError
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
@@ -264,10 +264,10 @@ class UrdfModel:
             return link
         if apart := next((each for each in self.warnings if link in each.links), None):
             raise apart.error  # the file has this link, but not in the tree
-        close = nearest(printable(link), self.links)
+        close = nearest(link, self.links)
         what = "link" if role == "link" else f"{role} link"
         raise ChainError(
-            f"{printable(self.source, 200)}: there is no {what} {link!r}{meant(link, self.links)}",
+            f"{self.source}: there is no {what} {link!r}{meant(link, self.links)}",
             dict.fromkeys([*close, *self.links]),
         )
 

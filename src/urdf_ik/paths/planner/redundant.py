@@ -285,7 +285,7 @@ def _refined(settings: CheckedSettings, refined: Refined, guide: _Guide, step: f
 def _finished(
     settings: CheckedSettings, dense: Refined, refined: Refined, guide: _Guide, step: float
 ) -> tuple[Search, Route] | None:
-    """The route at all waypoints, its motions proven and free of contact; None where there is none near the guide."""
+    """The route at all waypoints, its motions proven and free of contact; None without one near the guide."""
     if len(refined.T) < len(dense.T):
         guide = guide.spread(refined.place, dense.place)
     for factor in (FINER**3, FINER**2):
@@ -304,7 +304,7 @@ def _finished(
 
 
 def _proven(settings: CheckedSettings, dense: Refined, guide: _Guide, step: float) -> tuple[Search, Route] | None:
-    """The route near a guide whose motions are proven and free of contact; None where there is none."""
+    """The route near a guide whose motions are proven and free of contact; None without one."""
     last: tuple[Search, Route] | None = None
     for factor in (FINER, 1):
         for k in range(MOST_PASSES):

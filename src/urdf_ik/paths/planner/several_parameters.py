@@ -171,7 +171,7 @@ def _settings(settings: CheckedSettings, fixed: _Fixed) -> CheckedSettings:
 
 
 def _improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | None:
-    """A plan near a known one that is cheaper since all parameters move; None where there is none."""
+    """A plan near a known one that is cheaper since all parameters move, or None."""
     dense = cut(settings, path, DENSE_TURN, DENSE_MOVE)
     place = dense.place
     q = np.column_stack([np.interp(place, known.place, column) for column in known.motion.T])
