@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from arms import TWO_HANDS, DescribedArm, industrial, random_arm, serial_urdf, ur_like
+from arms import DescribedArm, industrial, random_arm, serial_urdf, ur_like
 from cases import assert_exact, described, from_catalogue, nearest, rows
 from numpy.typing import NDArray
 from oracle import Oracle, angle_distance
@@ -24,13 +24,6 @@ TEXT = ur_like().urdf
 
 
 # ---------------------------------------------------------------- what an arm says of itself
-
-
-def test_repr() -> None:
-    """The repr shows the name, the links and the family, or the number of joints of an arm without a family."""
-    assert repr(urdf_ik.load(TEXT, "base", "tool")) == "<Arm 'ur_like': base to tool, 6R 2||3||4 and 5x6>"
-    assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2R>"
-    assert repr(urdf_ik.load(_long(10), "base", "tool")) == "<Arm '10R': base to tool, 10 joints>"
 
 
 @pytest.mark.parametrize("attribute", ["name", "base", "tip", "joint_names", "dof", "limits"])

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from oracle import Oracle
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import PoseError
 
 Array = NDArray[np.float64]
 Q = np.array([0.3, 0.5, 0.9, 0.4, 0.8, -0.2])
@@ -189,14 +188,3 @@ def test_a_pose_within_reach_is_explained_by_the_limits_alone(name: str) -> None
     assert solutions.count
     expected = "" if arm.redundancy and arm.intervals(target) else solutions.within_limits().explain()
     assert arm.explain(target) == expected
-
-
-@pytest.mark.parametrize(
-    "bad",
-    [np.full((4, 4), np.nan), np.eye(3), np.zeros((2, 4, 4)), "pose"],
-    ids=["NaN", "3 by 3", "a batch", "text"],
-)
-def test_explain_wants_one_pose(bad: Any) -> None:
-    """Explain refuses every input that is not a single pose, as ik does."""
-    with pytest.raises(PoseError):
-        from_catalogue("zyyzyz_6r").arm.explain(bad)

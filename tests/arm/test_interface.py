@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import inspect
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -12,7 +9,6 @@ from arms_mimic import LINKAGES, linkage
 from cases import from_catalogue
 
 import urdf_ik
-from urdf_ik import errors
 from urdf_ik.cell.pinocchio_reference import Reference
 
 ARMS = ("zyyzyz_6r", "planar_2r", "positioning_3r", "stanford_rrprrr", "srs_7r")
@@ -38,16 +34,6 @@ def test_configurations_of_pinocchio_are_those_of_its_own_model(name: str) -> No
         pin.framesForwardKinematics(model, data, q_pin)
         base, tip = (data.oMf[model.getFrameId(link)] for link in (arm.base, arm.tip))
         np.testing.assert_allclose((base.inverse() * tip).homogeneous, arm.fk(q), rtol=0.0, atol=1e-12)
-
-
-@pytest.mark.parametrize("shape", [(), (3,), (2, 9)])
-def test_invalid_configurations_are_refused(shape: tuple[int, ...]) -> None:
-    """A configuration has nq numbers, all of them finite."""
-    arm = from_catalogue("zyyzyz_6r").arm
-    with pytest.raises(urdf_ik.ArgumentError, match="finite number"):
-        arm.from_pinocchio(np.zeros(shape))
-    with pytest.raises(urdf_ik.ArgumentError, match="finite number"):
-        arm.from_pinocchio(np.full(6, np.nan))
 
 
 @pytest.mark.parametrize("name", ARMS)
@@ -81,42 +67,6 @@ def test_ur5_image_at_5_rad_is_nearest() -> None:
     np.testing.assert_allclose(arm.ik_nearest(arm.fk(q), q, within_limits=False).q[0], q, rtol=0.0, atol=1e-8)
     alone = arm.ik(arm.fk(q)).nearest(q, modulo_turns=True).q[0]
     np.testing.assert_allclose(alone, np.remainder(q + np.pi, 2.0 * np.pi) - np.pi, rtol=0.0, atol=1e-8)
-
-
-@pytest.mark.parametrize("threads", [0, -1])
-def test_less_than_one_thread_is_refused(threads: int) -> None:
-    """A batch, a single pose and a task are shared by one thread or more."""
-    arm = from_catalogue("planar_2r").arm
-    T = arm.fk([0.1, 0.2])
-    for ask in (
-        lambda: arm.ik(T, threads=threads),
-        lambda: arm.ik(T[None], threads=threads),
-        lambda: arm.ik([0.1, 0.1], task="planar position", threads=threads),
-        lambda: arm.ik_nearest(T, [0.0, 0.0], threads=threads),
-    ):
-        with pytest.raises(urdf_ik.ArgumentError, match=f"threads={threads}"):
-            ask()
-
-
-def test_errors_about_arguments_are_value_errors() -> None:
-    """All errors are ValueErrors, except for a missing package and a failed job."""
-    every = [kind for kind in vars(errors).values() if inspect.isclass(kind) and issubclass(kind, errors.UrdfIkError)]
-    assert {kind.__name__ for kind in every if not issubclass(kind, ValueError)} == {
-        "UrdfIkError",
-        "MissingPackage",
-        "JobError",
-    }
-
-
-def test_an_arm_is_a_small_record() -> None:
-    """Four fields that cannot be assigned to, and at most 36 public members."""
-    arm = from_catalogue("planar_2r").arm
-    assert [field.name for field in dataclasses.fields(arm)] == ["model", "chain", "solver", "cell"]
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        arm.chain = arm.chain  # type: ignore[misc]
-    members = {name for name in dir(urdf_ik.Arm) if not name.startswith("_")}
-    assert len(members | {"model", "chain", "solver", "cell"}) <= 36
-    assert urdf_ik.Arm.__mro__ == (urdf_ik.Arm, object)
 
 
 @pytest.mark.parametrize("name", LINKAGES)

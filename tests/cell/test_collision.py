@@ -130,15 +130,6 @@ def test_an_arm_without_joints_is_asked_like_any_other() -> None:
     assert still.motion_is_free(np.zeros((3, 0)), []).free.tolist() == [True] * 3
 
 
-def test_wrong_joint_vectors_are_refused() -> None:
-    """The wrong number of joints, and a batch where one joint vector is needed."""
-    body = model(SPHERES)
-    with pytest.raises(ArgumentError, match="must be 2"):
-        body.in_collision([0.0] * 3)
-    with pytest.raises(ArgumentError, match="one joint vector"):
-        body.colliding_pairs(np.zeros((3, 2)))
-
-
 # ---------------------------------------------------------------- which pairs may touch
 
 # base - slider - plate = cup (fixed) - slider - carriage - slider - tool
@@ -435,13 +426,3 @@ def test_a_link_out_of_place_is_seen() -> None:
     with pytest.raises(PoseError, match="link 'tool' is not finite"):
         body.in_collision_with(poses)
     assert np.isnan(body.distance_with(poses))
-
-
-def test_link_poses_that_do_not_fit_are_refused() -> None:
-    """A link without a pose is named, unless it has no shape; a pose must be 4 x 4."""
-    body = model(SPHERES)
-    assert body.in_collision_with({"base": np.eye(4), "tool": np.eye(4)}) is True
-    with pytest.raises(PoseError, match="no pose: tool"):
-        body.distance_with({"base": np.eye(4)})
-    with pytest.raises(PoseError, match="4, 4"):
-        body.distance_with({"base": np.eye(4), "tool": np.eye(3)})

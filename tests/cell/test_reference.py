@@ -14,7 +14,7 @@ from arms import KINDS, random_arm
 from oracle import Oracle
 
 from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
-from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, UrdfError
+from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError
 from urdf_ik.model import catalogue, urdf
 
 LIMIT = '<limit lower="-2" upper="3" effort="1" velocity="1"/>'
@@ -244,19 +244,6 @@ def test_threads_share_one_reference() -> None:
     with ThreadPoolExecutor(8) as pool:
         for got, want in zip(pool.map(reference.jacobian, q), expected, strict=True):
             np.testing.assert_array_equal(got, want)
-
-
-@pytest.mark.parametrize(("q", "what"), [([0.0] * 3, "must be 4"), (0.0, "must be 4"), ("abcd", "array of numbers")])
-def test_wrong_joint_vectors_are_refused(q: object, what: str) -> None:
-    """A joint vector of another length, or of no numbers, is an error that says what is needed."""
-    with pytest.raises(ArgumentError, match=what):
-        Reference(TREE, "base", "four").pose(q)  # type: ignore[arg-type]
-
-
-def test_error_takes_one_pose() -> None:
-    """``error`` refuses a batch and names the method that takes one."""
-    with pytest.raises(ArgumentError, match=r"errors\(\)"):
-        Reference(TREE, "base", "four").error(np.zeros((2, 4)), np.eye(4))
 
 
 def test_links_that_are_not_there_and_joints_that_are_no_number() -> None:

@@ -195,26 +195,6 @@ def test_batches_and_threads_change_nothing() -> None:
         _ = whole.pair
 
 
-def test_bad_motions() -> None:
-    """Ends that do not fit each other or the arm, that are not finite, and margins that are no length."""
-    arm = urdf_ik.load("zyyzyz_6r")
-    q = np.zeros(6)
-    with pytest.raises(ArgumentError, match="broadcast"):
-        arm.motion_is_free(np.zeros((2, 6)), np.zeros((3, 6)))
-    with pytest.raises(ArgumentError, match="must be 6"):
-        arm.motion_is_free(q, np.zeros(5))
-    with pytest.raises(ArgumentError, match="finite"):
-        arm.motion_is_free(q, [0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
-    with pytest.raises(ArgumentError, match="finite"):
-        arm.cell.collisions.motions_free(q[None], np.full((1, 6), np.inf))
-    with pytest.raises(ArgumentError, match=r"finite numbers \(m, 6\)"):
-        arm.cell.collisions.motions_free(q, q)
-    with pytest.raises(ArgumentError, match=r"margin=-0\.1"):
-        arm.motion_is_free(q, q, margin=-0.1)
-    with pytest.raises(ArgumentError, match=r"q0\[0, 2\] is 1e\+155; numbers of at most 1e\+15 are taken"):
-        arm.cell.collisions.motions_free([[0.0, 0.0, 1e155, 0.0, 0.0, 0.0]], q[None])
-
-
 def test_a_motion_of_a_million_turns_is_refused() -> None:
     """The pieces to be proven grow with the way: a motion is as long as says its limit, and none needs longer."""
     arm = urdf_ik.load(BAR)

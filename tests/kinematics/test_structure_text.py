@@ -29,19 +29,6 @@ def test_text_of_the_article_arm() -> None:
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_text_of_every_kind(kind: str) -> None:
-    """Sentences with capital letters and full stops: family, every relation, method, number of solutions, exactness."""
-    structure = structure_of(of_kind(kind).axes, of_kind(kind).points)
-    text = str(structure)
-    for part in (*structure.pairs, *structure.triples, structure.method, structure.family, "Up to 8 solutions."):
-        assert str(part).lower() in text.lower()
-    sentences = re.split(r"(?<=\.) (?=[A-Z])", text)
-    assert len(sentences) == 5
-    assert all(re.fullmatch(r"[A-Z0-9].*[^.]\.", sentence) for sentence in sentences), sentences
-    assert "  " not in text and "None" not in text and "nan" not in text
-
-
 def test_text_tells_the_imperfection() -> None:
     """An arm that is not exact says by how much, in rad and m, and that it is solved as written all the same."""
     wrist = industrial()

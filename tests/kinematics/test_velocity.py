@@ -271,20 +271,13 @@ def test_arm_without_joints() -> None:
     ("options", "words"),
     [
         ({"twist": np.ones(5)}, ["(5,)", "6"]),
-        ({"twist": 1.0}, ["()", "6"]),
-        ({"twist": ["a"] * 6}, ["numbers"]),
         ({"twist": [0, 0, np.nan, 0, 0, 0]}, ["twist[2]", "finite"]),
         ({"twist": np.ones((3, 6)), "q": np.zeros((2, 6))}, ["(2,)", "(3,)", "broadcast"]),
-        ({"twist": np.ones(6), "part": "translation"}, ["(6,)", "3"]),
         ({"part": "linear"}, ["'linear'", "translation"]),
         ({"damping": -0.1}, ["damping=-0.1", "at least 0"]),
-        ({"damping": np.nan}, ["damping=nan"]),
         ({"length": 0.0}, ["length=0.0", "at least 1e-12"]),
-        ({"length": "m"}, ["length='m'"]),
-        ({"weights": np.ones(5)}, ["weights", "(5,)", "(6,)"]),
         ({"weights": [1, 1, 0, 1, 1, 1]}, ["weights", "'joint_3'", "0.0"]),
         ({"limits": [1, np.inf, 1, 1, 1, 1]}, ["limits", "'joint_2'", "inf"]),
-        ({"limits": "fast"}, ["limits", "6 numbers"]),
     ],
 )
 def test_refusals(options: dict[str, object], words: list[str]) -> None:
@@ -294,13 +287,3 @@ def test_refusals(options: dict[str, object], words: list[str]) -> None:
     with pytest.raises(ArgumentError) as caught:
         velocity.joint_velocities(arm.chain, given.pop("q"), given.pop("twist"), **given)  # type: ignore[arg-type]
     assert all(word in str(caught.value) for word in words), str(caught.value)
-
-
-def test_joint_vectors_are_checked() -> None:
-    """An invalid joint vector is refused as everywhere."""
-    arm = urdf_ik.load("zyyzyz_6r")
-    for use in (velocity.manipulability, velocity.condition_number, velocity.singular_directions):
-        with pytest.raises(ArgumentError):
-            use(arm.chain, np.zeros(5))
-    with pytest.raises(ArgumentError, match="tolerance=-1"):
-        velocity.singular_directions(arm.chain, np.zeros(6), tolerance=-1)

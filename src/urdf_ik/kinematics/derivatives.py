@@ -240,15 +240,8 @@ class WrittenChain(Frozen):
         return out
 
     def _checked(self, q: ArrayLike, values: ArrayLike | None) -> tuple[Array, Array]:
-        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.dof})")
-        if Q.ndim == 0 or Q.shape[-1] != self.dof:
-            raise ArgumentError(f"joint vectors of shape {Q.shape} given; the last dimension must be {self.dof}")
-        if values is None:
-            return Q, self.values
-        numbers = inputs.real(values, "values", f"the {len(self.values)} numbers of the URDF")
-        if numbers.shape != self.values.shape or not np.isfinite(numbers).all():
-            raise ArgumentError(f"values of shape {numbers.shape} given; {len(self.values)} finite numbers are needed")
-        return Q, numbers
+        Q = inputs.array(q, "a joint vector", (..., self.dof))
+        return Q, self.values if values is None else inputs.array(values, "values", self.values.shape)
 
 
 def written(chain: Chain) -> WrittenChain:

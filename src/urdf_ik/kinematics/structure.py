@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.support import inputs
 from urdf_ik.support.angles import amount
 from urdf_ik.support.display import html_of, short
 from urdf_ik.support.text import Section
@@ -141,12 +140,10 @@ class Structure:
         return self._pair(first).relation == "intersecting"
 
     def _pair(self, first: int) -> AxisPair:
-        return self.pairs[inputs.whole(first, "first", low=1, high=len(self.pairs)) - 1]
+        return self.pairs[first - 1]
 
     def triple(self, first: int, relation: str) -> AxisTriple | None:
         """The triple that begins with axis ``first``, if its relation is this one."""
-        first = inputs.whole(first, "first", low=1)
-        relation = inputs.choice(relation, "relation", ("meet", "parallel"))
         return next((t for t in self.triples if t.first == first and t.relation == relation), None)
 
     def solutions_in_words(self) -> str:

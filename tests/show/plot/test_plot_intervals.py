@@ -9,7 +9,6 @@ from matplotlib.collections import LineCollection
 from pictures import is_png
 
 import urdf_ik
-from urdf_ik.ik.redundancy.intervals import bars
 from urdf_ik.show import plot
 
 Q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
@@ -35,13 +34,15 @@ def test_a_bar_covers_the_values_with_solutions() -> None:
     """Those of the parameter at which its branch has a solution inside the limits, and no others."""
     arm = urdf_ik.load("srs_7r")
     T = arm.fk(Q)
-    names, drawn = bars(arm.intervals(T))
+    (axes,) = plot.intervals(arm.intervals(T), degrees=False).axes
+    names = [label.get_text() for label in axes.get_yticklabels()]
+    drawn = [np.concatenate(each.get_segments()) for each in axes.collections if isinstance(each, LineCollection)]
     values = np.linspace(-np.pi, np.pi, 200)
     kept = arm.ik(T, redundancy=values).within_limits().valid
     for row, name in enumerate(names):
         covered = np.zeros(len(values), dtype=bool)
         for bar in drawn:
-            covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
+            covered |= (bar[0, 1] == row) & (values >= bar[0, 0]) & (values <= bar[-1, 0])
         np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
 
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +18,18 @@ from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
-CAUSES = ("none", "fold", "reach", "singularity", "limit", "contact", "range")
-"""Why an interval ends: 'none': it does not, it is the whole circle, or a part of a curve that passes some values more
-than once; 'fold': two branches become one and end there; 'reach': the same, and beyond it no branch has a solution;
-'singularity': the joints could not be followed further; 'limit': of a joint; 'contact': two bodies touch; 'range': the
-parameter's values end there."""
+CAUSES = {
+    "none": "no end",
+    "fold": "fold",
+    "reach": "edge of reach",
+    "singularity": "singularity",
+    "limit": "a joint's limit",
+    "contact": "contact",
+    "range": "end of the parameter's range",
+}
+"""Why an interval ends, and words for it. 'none': it is the whole circle, or a part of a curve that passes some values
+more than once; 'fold': two branches become one and end there; 'reach': the same, and beyond it no branch has a
+solution; 'singularity': the joints could not be followed further; 'contact': two bodies touch."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +53,7 @@ class End:
             return f"{'upper' if self.upper else 'lower'} limit of joint {quoted(self.joint)}"
         if self.cause == "contact" and self.pair is not None:
             return f"contact of {quoted(self.pair[0])} and {quoted(self.pair[1])}"
-        return {
-            "none": "no end",
-            "fold": "fold",
-            "reach": "edge of reach",
-            "singularity": "singularity",
-            "contact": "contact",
-            "range": "end of the parameter's range",
-        }[self.cause]
+        return CAUSES[self.cause]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +86,10 @@ class Found:
 
     def of(self, which: NDArray[np.intp]) -> Found:
         """Some of the intervals; the samples stay as they are."""
-        return Found(
-            self.pose[which], self.low[which], self.high[which], self.column[which], self.ends[which],
-            self.first[which], self.count[which], self.value, self.q, self.core,
-        )  # fmt: skip
+        return replace(self, **{name: getattr(self, name)[which] for name in _OF_INTERVALS})
+
+
+_OF_INTERVALS = ("pose", "low", "high", "column", "ends", "first", "count")
 
 
 def joined(parts: list[Found]) -> Found:
@@ -98,15 +97,8 @@ def joined(parts: list[Found]) -> Found:
     if len(parts) == 1:
         return parts[0]
     samples = np.cumsum([0, *(len(part.value) for part in parts)])
-
-    def together(name: str) -> Any:
-        return np.concatenate([getattr(part, name) for part in parts])
-
-    first = np.concatenate([part.first + start for part, start in zip(parts, samples, strict=False)])
-    return Found(
-        together("pose"), together("low"), together("high"), together("column"), together("ends"), first,
-        together("count"), together("value"), together("q"), together("core"),
-    )  # fmt: skip
+    moved = [replace(part, first=part.first + start) for part, start in zip(parts, samples, strict=False)]
+    return Found(*(np.concatenate([getattr(part, each.name) for part in moved]) for each in fields(Found)))
 
 
 Columns = NDArray[np.intp]

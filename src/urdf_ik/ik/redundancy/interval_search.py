@@ -159,10 +159,8 @@ def _at_one_value(solver: Solver, curves: Curves, T: Array, value: float, bounds
 def _nothing(solver: Solver) -> Found:
     """No interval of no pose."""
     none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
-    return Found(
-        none, empty, empty, none, np.empty((0, 2), dtype=object), none, none, empty, np.empty((0, solver.dof)),
-        np.empty((0, 17)),
-    )  # fmt: skip
+    ends, samples = np.empty((0, 2), dtype=object), (empty, np.empty((0, solver.dof)), np.empty((0, 17)))
+    return Found(none, empty, empty, none, ends, none, none, *samples)
 
 
 def _found(solver: Solver, plan: FamilyMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:

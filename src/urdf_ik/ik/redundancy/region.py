@@ -79,14 +79,15 @@ class Region:
         ranges = given if given.shape == (3, 2) else np.broadcast_to(half, (3,))[:, None] * [-1.0, 1.0]
         if inputs.first_bad(ranges) is not None or (ranges[:, 0] > ranges[:, 1]).any():
             raise ArgumentError(f"box={quoted(box)} given; {needed} is needed")
-        for name, angle, most in (("cone", cone, np.pi), ("rotation", rotation, np.inf)):
-            if not (inputs.is_real(angle) and 0.0 <= angle < most):
-                raise ArgumentError(f"{name}={quoted(angle)} given; zero or a positive angle [rad] is needed")
+        cone = inputs.number(cone, "cone", low=0.0, unit="rad")
+        rotation = inputs.number(rotation, "rotation", low=0.0, unit="rad")
+        if cone >= np.pi:
+            raise ArgumentError(f"cone={cone:g} given; an angle below pi is needed")
         x, y, z = ((float(low) + 0.0, float(high)) for low, high in ranges)
         for name, value in (
             ("box", (x, y, z)),
-            ("cone", float(cone)),
-            ("rotation", float(min(rotation, np.pi))),
+            ("cone", cone),
+            ("rotation", min(rotation, np.pi)),
             ("axis", axis if isinstance(axis, FreeAxis) else FreeAxis.read(axis, at)),
         ):
             object.__setattr__(self, name, value)
@@ -157,9 +158,8 @@ class Region:
 
         Raises:
             PoseError: the target is no pose.
-            ArgumentError: the shares are not such numbers.
         """
-        shares, low, high = inputs.array(shares, "shares", (None, 6)), *np.array(self.box).T
+        low, high = np.array(self.box).T
         tilt, turn = self.cone * np.sqrt(shares[:, 3]), self.rotation * (2.0 * shares[:, 5] - 1.0)
         return self._pose(as_pose_array(T), low + shares[:, :3] * (high - low), tilt, 2.0 * np.pi * shares[:, 4], turn)
 

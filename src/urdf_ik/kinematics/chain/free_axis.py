@@ -41,18 +41,17 @@ class FreeAxis(Frozen):
         Raises:
             ArgumentError: neither an axis nor a direction, or no point.
         """
-        wanted = "'x', 'y', 'z' or a direction of three numbers"
         if isinstance(axis, str):
             if axis not in _NAMED:
-                raise ArgumentError(f"axis={axis!r} given; {wanted} is needed")
+                raise ArgumentError(f"axis={axis!r} given; 'x', 'y', 'z' or a direction of three numbers is needed")
             direction = np.array(_NAMED[axis])
         else:
-            direction = _three("axis", axis, wanted)
+            direction = inputs.array(axis, "axis", (3,))
         length = float(np.linalg.norm(direction))
         if length == 0.0:
             raise ArgumentError(f"axis={axis!r} given; a direction needs a length, such as (0, 0, 1)")
         x, y, z = (direction / length).tolist()
-        px, py, pz = (0.0, 0.0, 0.0) if at is None else _three("at", at, "a point of three numbers [m]").tolist()
+        px, py, pz = (0.0, 0.0, 0.0) if at is None else inputs.array(at, "at", (3,), unit="m").tolist()
         return cls((x, y, z), (px, py, pz))
 
     def __str__(self) -> str:
@@ -88,7 +87,7 @@ class FreeAxis(Frozen):
 
     def rotation(self, values: ArrayLike) -> Array:
         """The tip's motion (..., 4, 4) when it is turned by angles (...) [rad] about the line."""
-        v = inputs.real(values, "values", "an array of angles [rad]")
+        v = np.asarray(values, dtype=np.float64)
         out = np.zeros((*v.shape, 4, 4))
         constant, cosine, sine = self.motion
         out[..., :3, :] = constant + np.cos(v)[..., None, None] * cosine + np.sin(v)[..., None, None] * sine
@@ -129,13 +128,6 @@ def turning(h: Array, p: Array) -> Array:
     motion[0, :, 3] += p
     motion.setflags(write=False)
     return motion
-
-
-def _three(name: str, value: Any, wanted: str) -> Array:
-    numbers = inputs.real(value, name, wanted)
-    if numbers.shape != (3,) or inputs.first_bad(numbers) is not None:
-        raise ArgumentError(f"{name}={value!r} given; {wanted} is needed")
-    return numbers
 
 
 def _numbers(values: tuple[float, ...]) -> str:
