@@ -34,11 +34,11 @@ def long_names(option: Any) -> list[str]:
 
 
 def test_an_option_means_the_same_everywhere() -> None:
-    """It has the same short form and takes the same values in every command that has it."""
+    """It has the same short form, and a value or none, in every command that has it."""
     forms: dict[str, set[Any]] = defaultdict(set)
     for _, option in options():
         names = tuple(sorted((*option.opts, *option.secondary_opts)))
-        forms[long_names(option)[0]].add((names, option.metavar, bool(option.is_flag)))
+        forms[long_names(option)[0]].add((names, bool(option.is_flag)))
     assert {name: found for name, found in forms.items() if len(found) > 1} == {}
 
 
@@ -88,7 +88,6 @@ def test_the_task_is_named_and_asked_for() -> None:
     assert len(found["poses"][0]["solutions"]) == 2
     off = call("ik", "planar_2r", "--xyz", "0.1,0.05,0.2", "--task", "planar-position")
     assert off.exit_code == 2 and "0.2 m off the plane" in off.stderr
-    assert call("ik", ARM, "--xyz", "0.1,0,0", "--task", "position").exit_code == 2
 
 
 def test_explain_names_what_stands_in_the_way(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """The ``urdf-ik`` command: its options, a function for each command, and text for terminals."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from urdf_ik.support.lazy import attributes

@@ -1,10 +1,8 @@
 """Solutions with their checks, and their form as JSON, CSV, npz and text."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +90,7 @@ class CheckedSolutions:
         one: IKSolutions = self.solutions[pose]
         return one.explain()
 
-    def from_reference(self, q_ref: Array, metric: str) -> CheckedSolutions:
+    def from_reference(self, q_ref: Array, metric: str) -> Self:
         """These with their distances from a joint vector."""
         apart, turning, angles = self.solutions.difference(q_ref), self.angles.turning, self.angles
         far = measure(self.solutions.solver, metric, None, None).distance(apart)

@@ -1,7 +1,5 @@
 """The arms that a command is about: the options that say which, and how they are loaded."""
 
-from __future__ import annotations
-
 import inspect
 import math
 import re

@@ -1,7 +1,5 @@
 """Input and output of the commands: typed numbers, files of joint vectors, standard output, exit statuses."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

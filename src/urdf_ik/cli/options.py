@@ -4,8 +4,6 @@ An entry of such a section reads ``name (-x METAVAR): Help.``: in the parenthese
 and what the help calls the value. ``Options (Poses):`` is a group of the help; ``Positional:`` is for arguments.
 """
 
-from __future__ import annotations
-
 import functools
 import inspect
 import re

@@ -1,9 +1,8 @@
 """Progress of long work on standard error; short work leaves nothing there."""
 
-from __future__ import annotations
-
 import sys
 import time
+from typing import Self
 
 from urdf_ik.cli.options import is_terminal
 
@@ -19,7 +18,7 @@ class Progress:
         self._what, self._start, self._on_terminal = what, time.monotonic(), is_terminal(sys.stderr)
         self._next, self._is_shown = self._start + WORD_AFTER, False
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

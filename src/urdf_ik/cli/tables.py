@@ -1,7 +1,5 @@
 """Lines and tables of plain text for people."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import textwrap

@@ -1,7 +1,5 @@
 """Target poses: typed, of a joint vector, from a file, random, or the arm's example."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Angles modulo a turn, and the unit in which messages show them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar

@@ -1,7 +1,5 @@
 """How objects show: a few lines at a prompt, tables in a notebook."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from html import escape
 

@@ -1,7 +1,5 @@
 """The optional packages: what an extra of this distribution asks for, and what to type where one is missing."""
 
-from __future__ import annotations
-
 import re
 
 from urdf_ik.errors import MissingPackage

@@ -1,7 +1,5 @@
 """Reading and writing of files, with errors of this package; a file is replaced when the new one is whole."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import secrets

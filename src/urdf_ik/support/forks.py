@@ -4,8 +4,6 @@ A lock that another thread holds during fork() would stay locked in the child, w
 thread holds such locks while it imports modules or computes cached properties, as every first call does.
 """
 
-from __future__ import annotations
-
 import _imp
 import concurrent.futures.thread  # noqa: F401  it and logging hold locks during a fork, which imports want: see the end
 import functools

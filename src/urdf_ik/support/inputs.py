@@ -1,7 +1,5 @@
 """The checks of arguments, made once, where a public function is entered: each error says what would be valid."""
 
-from __future__ import annotations
-
 import math
 import numbers
 import operator

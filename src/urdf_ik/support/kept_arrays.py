@@ -1,7 +1,5 @@
 """Arrays that are kept in the user's cache folder, by the content that they were computed from."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

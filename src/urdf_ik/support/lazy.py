@@ -1,7 +1,5 @@
 """Lazy imports: a package's public name is imported at its first use."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module

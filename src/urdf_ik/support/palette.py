@@ -1,7 +1,5 @@
 """Colours of branches that people with colour blindness can tell apart."""
 
-from __future__ import annotations
-
 import colorsys
 
 Colour = tuple[float, float, float]

@@ -1,7 +1,5 @@
 """Read-only arrays, and objects whose arrays stay read-only when pickled or copied (NumPy's copies are writeable)."""
 
-from __future__ import annotations
-
 from typing import Any, TypeVar
 
 import numpy as np

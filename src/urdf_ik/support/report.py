@@ -1,7 +1,5 @@
 """Report: the result of a check as text, JSON and HTML, and the way back from JSON."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass

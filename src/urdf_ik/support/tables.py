@@ -1,7 +1,5 @@
 """Tables of numbers from files: CSV with or without a header, JSON, and NumPy's own formats; the content decides."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Text of reports and messages: quoted values, aligned tables, strict JSON."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Collection, Iterable, Sequence

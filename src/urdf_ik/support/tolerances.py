@@ -1,7 +1,5 @@
 """Every numerical tolerance of the package, with its meaning. Lengths are relative to the arm's size."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 LARGEST = 1e15

@@ -1,7 +1,5 @@
 """How long a piece of work may take, what it looks at, and the best that it has found."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any

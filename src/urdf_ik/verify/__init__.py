@@ -4,8 +4,6 @@ One vocabulary: a *reference* is Pinocchio, a second solver, a lock file or anot
 *properties* that hold and do not, and the *pose to replay*.
 """
 
-from __future__ import annotations
-
 from urdf_ik.support.lazy import attributes
 
 __all__ = ["Baseline", "ProofCheck", "Verification", "check_proof", "compare", "compare_many", "freeze", "judge"]

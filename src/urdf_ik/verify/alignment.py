@@ -6,8 +6,6 @@ singular values (Kabsch 1976), their positions and the zeros of slides are linea
 signs is tried. The first and the last joint have no zeros: a turn about their axes is one of base or tip.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import combinations, product
 

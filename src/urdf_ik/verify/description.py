@@ -1,7 +1,5 @@
 """Description: an arm as plain numbers and words, for comparisons and lock files."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass
 from typing import Any

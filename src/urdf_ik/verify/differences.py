@@ -1,10 +1,9 @@
 """The differences between two descriptions of an arm, each with the joint or link that it is about."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -37,7 +36,7 @@ class Tolerance:
     limit: float = 1e-9
 
     @classmethod
-    def read(cls, mm: object = None, deg: object = None) -> Tolerance:
+    def read(cls, mm: object = None, deg: object = None) -> Self:
         """From millimetres and degrees; None: the default.
 
         Raises:

@@ -1,7 +1,5 @@
 """Checks of every URDF in a folder: one row an arm."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Sequence

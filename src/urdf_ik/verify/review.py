@@ -1,7 +1,5 @@
 """Verified files for a pull request: annotations of GitHub, SARIF 2.1.0 and Markdown, each finding at its line."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

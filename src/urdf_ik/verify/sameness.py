@@ -12,8 +12,6 @@ Two joint vectors of one pose, both polished on the arm as written, count as one
 A joint vector that misses the pose by more than 1e-9 under Pinocchio is not a solution, and always a difference.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -6,8 +6,6 @@ three places of the loop; and Newton's method from random starts, which needs no
 vectors; each is then polished on the arm as written.
 """
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 

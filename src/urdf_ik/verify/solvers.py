@@ -1,7 +1,5 @@
 """Solvers to judge that are named by a text: a Python function, or a process that exchanges lines of JSON."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import runpy

@@ -6,8 +6,6 @@
 ``pytest --urdf FILE --base LINK --tip LINK`` does the same without a test file, one test a property.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from typing import IO, Any

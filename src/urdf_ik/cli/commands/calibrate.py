@@ -1,7 +1,5 @@
 """The command ``calibrate``."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The commands ``check``, ``compare`` and ``judge``."""
 
-from __future__ import annotations
-
 import string
 from pathlib import Path
 from typing import Any

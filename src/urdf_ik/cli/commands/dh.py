@@ -1,7 +1,5 @@
 """The command ``dh``."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from pathlib import Path
 

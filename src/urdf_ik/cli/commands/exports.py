@@ -1,7 +1,5 @@
 """The commands ``compile`` and ``export``, which take an arm out of Python."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

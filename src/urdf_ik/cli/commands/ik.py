@@ -1,7 +1,5 @@
 """The command ``ik``, and its choice of solutions."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace

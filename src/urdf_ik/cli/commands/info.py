@@ -1,7 +1,5 @@
 """The command ``info``: an arm, the chains of its URDF, or its pairs of links."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The commands ``robots`` and ``doctor``: what is here, and whether it works."""
 
-from __future__ import annotations
-
 import platform
 import re
 import sys

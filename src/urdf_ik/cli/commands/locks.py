@@ -1,7 +1,5 @@
 """The commands ``freeze`` and ``verify``, which write and read lock files."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The command ``path``; and the options of a path, which ``plot`` and ``view`` have too."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The commands ``workspace`` and ``placement``: where the tip reaches, and where the base should stand."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """check_proof(): whether answers that claim to be complete are, by theorems evaluated in ball arithmetic."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations

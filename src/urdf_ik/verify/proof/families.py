@@ -8,8 +8,6 @@ a known amount. So where all eight roots of the ideal arm are enclosed for every
 solutions of the arm as written lie in these eight boxes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from flint import acb, acb_mat, arb
 

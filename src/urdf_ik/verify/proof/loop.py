@@ -1,10 +1,9 @@
 """The loop equations of six turning joints in ball arithmetic: every number is a ball that encloses the true value."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from flint import acb, acb_mat, arb, ctx
@@ -44,7 +43,7 @@ class Loop:
         return tuple(twist(*self.axes[j]) for j in ORDER)
 
     @classmethod
-    def of(cls, chain: Chain, T: Array) -> Loop:
+    def of(cls, chain: Chain, T: Array) -> Self:
         """The loop of a chain at a pose, whose rotation is the one nearest to the matrix given.
 
         Lengths are shares of the sum of the steps between the axes.

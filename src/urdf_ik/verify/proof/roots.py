@@ -1,11 +1,10 @@
 """Single roots and clusters of the loop equations, enclosed by theorems that are evaluated in ball arithmetic."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import factorial
+from typing import Self
 
 import numpy as np
 from flint import acb, acb_mat, arb
@@ -36,7 +35,7 @@ class Enclosure:
         """An upper bound on the greatest distance [rad] of a joint's angle from the root, whole turns aside."""
         return largest(_between(self.centre, q)) + 2 * self.radius
 
-    def apart(self, other: Enclosure) -> bool:
+    def apart(self, other: Self) -> bool:
         """Whether the boxes have no point in common, whole turns aside."""
         sides = self.radius + other.radius
         return any(abs(d.real) > sides or abs(d.imag) > sides for d in _between(self.centre, other.centre))

@@ -1,7 +1,5 @@
 """A search for all complex roots of the loop equations: Newton's method in doubles, then enclosures."""
 
-from __future__ import annotations
-
 import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
