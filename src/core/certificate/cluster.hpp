@@ -131,6 +131,28 @@ PART Norms norms_of(const Local& at, int lost) {
             norm_of(at, n, 6, 0, n, 0, n),
             min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
 }
+// Bounds on the terms in t alone, by order, of the first outputs and of the others.
+struct TermsInT {
+    double y[HIGHEST + 1], t[HIGHEST + 1];
+};
+PART TermsInT terms_in_t(const Local& at, int lost, const Valley* valley) {
+    TermsInT out = {};
+    if (valley) {
+        for (int k = 1; k <= HIGHEST; ++k) out.y[k] = valley->y[k], out.t[k] = valley->t[k];
+        return out;
+    }
+    const int n = 6 - lost;
+    const ThirdOrder third = third_order(at, lost);
+    out.y[1] = norm_of(at, n, 6, 0, n), out.y[2] = 0.5 * norm_of(at, 0, n, n, 6, n, 6), out.y[3] = third.y;
+    out.t[1] = norm_of(at, n, 6, n, 6), out.t[3] = third.t;
+    return out;
+}
+// Their sum at |t| = R, from the order `from` on.
+STEP double in_t_alone(const double (&terms)[HIGHEST + 1], double R, int from) {
+    double sum = 0.0, power = 1.0;
+    for (int k = 1; k <= HIGHEST; ++k) power *= R, sum += k < from ? 0.0 : terms[k] * power;
+    return sum;
+}
 // valley: with one rank lost; many is then 2 to MOST_IN_A_ROW, else 2^lost.
 PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
     const int n = 6 - lost, order = lost == 1 ? many : 2;
@@ -143,20 +165,7 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
     if (!at.near || !(out.m > 0.0)) return out;
     f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
     const auto& [least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t] = norms;
-    // Terms in t alone, by order.
-    double y[HIGHEST + 1] = {}, t[HIGHEST + 1] = {};
-    if (valley) {
-        for (int k = 1; k <= HIGHEST; ++k) y[k] = valley->y[k], t[k] = valley->t[k];
-    } else {
-        const ThirdOrder third = third_order(at, lost);
-        y[1] = norm_of(at, n, 6, 0, n), y[2] = 0.5 * norm_of(at, 0, n, n, 6, n, 6), y[3] = third.y;
-        t[1] = norm_of(at, n, 6, n, 6), t[3] = third.t;
-    }
-    const auto in_t_alone = [](const double (&of)[HIGHEST + 1], double R, int from) {
-        double sum = 0.0, power = 1.0;
-        for (int k = 1; k <= HIGHEST; ++k) power *= R, sum += k < from ? 0.0 : of[k] * power;
-        return sum;
-    };
+    const auto [y, t] = terms_in_t(at, lost, valley);
     double others[HIGHEST + 1];
     for (int k = 0; k <= HIGHEST; ++k) others[k] = k == order ? 0.0 : t[k];
     const double s = at.spread;
@@ -233,7 +242,7 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
 
 // The same for more roots where one rank is lost: to where the curve's term of the order before theirs vanishes.
 PART double recentred(const Local& at, const Valley& valley, int many, Number (&q)[6]) {
-    double y[5], t = -valley.value[0][many - 1] / (many * valley.value[0][many]);
+    double y[5], t = -valley.value[many - 1] / (many * valley.value[many]);
     const double size = abs(t);
     if (!(size < __builtin_inf())) return size;
     t = copysign(min(size, LONGEST_MOVE), t);
@@ -244,6 +253,18 @@ PART double recentred(const Local& at, const Valley& valley, int many, Number (&
         q[j] = q[j] + d;
     }
     return size;
+}
+
+// The two roots of g_t + A_tt t + H_t,tt t^2 / 2 = 0 lead to two real members.
+PART void set_members(const Local& at, const Region& ball, int many, Cluster& out) {
+    const double A = at.A[5][5].re, H = at.H[5][5][5].re, square_root = A * A - 2.0 * H * at.g[5].re;
+    out.starts = many == 2 && square_root > 0.0 ? 2 : 0;
+    // On the real line the quadratic stays -square_root / (2 H) away from zero.
+    out.apart = many == 2 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
+    for (int i = 0; i < out.starts; ++i) {
+        const double t = ((i ? -1.0 : 1.0) * sqrt(square_root) - A) / H;
+        for (int k = 0; k < 6; ++k) out.start[i][k] = wrap(wrap(at.q[k].re) + t * at.J.right[5][k].re);
+    }
 }
 
 // A cluster of 2^lost roots near the candidate q, or of more where one rank is lost and q is real. Returns whether one is proven.
@@ -298,15 +319,7 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int 
         out.q[k] = at.q[k];
         for (int j = 0; j < 6; ++j) out.direction[k][j] = at.J.right[k][j];
     }
-    // The two roots of g_t + A_tt t + H_t,tt t^2 / 2 = 0 lead to two real members.
-    const double A = at.A[5][5].re, H = at.H[5][5][5].re, square_root = A * A - 2.0 * H * at.g[5].re;
-    out.starts = many == 2 && square_root > 0.0 ? 2 : 0;
-    // On the real line the quadratic stays -square_root / (2 H) away from zero.
-    out.apart = many == 2 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
-    for (int i = 0; i < out.starts; ++i) {
-        const double t = ((i ? -1.0 : 1.0) * sqrt(square_root) - A) / H;
-        for (int k = 0; k < 6; ++k) out.start[i][k] = wrap(wrap(at.q[k].re) + t * at.J.right[5][k].re);
-    }
+    set_members(at, ball, many, out);
     out.along = ball.along, out.larger_along = ball.largest_along;
     out.lost = lost, out.many = many, out.blurred = ball.blurred;
     return true;

@@ -148,6 +148,16 @@ std::vector<Follower::Cut> Follower::crossed(const std::vector<Piece>& pieces) c
     return out;
 }
 
+template <class Run> static void join_first_to_last(std::vector<Run>& runs, double turns) {
+    Run& back = runs.back();
+    for (std::size_t i = 1; i < runs.front().samples.size(); ++i) {
+        back.samples.push_back(runs.front().samples[i]);
+        back.samples.back().value += turns;
+    }
+    back.why[1] = runs.front().why[1], back.joint[1] = runs.front().joint[1];
+    runs.erase(runs.begin());
+}
+
 void Follower::keep_inside(const Piece& piece, const Cut& cut, long pose, Intervals& to) const {
     const std::vector<CurveSample>& fine = cut.fine;
     std::vector<Run> runs;
@@ -200,13 +210,7 @@ void Follower::keep_inside(const Piece& piece, const Cut& cut, long pose, Interv
     const double turns = piece.samples.back().value - piece.samples.front().value;
     // On a closed curve, join the last run to the first if both touch the sample at which the curve was opened.
     if (piece.closed && runs.size() > 1 && runs.front().why[0] == EndOf::nothing && runs.back().why[1] == EndOf::nothing) {
-        Run& back = runs.back();
-        for (std::size_t i = 1; i < runs.front().samples.size(); ++i) {
-            back.samples.push_back(runs.front().samples[i]);
-            back.samples.back().value += turns;
-        }
-        back.why[1] = runs.front().why[1], back.joint[1] = runs.front().joint[1];
-        runs.erase(runs.begin());
+        join_first_to_last(runs, turns);
     }
     for (Run& run : runs) {
         for (const Run& part : by_turns(std::move(run))) {
