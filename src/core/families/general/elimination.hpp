@@ -35,7 +35,8 @@ inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
-// Attempts at continuation, each from another known pose; and starts all over the joint space if none of them decides.
+// Attempts at continuation, each from another known pose; and starts all over the joint space of an arm with slides if none of them
+// decides.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
 // ---- one variant of the elimination ------------------------------------------------------------------------------------
@@ -230,7 +231,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
     return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }
 
-// ---- starts where nothing else helps ---------------------------------------------------------------------------------------
+// ---- starts where nothing else helps, of an arm with slides -------------------------------------------------------------------
 
 // Newton's method from starts all over the joint space.
 PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
@@ -248,8 +249,7 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
-// Elimination, then continuation, then starts all over the joint space if doubts remain. Returns whether it is certain that no
-// solution is missing.
+// Elimination, then continuation if doubts remain. Returns whether it is certain that no solution is missing.
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Eliminant own, other;
     const bool alike = !arm.counter_apart, counting = counts(arm.counter);
@@ -286,8 +286,7 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
         search.precisely |= search.provable;
         settled |= all == Arrived::settled;
     }
-    search_all_over(arm, goal, search);
-    return count();
+    return false;
 }
 
 // Certifies the solutions that are there.
@@ -332,7 +331,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     certify_columns(search);
-    bool certain = find_all(arm, goal, search);
+    const bool certain = find_all(arm, goal, search);
     if (search.counted() || search.by_zeros) return keep_counted(arm, goal, search, account);
     account = search.account;
     if (search.on_curve) {
@@ -350,15 +349,13 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     if (columns.count() == 0 && search.error < NEARLY) {
         if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
             keep(columns, 0, search.best, OTHER);
-            certain = false;
         }
     }
-    // If solutions are missing or in doubt, they may be next to a singular solution.
-    if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
-    // Complex solutions of real equations come in pairs, and so real ones do: an odd number lacks one, double roots
-    // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
-    // ones.
-    if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? NEAR_FOLD : IN_A_VALLEY, columns);
+    // The referee, which lists all solutions, does not know slides.
+    if (arm.any_slide && !(certain && search.all_known)) {
+        search_all_over(arm, goal, search);
+        search_beside_folds(arm.written, goal, columns);
+    }
     if (search.certifies && holds_curve(arm, goal, search)) return Status::continuum;
     return Status::incomplete;
 }

@@ -81,8 +81,6 @@ struct HollowWrist {
             search.front = ideal.signs[0][2 * pair], search.up = ideal.signs[1][2 * pair];
             scan(search);
         }
-        // Beside a nearly singular solution joints 1 and 4 turn far against one another while the pose hardly changes.
-        walk_valleys(driven(arm.written), goal, NEAR, columns);
         finish(arm.written, columns);
         // A scan cannot prove that its result is complete.
         set_status(columns.flags[0], Status::incomplete);
