@@ -301,7 +301,11 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
                 // Newton's method went on to the solution of another zero.
                 continue;
             }
-            clustered |= !zero.certified || (owned >> b & 1);
+            if (!zero.certified || owned >> b & 1) {
+                clustered = true;
+                // A representative of several solutions is singular to rounding.
+                if (zero.least < HALF_OF_THE_DIGITS && !(columns.flags[b] & SINGULAR)) columns.flags[b] |= OTHER;
+            }
             owned |= 1u << b, regular |= unsigned(zero.certified) << b;
         }
     }
