@@ -25,7 +25,10 @@ PAGES = {
     ),
     "paths": ("Paths", ("line", "arc", "polyline", "read_waypoints", "Plan")),
     "redundancy": ("Redundancy", ("Interval", "Intervals", "Region")),
-    "tables": ("Tables and comparisons", ("DHTable", "compare", "compare_many", "Comparison", "freeze", "compile")),
+    "tables": (
+        "Tables and comparisons",
+        ("DHTable", "compare", "compare_many", "Comparison", "freeze", "Lock", "compile"),
+    ),
     "calibrations": ("Calibration", ("calibrate", "Calibration")),
 }
 ROOMS = {

@@ -19,7 +19,7 @@ import pytest
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
-    from urdf_ik.verify.baselines import Baseline, Verification
+    from urdf_ik.verify.baselines import Lock, Verification
     from urdf_ik.verify.crosscheck import CrossCheck
 
 MARK = "urdf"
@@ -87,7 +87,7 @@ def arm(_urdf_ik_given: _Given) -> Arm:
 
 
 @pytest.fixture(scope="session")
-def arm_lock(_urdf_ik_given: _Given) -> Baseline:
+def arm_lock(_urdf_ik_given: _Given) -> Lock:
     """The lock of the arm of ``--urdf``; with ``--urdf-no-lock`` a test is skipped where there is none."""
     lock = _urdf_ik_given.lock
     if lock is None:
@@ -138,7 +138,7 @@ class _Given:
         return urdf_ik.load(self._source, base=base, tip=tip, locked=locked)
 
     @cached_property
-    def lock(self) -> Baseline | None:
+    def lock(self) -> Lock | None:
         """The lock, written first where it is missing and ``--urdf-freeze`` was given; None with ``--urdf-no-lock``.
 
         Raises:
@@ -162,10 +162,10 @@ class _Given:
         """What of the lock holds; None without a lock."""
         return None if self.lock is None else self.lock.verify(self.arm)
 
-    def _read(self) -> Baseline:
-        from urdf_ik.verify.baselines import Baseline
+    def _read(self) -> Lock:
+        from urdf_ik.verify.baselines import Lock
 
-        return Baseline.load(self.lock_path)
+        return Lock.load(self.lock_path)
 
 
 class _CheckedArm(pytest.Collector):
@@ -245,7 +245,7 @@ class _CheckedArm(pytest.Collector):
                 *(f"  {line}" for line in summed(wrong)),
                 *replays(wrong),
                 f"with: arm = urdf_ik.load({given.source!r}, {report.arm.base!r}, {report.arm.tip!r})",
-                f"      lock = urdf_ik.verify.baselines.Baseline.load({str(given.lock_path)!r})",
+                f"      lock = urdf_ik.verify.baselines.Lock.load({str(given.lock_path)!r})",
                 f"if that is meant: urdf-ik verify {given.source} {given.lock_path.name} --update",
             ]
             raise _Disagrees("\n".join(lines))

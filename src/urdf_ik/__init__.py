@@ -38,7 +38,7 @@ _PUBLIC = {
     "kinematics.structure": ("Structure",),
     "model.poses": ("pose",),
     "paths": ("Plan", "arc", "line", "polyline", "read_waypoints"),
-    "verify.baselines": ("freeze",),
+    "verify.baselines": ("Lock", "freeze"),
     "verify.comparison": ("Comparison", "compare"),
     "verify.many_arms": ("compare_many",),
 }
@@ -52,4 +52,5 @@ __getattr__ = attributes(__name__, {name: module for module, names in _PUBLIC.it
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+    rooms = ("calibration", "interop", "jax", "maps", "show", "torch", "verify")
+    return [*__all__, *rooms, "__version__"]

@@ -41,6 +41,7 @@ from urdf_ik.paths import arc as arc
 from urdf_ik.paths import line as line
 from urdf_ik.paths import polyline as polyline
 from urdf_ik.paths import read_waypoints as read_waypoints
+from urdf_ik.verify.baselines import Lock as Lock
 from urdf_ik.verify.baselines import freeze as freeze
 from urdf_ik.verify.comparison import Comparison as Comparison
 from urdf_ik.verify.comparison import compare as compare

@@ -248,6 +248,16 @@ def test_out_of_reach(kind: str) -> None:
     assert arm.explain(far) == arm.explain(far, arm.redundancy.default)
 
 
+def test_none_inside_the_limits_is_said_of_one_value() -> None:
+    """A posture of a Panda that needs another value of joint 7: the words name the joint and where to look."""
+    arm, rng = urdf_ik.load("panda"), np.random.default_rng(0)
+    planted = (q for q in rng.uniform(*arm.limits.T, (60, 7)))
+    q = next(q for q in planted if (s := arm.ik(arm.fk(q))).count and not s.within_limits().count)
+    words = arm.ik(arm.fk(q)).within_limits().explain()
+    assert "at this value of 'panda_joint7', none inside the joint limits" in words and "arm.intervals(T)" in words
+    assert arm.ik(arm.fk(q), redundancy=q[6]).within_limits().count
+
+
 @pytest.mark.parametrize(("joint", "given"), [(1, "joint_1"), (7, "joint_7")])
 def test_a_lift(joint: int, given: str) -> None:
     """A sliding first or last joint is the parameter, in metres; its range is the joint's limits."""

@@ -29,6 +29,7 @@ def answer_of(code: str) -> object:
 def test_every_exported_name_exists_once() -> None:
     """The stable names are there, and each name has a docstring where it is a class or function."""
     assert len(set(urdf_ik.__all__)) == len(urdf_ik.__all__) and set(PROMISED) <= set(urdf_ik.__all__)
+    assert {"calibration", "maps", "show", "verify", *urdf_ik.__all__} <= set(dir(urdf_ik))
     for name in urdf_ik.__all__:
         exported = getattr(urdf_ik, name)
         assert not name.startswith("_") or name == "__version__"

@@ -81,7 +81,7 @@ def test_another_mechanism_stays_another() -> None:
     found = compare(a, b, n=5, ignore=SHAPES, align=True)
     assert {difference.kind for difference in found.differences} == {"kinematics"}
     assert found.tool is not None and 1e-4 < found.tool.position[2] < 3e-3
-    assert "after aligning, the tips are at most" in found.verdict()
+    assert found.verdict().startswith("after aligning, the tips are ")
     assert "aligned first: B in the conventions of A" in str(found)
     assert compare(a, b, n=5, ignore=SHAPES, align=True, tolerance_mm=5.0, tolerance_deg=1.0).same
 

@@ -19,7 +19,7 @@ from urdf_ik.arm import Arm
 from urdf_ik.cli import app
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.model import catalogue
-from urdf_ik.verify.baselines import SIZE, Baseline
+from urdf_ik.verify.baselines import SIZE, Lock
 from urdf_ik.verify.description import described
 from urdf_ik.verify.differences import differences
 
@@ -37,7 +37,7 @@ def hold(arm: Arm) -> None:
 
     ``compare`` says the same of each.
     """
-    lock = Baseline.from_text(urdf_ik.freeze(arm, collisions=False).to_text())
+    lock = Lock.from_text(urdf_ik.freeze(arm, collisions=False).to_text())
     assert lock.verify(arm).passed
     for mutant in mutants(arm):
         changed = again(arm, mutant.xml)
@@ -92,7 +92,7 @@ def test_a_lock_file_reads_back_and_diffs_well(tmp_path: Path) -> None:
     lock = urdf_ik.freeze(urdf_ik.load(ARM))
     lock.save(tmp_path / "arm.lock.json")
     text = (tmp_path / "arm.lock.json").read_text()
-    assert Baseline.load(tmp_path / "arm.lock.json") == lock
+    assert Lock.load(tmp_path / "arm.lock.json") == lock
     assert len(text) <= SIZE
     assert text == urdf_ik.freeze(urdf_ik.load(ARM)).to_text()
     data = json.loads(text)
@@ -117,9 +117,9 @@ def test_another_instruction_set_has_the_same_answers(isa: str, tmp_path: Path) 
     for name in names:
         urdf_ik.freeze(urdf_ik.load(name)).save(tmp_path / f"{name}.lock.json")
     code = (
-        "import sys, urdf_ik\nfrom urdf_ik.verify.baselines import Baseline\n"
+        "import sys, urdf_ik\nfrom urdf_ik.verify.baselines import Lock\n"
         "for name in sys.argv[1:]:\n"
-        "    found = Baseline.load(f'{name}.lock.json').verify(urdf_ik.load(name))\n"
+        "    found = Lock.load(f'{name}.lock.json').verify(urdf_ik.load(name))\n"
         "    assert found.passed, found"
     )
     environment = {**os.environ, "URDF_IK_ISA": isa}
@@ -164,7 +164,7 @@ def test_a_solver_that_loses_gains_renames_or_reorders() -> None:
         "": tuple(answer.__class__(answer.q, "x", *_rest(answer)) for answer in reversed(first.answers)),
     }
     for words, answers in changed.items():
-        held = Baseline(lock.arm, lock.planted, (first.__class__(first.kind, first.T, (), answers), *lock.poses[1:]))
+        held = Lock(lock.arm, lock.planted, (first.__class__(first.kind, first.T, (), answers), *lock.poses[1:]))
         found = held.verify(arm)
         # What the lock has too much was lost since, and the other way round.
         expected = {"lost": "gained", "gained": "lost", "": ""}[words]
@@ -182,7 +182,7 @@ def test_pairs_that_an_srdf_allows_to_touch_are_kept(tmp_path: Path) -> None:
     srdf = f'<robot name="any"><disable_collisions link1="{second}" link2="{first}" reason="Never"/></robot>'.encode()
     lock = urdf_ik.freeze(urdf_ik.load("zyyzyz_6r", srdf=srdf), collisions=False)
     lock.save(tmp_path / "arm.lock.json")
-    lock = Baseline.load(tmp_path / "arm.lock.json")
+    lock = Lock.load(tmp_path / "arm.lock.json")
     assert lock.arm.allowed == ((first, second),)
     assert lock.verify(urdf_ik.load("zyyzyz_6r", srdf=srdf)).passed
     lost = lock.verify(urdf_ik.load("zyyzyz_6r"))
@@ -233,7 +233,7 @@ def test_a_robot_whose_repository_moved_is_said_with_both_commits(
         assert locks[-1].origin is not None
         assert (locks[-1].origin.repository, locks[-1].origin.commit) == (address, commits[-1])
         assert locks[-1].origin.sha256 == hashlib.sha256(content.encode()).hexdigest()
-    lock = Baseline.from_text(locks[0].to_text())
+    lock = Lock.from_text(locks[0].to_text())
     assert lock == locks[0]
     found = lock.verify(urdf_ik.load(file))
     (note,) = (note for note in found.notes if "the file was" in note)
@@ -254,7 +254,7 @@ def test_a_robot_whose_repository_moved_is_said_with_both_commits(
 def test_what_is_no_lock_file_is_refused(text: str, match: str) -> None:
     """Whatever the text is."""
     with pytest.raises(ArgumentError, match=match):
-        Baseline.from_text(text)
+        Lock.from_text(text)
 
 
 def test_a_damaged_lock_file_is_refused() -> None:
@@ -268,9 +268,9 @@ def test_a_damaged_lock_file_is_refused() -> None:
     ):
         kept = place.pop(key)
         with pytest.raises(ArgumentError, match="damaged"):
-            Baseline.from_text(json.dumps(data))
+            Lock.from_text(json.dumps(data))
         place[key] = kept
-    assert Baseline.from_text(json.dumps(data)).arm.robot == "planar_2r"
+    assert Lock.from_text(json.dumps(data)).arm.robot == "planar_2r"
 
 
 def test_the_commands_freeze_verify_and_update(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

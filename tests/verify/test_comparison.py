@@ -86,7 +86,7 @@ def test_a_tool_moved_by_3_mm_is_3_mm_off_everywhere() -> None:
     np.testing.assert_allclose(found.tool.rotation, 0.0, atol=1e-9)
     assert found.tip == pytest.approx((0.003, 0.0), abs=1e-9)
     assert max(change.distance for change in found.axes) < 1e-9
-    assert re.search(r"position \[mm\] +3 +3 +3$", str(found.sections()[-1]), re.MULTILINE)
+    assert re.search(r"position \[mm\] +3 +3 +3$", str(found.sections()[0]), re.MULTILINE)
 
 
 def test_a_tool_turned_by_2_degrees_is_2_degrees_off() -> None:

@@ -122,7 +122,9 @@ def test_limits_errors_and_odd_answers() -> None:
     def raises(T: Any) -> Any:
         raise RuntimeError("no")
 
-    assert {each.fault for each in judge(PUMA, raises, n=1).faults} == {"failed"}
+    failed = judge(PUMA, raises, n=1)
+    assert {each.fault for each in failed.faults} == {"failed"}
+    assert 'raise RuntimeError("no")' in str(failed) and "self._solve" not in str(failed)
     for odd in (np.zeros((2, 5)), "text", np.zeros(()), object()):
         assert {each.fault for each in judge(PUMA, lambda T, odd=odd: odd, n=1).faults} == {"failed"}
     for nothing in (None, [], np.full((8, 6), np.nan)):

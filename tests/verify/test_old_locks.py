@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import urdf_ik
-from urdf_ik.verify.baselines import Baseline
+from urdf_ik.verify.baselines import Lock
 
 LOCKS = Path(__file__).parent.parent / "goldens" / "locks"
 
@@ -21,7 +21,7 @@ def test_an_old_lock_verifies_and_is_written_the_same(path: Path) -> None:
     """Every pose has the solutions of then, and the lock is written as the same text."""
     name = path.name.removesuffix(".lock.json")
     urdf = path.with_name(f"{name}.urdf")
-    lock = Baseline.load(path)
+    lock = Lock.load(path)
     found = lock.verify(urdf_ik.load(urdf if urdf.is_file() else name))
     assert found.passed and found.poses == len(lock.poses), found
     assert all(note.startswith("contacts were not checked: no collision shapes") for note in found.notes), found

@@ -1,6 +1,7 @@
 """The models of robot_descriptions, which that package downloads at first use."""
 
 import contextlib
+import io
 import os
 import sys
 from collections.abc import Mapping
@@ -75,13 +76,15 @@ def fetch(model: str, instead: str) -> tuple[Path, tuple[Path, ...], Mapping[str
         ArgumentError: they cannot be downloaded, or hold nothing that can be read.
     """
     try:
-        with contextlib.redirect_stdout(sys.stderr):
+        if not is_here(model):
+            print(f"downloading {model} from {repository_of(model)}", file=sys.stderr)
+        with contextlib.redirect_stdout(sys.stderr), contextlib.redirect_stderr(io.StringIO()):  # bars of the clone
             module = import_module(f"robot_descriptions.{model}")
     except Exception as error:  # git's own errors, and those of an installation without git
         said = " ".join(str(getattr(error, "stderr", "") or error).split()).removeprefix("stderr: ")
         raise ArgumentError(
-            f"{model!r} is not on this machine, and robot_descriptions could not download it: {said[:300]}; "
-            f"without a network: {instead}"
+            f"{model!r} is not on this machine, and robot_descriptions could not download it; without a network give a "
+            f"file: urdf-ik info arm.urdf ({instead}). Git said: {said[:300]}"
         ) from None
     for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
         if path := getattr(module, attribute, None):

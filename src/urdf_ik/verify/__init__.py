@@ -6,12 +6,12 @@ One vocabulary: a *reference* is Pinocchio, a second solver, a lock file or anot
 
 from urdf_ik.support.lazy import attributes
 
-__all__ = ["Baseline", "ProofCheck", "Verification", "check_proof", "compare", "compare_many", "freeze", "judge"]
+__all__ = ["Lock", "ProofCheck", "Verification", "check_proof", "compare", "compare_many", "freeze", "judge"]
 
 __getattr__ = attributes(
     __name__,
     {
-        "Baseline": "baselines",
+        "Lock": "baselines",
         "ProofCheck": "proof",
         "Verification": "baselines",
         "check_proof": "proof",

@@ -87,7 +87,7 @@ def freeze(
     seed: int = _SEED,
     collisions: str | bool = True,
     progress: Progress | None = None,
-) -> Baseline:
+) -> Lock:
     """An arm's answers of today, to be compared with those of tomorrow.
 
     Kept are joints, axes, limits, shapes, Pinocchio's pose at 20 joint vectors, and every solution of 50 poses: random
@@ -124,7 +124,7 @@ def freeze(
 
     made_by = (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
     origin = origin_of(arm.model.path, arm.model.sha256)
-    baseline = Baseline(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by, origin)
+    baseline = Lock(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by, origin)
     asked = [(kind, reference.pose(q), sampling.redundancy_at(arm, q)) for kind, q in vectors.items()]
     watch, total = Watch(None, progress), len(own) + sum(len(T) for _, T, _ in asked)
     solved: list[Pose] = []
@@ -146,7 +146,7 @@ def freeze(
 
 
 @dataclass(frozen=True)
-class Baseline:
+class Lock:
     """An arm and its answers as they were: what :func:`urdf_ik.freeze` makes and a lock file holds.
 
     Attributes:
@@ -161,9 +161,9 @@ class Baseline:
         >>> import urdf_ik
         >>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))
         >>> lock
-        <Baseline of planar_2r, base_link to tool0: 50 poses, ... solutions>
+        <Lock of planar_2r, base_link to tool0: 50 poses, ... solutions>
         >>> lock.save("arm.lock.json")
-        >>> Baseline.load("arm.lock.json") == lock
+        >>> Lock.load("arm.lock.json") == lock
         True
     """
 
@@ -177,7 +177,7 @@ class Baseline:
     def __repr__(self) -> str:
         count = _count(self.poses)
         contacts = f", contacts {self.contacts}" if self.contacts else ""
-        return f"<Baseline of {self.arm.title}: {len(self.poses)} poses, {count} solutions{contacts}>"
+        return f"<Lock of {self.arm.title}: {len(self.poses)} poses, {count} solutions{contacts}>"
 
     def verify(
         self,
@@ -233,7 +233,7 @@ class Baseline:
             except UnsupportedArm as error:
                 if self.poses:
                     differing.append(Difference("solutions", "", f"the arm cannot be solved any more: {error}"))
-            differing += _solutions(self, solved, arm, order, tolerance)
+            differing += _solutions(self, solved, arm, order, tolerance, notes)
         unlooked = ""
         if watch.is_over and len(solved) < len(self.poses):
             unlooked = watch.ended(f"with {len(solved)} of {len(self.poses)} poses: the others were")
@@ -269,7 +269,7 @@ class Baseline:
         files.write(path, self.to_text().encode())
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Baseline:
+    def load(cls, path: str | os.PathLike[str]) -> Lock:
         """Read a lock file.
 
         Raises:
@@ -278,7 +278,7 @@ class Baseline:
         return cls.from_text(files.read(path).decode("utf-8", "replace"), files.name_of(path))
 
     @classmethod
-    def from_text(cls, text: str, name: str = "the text") -> Baseline:
+    def from_text(cls, text: str, name: str = "the text") -> Lock:
         """The baseline of a lock file's text.
 
         Raises:
@@ -384,9 +384,7 @@ class Verification(Report):
         """The number of differences, poses and solutions."""
         count, (then, now) = len(self.differences), self.solutions
         words = counted(count, "difference") if count else "no difference"
-        differing = any(difference.kind == "solutions" for difference in (*self.differences, *self.ignored))
-        rest = " (those of one side only are within rounding of a singularity)" if then != now and not differing else ""
-        return f"{words}; {self.poses} poses, {then} solutions then, {now} now{rest}"
+        return f"{words}; {self.poses} poses, {then} solutions then, {now} now"
 
 
 def _count(poses: Iterable[Pose]) -> int:
@@ -398,9 +396,7 @@ def replays(differing: Iterable[Difference]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(f"replay: {difference.replay}" for difference in differing if difference.replay))
 
 
-def _planted(
-    baseline: Baseline, reference: Reference, order: tuple[int, ...], tolerance: Tolerance
-) -> list[Difference]:
+def _planted(baseline: Lock, reference: Reference, order: tuple[int, ...], tolerance: Tolerance) -> list[Difference]:
     """Pinocchio's poses at the baseline's joint vectors, the worst one."""
     worst = (0.0, 0.0, 0.0, -1)
     # Small changes of every joint add up.
@@ -420,7 +416,7 @@ def _planted(
 
 
 def _solved_today(
-    baseline: Baseline, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], watch: Watch
+    baseline: Lock, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], watch: Watch
 ) -> dict[int, Pose]:
     """Today's answers to the poses of the baseline by their numbers, joints in its order; as many as time allows."""
     shapes = None
@@ -464,10 +460,10 @@ _WORDS = {
 
 
 def _solutions(
-    baseline: Baseline, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance
+    baseline: Lock, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance, notes: list[str]
 ) -> list[Difference]:
-    """Differences of the solutions at the poses that were solved today."""
-    changes: dict[str, list[tuple[int, str]]] = {what: [] for what in _WORDS}
+    """Differences of the solutions at the poses that were solved today; a note says what was not counted."""
+    changes: dict[str, list[tuple[int, str]]] = {what: [] for what in (*_WORDS, "fold")}
     moves: list[tuple[float, int, int]] = []
     distance, angle = greatest_change(baseline.arm, described(arm, shapes=False))
     size = max(arm.cell.reference.size, 1e-300)
@@ -486,7 +482,9 @@ def _solutions(
             words = f"{len(moves)} solutions have other joint values, {name} by up to {far} at pose {index}"
             sizes = (gap, 0.0) if slides else (0.0, gap)
             out.append(Difference("solutions", "", words, *sizes, replay=_replay(index)))
-        if places:
+        if places and what == "fold":
+            notes.append(f"not counted, being within rounding of a singularity: {_places(places)}")
+        elif places:
             kind, words = _WORDS[what]
             out.append(Difference(kind, "", f"{words}: {_places(places)}", replay=_replay(places[0][0])))
     return out
@@ -546,9 +544,9 @@ class _Same:
                 near = far[i, k] <= room[i] or free or self._is_fragile(then.q[i])
                 if not near and not self._one_root(then.q[i], now.q[k]):
                     moves.append((float(far[i, k]), index, int(np.argmax(gaps[i, k]))))
-        yield from (("lost", a.branch) for i, a in enumerate(before) if i not in paired and self._is_missed(a, now))
-        mine = set(paired.values())
-        yield from (("gained", a.branch) for k, a in enumerate(after) if k not in mine and self._is_missed(a, then))
+        alone = [("lost", a, now) for i, a in enumerate(before) if i not in paired]
+        alone += [("gained", a, then) for k, a in enumerate(after) if k not in set(paired.values())]
+        yield from ((what if self._is_missed(a, others) else "fold", a.branch) for what, a, others in alone)
         for i, k in paired.items():
             old, new, gap = before[i], after[k], np.array(before[i].q)[:, None] - self.limits
             # Beside a limit, modulo full turns, rounding decides.

@@ -121,8 +121,11 @@ def compare(
         notes += _cautions(a, b)
         reach = [answers[0].reach("A"), answers[1].reach("B")]
         if own is not None and len(own):
-            reach.append(_answers(a, b, own).reach("you"))
-    tried = answers[0].a.q[answers[0].a.valid] if answers else vectors
+            answers.append(_answers(a, b, own))
+            reach.append(answers[2].reach("you"))
+    # The tool error counts where the arm is going to be used: at poses of the caller's, if there are any.
+    found = [each.a for each in (*answers[2:], *answers[:1]) if each.a.valid.any()]
+    tried = found[0].q[found[0].valid] if found else vectors
     axes = () if order is None else _axes(a, b, order)
     signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
     differing = differences(described(a), described(b), tolerance, frames=not align)
@@ -532,12 +535,12 @@ class Comparison(Report):
         return "\n".join(f"{letter}: {side.robot}, {side.base} to {side.tip} ({side.source})" for letter, side in sides)
 
     def sections(self) -> tuple[Section, ...]:
-        """The tables: structure, frames, reach, branches, tool error."""
+        """The tables: tool error, structure, frames, reach, branches."""
         tables = [] if self.alignment is None else [_alignment_table(self, self.alignment)]
+        tables += [_tool_table(self.tool)] if self.tool is not None else []
         tables += [_structure_table(self), _frames_table(self)]
         tables += [_reach_table(self)] if self.reach else []
         tables += [_branches_table(self)] if self.branches else []
-        tables += [_tool_table(self.tool)] if self.tool is not None else []
         return tuple(tables)
 
     def lines(self) -> tuple[str, ...]:
@@ -545,13 +548,16 @@ class Comparison(Report):
         return (*summed(self.differences), *(f"not compared: {note}" for note in self.notes))
 
     def summary(self) -> str:
-        """The number of differences."""
+        """How far the tips are apart, and the number of differences."""
         count = len(self.differences)
         words = f"{count} difference{'' if count == 1 else 's'}" if count else "same to rounding"
-        if self.alignment is None or self.tool is None:
+        matters = count and self.tool is not None and self.tool.position[2] > DEFAULT.distance
+        if self.tool is None or not (matters or self.alignment is not None):
             return words
-        apart = f"{_mm(self.tool.position[2])} mm and {_deg(self.tool.rotation[2])} deg apart"
-        return f"after aligning, the tips are at most {apart}; {words}"
+        (median, _, worst), angle = self.tool.position, self.tool.rotation[2]
+        after = "after aligning, " if self.alignment is not None else ""
+        apart = f"{_mm(median)} mm apart in the median, at most {_mm(worst)} mm and {_deg(angle)} deg"
+        return f"{after}the tips are {apart}; {words}"
 
     def verdict(self) -> str:
         """In a line, whether they differ."""

@@ -9,6 +9,7 @@ True
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable
 from dataclasses import astuple, dataclass
 from itertools import product
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import pose_errors
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, UrdfIkError
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, difference
 from urdf_ik.support.report import Report
@@ -176,6 +177,7 @@ class _Judged:
 
     def __init__(self, arm: Arm, solve: Solve, tolerance: float, within_limits: bool) -> None:
         self.faults: list[Fault] = []
+        self._traced = False
         self._arm, self._solve, self._reference = arm, solve, arm.cell.reference
         self._tolerance, self._within = tolerance, within_limits
         six = arm.dof == 6 and arm.structure.is_6r
@@ -196,7 +198,11 @@ class _Judged:
             found, approximate = _read(self._solve(T.copy()), self._arm.dof)
             errors = self._errors(found, T)
         except Exception as error:  # whatever a foreign solver raises is its fault
-            self._add(FAILED, index, (), f"{type(error).__name__}: {error}")
+            words = f"{type(error).__name__}: {error}"
+            if not self._traced and error.__traceback__ is not None and not isinstance(error, UrdfIkError):
+                frames = traceback.format_exception(type(error), error, error.__traceback__.tb_next)
+                words, self._traced = "".join(frames).rstrip(), True
+            self._add(FAILED, index, (), words)
             return
         claimed, right = ~approximate | (errors <= self._tolerance), errors <= self._tolerance
         counts.found += int(claimed.sum())

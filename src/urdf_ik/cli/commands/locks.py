@@ -15,7 +15,7 @@ from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ChainError, UrdfIkError
 from urdf_ik.support import files
 from urdf_ik.verify import baselines, review
-from urdf_ik.verify.baselines import Baseline, Verification, lock_beside
+from urdf_ik.verify.baselines import Lock, Verification, lock_beside
 from urdf_ik.verify.differences import Tolerance, ignored
 from urdf_ik.verify.review import VerifiedFile
 
@@ -122,7 +122,7 @@ def verify(
         for robot, path in paths.items():
             result: Verification | UrdfIkError
             try:
-                lock = Baseline.load(path)
+                lock = Lock.load(path)
                 arm = _loaded(replace(chosen, robot=robot), lock)
                 result = lock.verify(
                     arm,
@@ -167,7 +167,7 @@ def _print(done: list[VerifiedFile], printed_as: ReviewFormat) -> None:
         console.write(getattr(review, printed_as)(done))
 
 
-def _loaded(chosen: ArmOptions, lock: Baseline) -> Arm:
+def _loaded(chosen: ArmOptions, lock: Lock) -> Arm:
     """The arm, its base, tip and held joints those of the lock where no option names them."""
     held = [f"{name}={value!r}" for name, value in lock.arm.locked] if chosen.lock is None else chosen.lock
     asked = chosen.base or chosen.tip or chosen.chain

@@ -43,7 +43,10 @@ def explanation(solutions: KeptSolutions) -> str:
         shown = ", ".join(list(there)[:_MOST_ROWS])
         return f"{found} the pose, none with the configuration {written} of {vendor}; there are {shown}"
     if step.how != "collision":
-        return f"{found} the pose, none inside the joint limits; {_out_of_limits(step.parent, step.amount)}"
+        here = f" at this value of {quoted(arm.redundancy.joint)}" if (arm := solutions.arm).redundancy else ""
+        others = "; arm.intervals(T) says which values have solutions inside them" if here else ""
+        outside = _out_of_limits(step.parent, step.amount)
+        return f"{found} the pose{here}, none inside the joint limits; {outside}{others}"
     inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
     near = f" or comes within {step.amount:g} m of one" if step.amount else ""
     return f"{found} the pose{inside}, and every one is in collision{near}{_touching(step)}"
