@@ -133,3 +133,15 @@ def test_orientation_first() -> None:
         reached = case.oracle.pose(answer.x)
         if angle_between(reached[:3, :3], T[:3, :3]) < 1e-7:
             assert np.linalg.norm(reached[:3, 3] - T[:3, 3]) > s.error.position[0] - 1e-6
+
+
+@pytest.mark.parametrize("within_limits", [False, True])
+def test_three_joints_reach_positions_at_folds(within_limits: bool) -> None:
+    """The position of a joint vector is reached to 1e-9, next to folds too, whatever the rotation is."""
+    case = few("3R any", 0)
+    rng = np.random.default_rng(1)
+    places = [case.oracle.pose(q)[:3, 3] for q in drawn(case, 100, seed=1)]
+    T = np.array([urdf_ik.pose(place, rotvec=rng.uniform(-2.0, 2.0, 3)) for place in places])
+    s = case.arm.ik_closest(T, within_limits=within_limits)
+    reached = np.array([case.oracle.pose(q) for q in s.q[:, 0]])
+    assert np.linalg.norm(reached[:, :3, 3] - T[:, :3, 3], axis=1).max() < 1e-9

@@ -112,6 +112,8 @@ def test_the_command(tmp_path: object) -> None:
     said = call(*point, "--axis=x", "--rpy=0,1.57,0").stdout
     assert "position and direction of x" in said
     assert call("ik", path, "--axis=x").exit_code == 2
+    assert "--task position" in call("ik", path, "--xyz=0.22,0.08,0.04").stderr
+    assert "--closest" in call("ik", path, "--xyz=0.22,0.08,0.04", "--rpy=0.5,1,2").stderr
     assert "inside the limits" in " ".join(call("ik", path, "--xyz=-0.05,0.04,0.21", "--task=position").stdout.split())
 
 

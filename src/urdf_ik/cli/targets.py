@@ -220,7 +220,8 @@ def _unit(option: str, values: Array, in_degrees: bool) -> str:
 
 def _of_less(arm: Arm) -> str:
     """How to ask an arm that controls less than a pose."""
-    return "" if arm.task == "pose" else f"; {arm.name} controls its {arm.task}: --task {arm.task.replace(' ', '-')}"
+    own = "" if arm.task == "pose" else f"; {arm.name} controls its {arm.task}: --task {arm.task.replace(' ', '-')}"
+    return own if arm.dof < 3 or arm.task.startswith("planar") else f"{own}; any orientation: --task position"
 
 
 def own_redundancy(arm: Arm, q: Array) -> Array | None:

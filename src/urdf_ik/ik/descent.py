@@ -157,12 +157,14 @@ def descended(wanted: Wanted, q: Array, bounds: Array, place: float, turn: float
     low, high = bounds.T
     todo = np.arange(len(q))
     damping = np.full(len(q), 1e-3)
+    # One part alone falls to zero, and near a fold its gradient does so much sooner.
+    settled = _SETTLED * (1.0 + place**2) if place and turn else _SETTLED * 1e-6
     value, slope, curve = _misfit(_seen(wanted, q), place, turn)
     for _ in range(rounds):
         here = q[todo]
         rests = ((here <= low) & (slope > 0.0)) | ((here >= high) & (slope < 0.0))
         slope_free = np.where(rests, 0.0, slope)
-        moving = np.abs(slope_free).max(axis=1) > _SETTLED * (1.0 + place**2)
+        moving = np.abs(slope_free).max(axis=1) > settled
         if not moving.all():
             if not moving.any():
                 break

@@ -52,7 +52,7 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
         rest = wanted[owner[~good]]
         near = descended(rest, q[~good], bounds, *((_HARD, 1.0) if part == 0 else (1.0, _HARD)), 12)
         again, settled = constrained(rest, near, bounds, first)
-        onto = descended(rest, near, bounds, 1.0 - part, float(part), 8)
+        onto = descended(rest, near, bounds, 1.0 - part, float(part), 40)
         onto = np.where((missed(rest, onto)[part] < _EXACT)[:, None], onto, near)
         q[~good] = np.where(settled[:, None], again, onto)
     off = missed(wanted[owner], q)[part] < _EXACT

@@ -281,4 +281,8 @@ def ik(
     if unsolved := counts.count(0):
         if not table:
             console.say(f"{unsolved} of {len(counts)} poses have no solution")
+        if arm.dof < 6 and asked == "pose" and not nearest_posture.asked:
+            console.say(
+                f"{arm.dof} joints reach few whole poses; the nearest posture: --closest; a part: --task position"
+            )
         raise typer.Exit(Status.FAILED)
