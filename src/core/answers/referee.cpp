@@ -10,10 +10,14 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Axes moved by 1e-16, 115 digits decide every pose of 30 arms that was tried, and 77 nearly all.
 inline constexpr int FEW_LIMBS = 4, MANY_LIMBS = 6;
-// Cuts that are tried with few limbs: what two leave open nearly always wants digits.
-inline constexpr int CUTS = 8, CUTS_WITH_FEW = 2;
-// A pair this far off the circle [rad] has no real joint vector nearby that keeps the pose to CONVERGED.
-inline constexpr double OFF_REAL = 1e-4;
+// Where the chain is cut, and whether it is reversed; those that leave the fewest poses open come first. What two leave open with
+// few limbs nearly always wants digits.
+struct Cut {
+    int first;
+    bool back;
+};
+inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0, true}, {1, false}, {2, true}, {3, false}};
+inline constexpr int ALL_CUTS = 8, CUTS_WITH_FEW = 2;
 // A zero that no joint vector with an error below this belongs to is not resolved [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL.
@@ -38,11 +42,10 @@ template <int L> struct CircleZeros {
     HalfTangent<L> p;
     WideRoot<L> root[ROOTS];
     CircleZero at[ROOTS];
-    int many = 0, first = 0;
-    bool back = false, moved = false;  // the reversed chain; the arm with moved axes
+    int many = 0;
+    Cut cut;
 
-    STEP double near() const { return moved ? NEAR_REAL : OFF_REAL; }
-    STEP int joint(int k) const { return back ? 5 - (first + k) % 6 : (first + k) % 6; }
+    STEP int joint(int k) const { return cut.back ? 5 - (cut.first + k) % 6 : (cut.first + k) % 6; }
 };
 
 // Columns whose solutions have certificates.
@@ -82,15 +85,15 @@ template <int L> PART int column_of_zero(const CircleZeros<L>& zeros, int i, con
 
 // The zeros of one cut. Returns whether all are resolved.
 template <int L>
-PART bool list_zeros(const WidePose<L>& pose, int first, bool back, const Written<6>& arm, const Goal<double>& goal,
+PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& arm, const Goal<double>& goal,
                      const Columns<6>& columns, unsigned certified, CircleZeros<L>& out) {
-    out.first = first, out.back = back, out.many = 0;
-    set_equations(pose, first, out.equations);
+    out.cut = cut, out.many = 0;
+    set_equations(pose, cut.first, out.equations);
     if (!half_tangent_polynomial(out.equations, out.p)) return false;
     roots_of(out.p, out.root);
     for (int i = 0; i < ROOTS; ++i) {
         WideRoot<L>& each = out.root[i];
-        if (each.least > out.near()) continue;
+        if (each.least > NEAR_REAL) continue;
         if (each.together > 1 || !(each.radius < 1e-8)) return false;
         const bool real = abs(each.x.im.leading()) <= each.radius;
         if (!real && each.x.im.negative) continue;
@@ -315,20 +318,18 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         if (weakest_at(arm, goal, columns.row(b)).value > BESIDE_A_ZERO) return Status::incomplete;
         clustered = true;
     }
-    if (!clustered && (!zeros.moved || are_regular(arm, goal, zeros, columns))) return Status::complete;
+    if (!clustered && are_regular(arm, goal, zeros, columns)) return Status::complete;
     if (keep_curve(arm, goal, columns)) return Status::continuum;
     return clustered ? Status::clustered : Status::complete;
 }
 
 template <int L>
-PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts, double nudge) {
-    WidePose<L> pose[2] = {wide_pose<L>(arm, goal, nudge), {}};
-    pose[1] = reversed(pose[0]);
+PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts) {
+    const WidePose<L> pose = wide_pose<L>(arm, goal), back = reversed(pose);
     CircleZeros<L> zeros;
-    zeros.moved = nudge > 0.0;
     const unsigned certified = certified_columns(loop_of(arm, goal), columns);
-    for (int cut = 0; cut < cuts; ++cut) {
-        if (!list_zeros(pose[cut % 2], cut / 2, cut % 2, arm, goal, columns, certified, zeros)) continue;
+    for (int i = 0; i < cuts; ++i) {
+        if (!list_zeros(CUTS[i].back ? back : pose, CUTS[i], arm, goal, columns, certified, zeros)) continue;
         follow_zeros(arm, goal, zeros);
         certify_all_zeros(arm, goal, zeros);
         return status_of_zeros(arm, goal, zeros, columns);
@@ -340,10 +341,8 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     for (const bool slides : arm.slides) {
         if (slides) return Status::incomplete;
     }
-    Status status = Status::incomplete;
-    if (!arm.exact) status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW, 0.0);
-    if (status == Status::incomplete) status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW, NUDGE);
-    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, CUTS, NUDGE);
+    const Status status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW);
+    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, ALL_CUTS);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -85,8 +85,7 @@ template <int L> struct WidePose {
     Frame<Wide<L>> G;
 };
 
-// nudge: how far the axes are moved.
-template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<double>& goal, double nudge) {
+template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<double>& goal) {
     using W = Wide<L>;
     WidePose<L> out;
     const double scale = 1.0 / arm.size;
@@ -103,7 +102,7 @@ template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<d
     out.G.p = out.G.p + out.G.R * centre - centre;
     Scatter generic = Scatter::number(1);
     const auto moved = [&](const Vec<W>& v) {
-        return Vec<W>{v.x + W(nudge * generic.next()), v.y + W(nudge * generic.next()), v.z + W(nudge * generic.next())};
+        return Vec<W>{v.x + W(NUDGE * generic.next()), v.y + W(NUDGE * generic.next()), v.z + W(NUDGE * generic.next())};
     };
     for (auto& [p, d] : out.axis) {
         p = p - centre;
