@@ -130,8 +130,12 @@ template <int L> STEP double square_of(const FixedComplex<L>& a) { return square
 
 // The number with a fixed point that belongs to one with an exponent.
 template <class V> struct FixedFor;
-template <int L> struct FixedFor<Wide<L>> { using type = Fixed<L>; };
-template <int L> struct FixedFor<WideComplex<L>> { using type = FixedComplex<L>; };
+template <int L> struct FixedFor<Wide<L>> {
+    using type = Fixed<L>;
+};
+template <int L> struct FixedFor<WideComplex<L>> {
+    using type = FixedComplex<L>;
+};
 template <class V> using FixedOf = typename FixedFor<V>::type;
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -122,7 +122,7 @@ template <int L> PART bool half_tangent_polynomial(const WideEquations<L>& of, H
     int most = -1000;
     for (const W& each : a) most = larger(most, exponent_of(each));
     for (int j = 0; j <= ROOTS; ++j) out.a[j] = {a[j], most};
-    out.error = 17.0 * (scale * lost + ROUNDINGS * WIDE_UNIT<L>) * power_of_two(-most) + ROUNDINGS * FIXED_UNIT<L>;
+    out.error = 17.0 * (scale * lost + ROUNDINGS * WIDE_UNIT<L>)*power_of_two(-most) + ROUNDINGS * FIXED_UNIT<L>;
     return true;
 }
 

@@ -166,7 +166,7 @@ template <int L> struct WideEquations {
     W factor[NUMBERS][PRODUCTS];  // of the lines that joints a and a + 1 reach, rows and columns permuted
     int row[NUMBERS], column[PRODUCTS];
     Fixed<L> A[6][3][PRODUCTS];  // below one
-    double error;                // of each coefficient
+    double error;  // of each coefficient
 
     STEP const WideLine<W>& axis(int k) const { return pose.axis[(first + k) % 6]; }
     // A line after the inverse turns of joints a + 3, a + 4 and a + 5, and G at its place among them.

@@ -55,8 +55,7 @@ template <class Family> struct Imperfect {
     static PART bool is_proven(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, Known& known,
                                const Columns<6>& columns) {
         const auto& [family, written, elimination, both] = arm;
-        const Certified all =
-            certify_all(family.written, both, family.ideal, goal, seen, {&family, include_branches}, known);
+        const Certified all = certify_all(family.written, both, family.ideal, goal, seen, {&family, include_branches}, known);
         if (known.open) return false;
         for (int b = 0; b < 8; ++b) {
             if (all.found >> b & 1) keep(columns, b, all.q[b], 0);
@@ -90,7 +89,8 @@ template <class Family> struct Imperfect {
         if (by_quartic || off < KEEPS_CURVES) Family::closely(arm.family, goal, seen, reference, columns, 255);
         if (off < KEEPS_CURVES && keep_curve(written, goal, columns)) return set_status(columns.flags[0], Status::continuum);
         if constexpr (!by_quartic) {
-            if (off >= KEEPS_CURVES) keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
+            if (off >= KEEPS_CURVES)
+                keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
         }
         Status status = Status::complete;
         if (off >= CLOSE_BY) status = complete(arm.elimination, goal, columns);
