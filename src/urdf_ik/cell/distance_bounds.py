@@ -279,15 +279,13 @@ class DistanceBounds:
         """(k, A) m that the links are apart at least, by one ball about each shape; may be negative."""
         points, radii = placed.centres, self._bodies.ball_radii
         between = points[:, self._first] - points[:, self._second]
-        out: Array = _length(between) - (radii[self._first] + radii[self._second])
-        return out
+        return _length(between) - (radii[self._first] + radii[self._second])
 
     def links_gaps(self, placed: Placed, rows: Indices, pairs: Indices) -> Array:
         """(e, m, m) m that the balls of the one shape are apart at least from those of the other: of pairs in rows."""
         first, second, radii = self._first[pairs], self._second[pairs], self._bodies.radii
         ones, others = self._bodies.balls(placed, rows, first), self._bodies.balls(placed, rows, second)
-        out: Array = _length(ones[:, :, None] - others[:, None]) - (radii[first, :, None] + radii[second, None])
-        return out
+        return _length(ones[:, :, None] - others[:, None]) - (radii[first, :, None] + radii[second, None])
 
     def links_closest(self, placed: Placed) -> Array:
         """(k, A) m that the links are apart at least, by all balls."""

@@ -120,8 +120,7 @@ def _squared_gaps(points: Array, low: Array, high: Array) -> Array:
     np.maximum(gaps, at - high, out=gaps)
     np.maximum(gaps, 0.0, out=gaps)
     gaps *= gaps
-    out: Array = gaps.sum(axis=1)
-    return out
+    return np.asarray(gaps.sum(axis=1))
 
 
 def cell_codes(centres: Array) -> NDArray[np.uint64]:

@@ -73,8 +73,7 @@ class CheckedSolutions:
         if values is None:
             return None
         turns = np.array([parameter.unit == "rad" for parameter in self.arm.solver.parameters])
-        shown: Array = np.where(turns if len(turns) > 1 else turns[0], self.angles.angle(values), values)
-        return shown
+        return np.where(turns if len(turns) > 1 else turns[0], self.angles.angle(values), values)
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:

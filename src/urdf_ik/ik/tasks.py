@@ -250,8 +250,7 @@ def _turn_to(axis: Array, directions: Array) -> Array:
     # (2 m m' - 1)(2 a a' - 1), number by number, so that a batch has the digits of its members.
     shared = (middle * across).sum(axis=1)[:, None, None]
     flipped = 4.0 * shared * middle[:, :, None] * across - turn - 2.0 * np.outer(across, across)
-    out: Array = np.where(opposite[:, None, None], flipped, turn)
-    return out
+    return np.where(opposite[:, None, None], flipped, turn)
 
 
 def _turned(R: Array, axis: Array, angles: Array) -> Array:
@@ -259,5 +258,4 @@ def _turned(R: Array, axis: Array, angles: Array) -> Array:
     along = np.outer(axis, axis) @ R
     across = np.cross(axis, R, axisa=0, axisb=0, axisc=0)
     s, c = np.sin(angles)[:, None, None], np.cos(angles)[:, None, None]
-    out: Array = along + c * (R - along) + s * across
-    return out
+    return along + c * (R - along) + s * across

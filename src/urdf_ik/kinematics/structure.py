@@ -241,8 +241,7 @@ def meeting_point(points: Vector, directions: Vector) -> Vector:
     across = np.eye(3) - directions[:, :, None] * directions[:, None, :]
     # Relative to one of the points, so that an arm far from its base loses no digits.
     offset = np.einsum("kij,kj->i", across, points - points[0])
-    centre: Vector = points[0] + np.linalg.solve(across.sum(axis=0), offset)
-    return centre
+    return np.asarray(points[0] + np.linalg.solve(across.sum(axis=0), offset))
 
 
 def _pair(chain: Chain, i: int, size: float) -> AxisPair:

@@ -142,8 +142,7 @@ def _ends(
 def _nearest(M: Array) -> Array:
     """The rotation nearest to a matrix (3, 3)."""
     U, _, V = np.linalg.svd(M)
-    out: Array = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
-    return out
+    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V)
 
 
 def _rewritten(b: Arm, found: Alignment) -> Arm:

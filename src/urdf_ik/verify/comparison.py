@@ -220,8 +220,7 @@ def _farthest(arm: Arm, seed: int) -> float:
 def _drawn(arm: Arm, n: int, seed: int) -> Array:
     """Joint vectors (n, dof) within the limits."""
     lower, upper = arm.cell.reference.ranges.T
-    q: Array = np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
-    return q
+    return np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
 
 
 def _answers(a: Arm, b: Arm, T: Array, maker: Arm | None = None, q: Array | None = None) -> _Answers:
@@ -284,8 +283,7 @@ class _Answers:
     def _gap(self, q: Array, other: Array) -> Array:
         """Difference of each joint (..., n), that of an angle on the circle."""
         difference = np.abs(q - other)
-        out: Array = np.where(self.a.rotary, np.abs(shortest(difference)), difference)
-        return out
+        return np.where(self.a.rotary, np.abs(shortest(difference)), difference)
 
 
 def _order(a: Arm, b: Arm) -> tuple[list[int] | None, str]:

@@ -158,8 +158,7 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
 def _draw(reference: Reference, seed: int, index: int) -> Array:
     """Joint vector (n,) of pose ``index``, within the limits or one turn."""
     lower, upper = reference.ranges.T
-    q: Array = np.random.default_rng([seed, index]).uniform(lower, upper)
-    return q
+    return np.asarray(np.random.default_rng([seed, index]).uniform(lower, upper))
 
 
 @dataclass(frozen=True)
@@ -475,8 +474,7 @@ class _Tallies:
 
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n)."""
-        apart: Array = np.abs(difference(a, b, self._reference.prismatic)).max(axis=-1, initial=0.0)
-        return apart
+        return np.asarray(np.abs(difference(a, b, self._reference.prismatic)).max(axis=-1, initial=0.0))
 
     def _sigma_min(self, Q: Array) -> Array:
         """Smallest singular value (...) of the Jacobian at Q (..., n), its linear rows over the arm's size.

@@ -142,8 +142,7 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> Array:
     Raises:
         IndexError: there is no such pose.
     """
-    T: Array = _poses(arm, KINDS[index // n], n, seed)[0][index % n]
-    return T
+    return np.asarray(_poses(arm, KINDS[index // n], n, seed)[0][index % n])
 
 
 def _poses(arm: Arm, kind: str, n: int, seed: int) -> tuple[Array, Array | None, Array | None]:
@@ -238,8 +237,7 @@ class _Judged:
             position, rotation = pose_errors(found, T)
             return np.maximum(position, rotation)
         control = self._arm.solver.control
-        out: Array = np.abs(np.asarray(control.target_of(found)) - control.target_of(T[None])).max(axis=-1)
-        return out
+        return np.asarray(np.abs(np.asarray(control.target_of(found)) - control.target_of(T[None])).max(axis=-1))
 
     def _doubled(self, index: int, good: Array, expected: Array) -> None:
         sigma = least_singular_value(self._arm, good)
@@ -292,8 +290,7 @@ class _Judged:
         return False
 
     def _gaps(self, q: Array, others: Array) -> Array:
-        out: Array = np.abs(difference(others, q, self._reference.prismatic)).max(axis=-1, initial=0.0)
-        return out
+        return np.asarray(np.abs(difference(others, q, self._reference.prismatic)).max(axis=-1, initial=0.0))
 
     def _add(self, fault: str, index: int, q: Any, words: str) -> None:
         counter = "outside" if fault == OUTSIDE else fault

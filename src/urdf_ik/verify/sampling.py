@@ -224,5 +224,4 @@ def least_singular_value(arm: Arm, Q: Array) -> Array:
     """Smallest singular value (...) of the Jacobian at Q (..., n), lengths as shares of the arm's size."""
     J: Array = np.array(arm.jacobian(Q), dtype=np.float64)
     J[..., :3, :] /= arm.chain.size
-    least: Array = np.asarray(np.linalg.svd(J, compute_uv=False)[..., -1], dtype=np.float64)
-    return least
+    return np.asarray(np.linalg.svd(J, compute_uv=False)[..., -1], dtype=np.float64)

@@ -212,8 +212,7 @@ def _moved(h: Array, a: Array, q: Array, point: Array, direction: Array) -> tupl
 def _rotated(h: Array, q: Array, v: Array) -> Array:
     """Vectors v (m, 3) turned by q (m,) about unit h (3,)."""
     along = (v @ h)[:, None] * h
-    turned: Array = along + np.cos(q)[:, None] * (v - along) + np.sin(q)[:, None] * np.cross(h, v)
-    return turned
+    return along + np.cos(q)[:, None] * (v - along) + np.sin(q)[:, None] * np.cross(h, v)
 
 
 def _turned(shift: float) -> Array:

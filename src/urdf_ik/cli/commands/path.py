@@ -264,8 +264,7 @@ def _cost(found: Followed, plan: Plan, angles: Angles) -> float:
 def _room(plan: Plan) -> Array:
     """Distance (m, n) of each joint from its nearer limit [rad or m]."""
     low, high = plan.solver.limits.T
-    room: Array = np.minimum(plan.q - low, high - plan.q)
-    return room
+    return np.asarray(np.minimum(plan.q - low, high - plan.q))
 
 
 def _clearance(plan: Plan) -> float:

@@ -148,8 +148,7 @@ def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> FamilyMem
 
 
 def _tip(chain: Chain, size: float) -> Array:
-    tip: Array = chain.P.sum(axis=0) / size
-    return tip
+    return np.asarray(chain.P.sum(axis=0) / size)
 
 
 def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[Joint]:
@@ -225,8 +224,7 @@ def _conditioning(way: _Way) -> float:
 def turned(v: Array, h: Array, angles: Array) -> Array:
     """Vectors (m, 3), each turned about unit ``h`` (3,) by an angle of (m,)."""
     c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    out: Array = c * v + s * np.cross(h, v) + (1.0 - c) * (v @ h)[:, None] * h
-    return out
+    return c * v + s * np.cross(h, v) + (1.0 - c) * (v @ h)[:, None] * h
 
 
 def _arm(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> Numbers:
@@ -283,5 +281,4 @@ def feet(h: Array, p: Array, k: Array, q: Array) -> tuple[Array, Array]:
 
 def _direction(rng: np.random.Generator) -> Array:
     v = rng.normal(size=3)
-    out: Array = v / np.linalg.norm(v)
-    return out
+    return v / np.linalg.norm(v)

@@ -118,8 +118,7 @@ def _plane(chain: Chain) -> dict[str, Any] | None:
 
 
 def _in_frame(frame: Numbers, point: Array) -> Array:
-    out: Array = frame.base_rotation @ (point - frame.base_origin)
-    return out
+    return np.asarray(frame.base_rotation @ (point - frame.base_origin))
 
 
 def _explain(chain: Chain, arm: Numbers, rotation: Array | None, point: Array) -> str:

@@ -121,8 +121,7 @@ def _swivels(chain: Chain, frames: Numbers, Q: Array) -> Array:
         x = np.array([1.0, 0.0, 0.0]) - along[:, :1] * along
         normal = np.where(on_axis[:, None], x / np.linalg.norm(x, axis=1, keepdims=True), normal)
     across = np.cross(along, normal)
-    swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
-    return swivels
+    return np.asarray(np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1)))
 
 
 def _off(chain: Chain, S: Array, W: Array) -> Array:

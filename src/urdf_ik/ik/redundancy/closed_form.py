@@ -183,8 +183,7 @@ def _breaks(E: Array, bounds: Bounds, shifts: Array) -> Array:
 def _at(abc: Array, wave: tuple[Array, Array]) -> Array:
     """Values (m, elbow, K) of a + b cos s + c sin s, (3, m, elbow), for (cos s, sin s), each (m, elbow, K)."""
     a, b, c = abc[..., None]
-    value: Array = a + b * wave[0] + c * wave[1]
-    return value
+    return np.asarray(a + b * wave[0] + c * wave[1])
 
 
 def _roots(a: Array, b: Array, c: Array) -> Array:
@@ -193,8 +192,7 @@ def _roots(a: Array, b: Array, c: Array) -> Array:
         half = np.arccos(-a / np.hypot(b, c))
     middle = np.arctan2(c, b)
     both = np.stack([middle - half, middle + half], axis=-1)  # within two turns
-    turned: Array = np.minimum(both - TURN * np.ceil(both / TURN - 0.5), np.pi)
-    return turned
+    return np.minimum(both - TURN * np.ceil(both / TURN - 0.5), np.pi)
 
 
 def _assembled(solver: Solver, pose: Columns, rows: _Rows, bounds: Bounds) -> Found:
@@ -241,8 +239,7 @@ def _paired(row: Columns, k: Columns, row_end: Columns, k_end: Columns) -> Colum
     count = np.diff(np.append(start, len(row)))
     late = k_end[start] < k[start]  # the first end belongs to what began before the circle was opened
     place = np.arange(len(row)) - np.repeat(start, count)
-    ends: Columns = k_end[np.repeat(start, count) + (place + np.repeat(late, count)) % np.repeat(count, count)]
-    return ends
+    return np.asarray(k_end[np.repeat(start, count) + (place + np.repeat(late, count)) % np.repeat(count, count)])
 
 
 def sense(solver: Solver, plan: FamilyMember) -> float:

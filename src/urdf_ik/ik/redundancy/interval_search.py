@@ -296,8 +296,7 @@ def _beyond(solver: Solver, plan: FamilyMember, curves: Curves, T: Array, grid: 
 
 def _ends(solver: Solver, why: NDArray[np.intp], joint: NDArray[np.intp]) -> NDArray[np.object_]:
     """Ends (k, 2) as the core gives them: numbers of the cause and of the joint, -1 without one."""
-    ends: NDArray[np.object_] = _table_of_ends(solver.joint_names)[why, joint]
-    return ends
+    return _table_of_ends(solver.joint_names)[why, joint]
 
 
 @lru_cache(maxsize=64)

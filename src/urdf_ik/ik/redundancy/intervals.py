@@ -279,8 +279,7 @@ class Intervals:
     def _at(self, values: Array) -> IKSolutions:
         """The solutions at values, of poses without one at the default."""
         values = np.where(np.isnan(values), self.parameter.default, self.parameter.wrapped(values))
-        solutions: IKSolutions = solve(self.solver, self._T, redundancy=values)
-        return solutions
+        return solve(self.solver, self._T, redundancy=values)
 
     def _interval(self, k: int) -> Interval:
         found = self._found

@@ -226,8 +226,7 @@ def nearest_in_region(
     count = len(solver.parameters)
     at = values.reshape(shape if count == 1 else (*shape, count)) if count else None
     solutions = solve(solver, stack.reshape(*shape, 4, 4), redundancy=at, threads=threads)
-    chosen: IKSolutions = solutions.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
-    return chosen
+    return solutions.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
 
 
 def _placed(solver: Solver, T: Array, q: Array, bounds: Array) -> Array:

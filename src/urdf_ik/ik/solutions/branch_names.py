@@ -42,8 +42,7 @@ def signed(names: NDArray[np.object_], q: Array, singular: NDArray[np.uint8], so
     if (signs := determinant_signs(solver, q)) is None:
         return names
     numbered = np.frompyfunc(lambda name: name.startswith(_LOCAL), 1, 1)(names).astype(bool)
-    out: NDArray[np.object_] = _SIGNS[np.where(numbered & (singular == 0), signs, 0)] + names
-    return out
+    return np.asarray(_SIGNS[np.where(numbered & (singular == 0), signs, 0)] + names)
 
 
 def square(solver: Solver) -> list[int] | None:

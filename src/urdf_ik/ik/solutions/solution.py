@@ -429,14 +429,12 @@ class KeptSolutions(Answer):
     @property
     def _turning(self) -> Array:
         """(n,) turns between images that are the same solution: 0 for all where images stand in their own columns."""
-        turns: Array = self.solver.chain.image_turns * ("turns" not in self.filters)
-        return turns
+        return np.asarray(self.solver.chain.image_turns * ("turns" not in self.filters))
 
     def _turns_of(self, q: Array) -> Array:
         """Turns (..., n) that joint vectors are away from where the solver gives them, (-pi, pi]."""
         apart = self.solver.chain.image_turns
-        turns: Array = apart * np.ceil((q - np.pi * apart) / (TURN * np.where(apart, apart, 1.0)))
-        return turns
+        return np.asarray(apart * np.ceil((q - np.pi * apart) / (TURN * np.where(apart, apart, 1.0))))
 
     def _columns(self, what: str) -> Columns:
         """Columns of a single pose's valid solutions."""

@@ -270,5 +270,4 @@ def _css(shade: tuple[float, float, float]) -> str:
 
 def _within(solutions: Any) -> NDArray[np.bool_]:
     """(..., B) whether a solution, or an image of it, lies inside the joint limits."""
-    inside: NDArray[np.bool_] = solutions.within_limits().valid
-    return inside
+    return np.asarray(solutions.within_limits().valid)

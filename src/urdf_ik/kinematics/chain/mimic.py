@@ -52,8 +52,7 @@ class CoupledChain(Chain):
         """(n, 3) unit direction of the first axis that each joint moves, as it turns."""
         first = np.argmax(self.gain != 0.0, axis=0)
         signs = np.where(self.gain[first, np.arange(self.n)] < 0.0, -1.0, 1.0)
-        directions: Array = signs[:, None] * self.H[first]
-        return directions
+        return np.asarray(signs[:, None] * self.H[first])
 
     @property
     def image_turns(self) -> Array:

@@ -109,8 +109,7 @@ def _newton(twists: Complex, G: Complex, q: Complex) -> Complex:
     X, _ = _swept(twists, G, q)
     size = np.exp(np.abs(q.imag).sum(1))
     good = (np.abs(_six(X)).max(1) < 1e-13 * size) & (np.abs(np.trace(X[:, :3, :3], axis1=1, axis2=2) - 3) < 1)
-    out: Complex = q[good]
-    return out
+    return np.asarray(q[good])
 
 
 def _swept(twists: Complex, G: Complex, q: Complex) -> tuple[Complex, Complex]:
@@ -143,8 +142,7 @@ def _six(A: Complex) -> Complex:
 
 def _turned(d: Complex) -> Complex:
     """Differences of angles without whole turns."""
-    out: Complex = (d.real + np.pi) % (2 * np.pi) - np.pi + 1j * d.imag
-    return out
+    return (d.real + np.pi) % (2 * np.pi) - np.pi + 1j * d.imag
 
 
 def _apart(a: Complex, b: Complex) -> float:

@@ -87,8 +87,7 @@ def _counter(setup: Numbers, variants: Numbers, targets: Array) -> tuple[Numbers
         return _with_bounds(_at(unmoved, [0]), setup)
 
     def proven(of: Numbers) -> NDArray[np.int64]:
-        out: NDArray[np.int64] = np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1)
-        return out
+        return np.asarray(np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1))
 
     # What these would prove, were they as exact as rounding lets them be.
     guessed = proven(unmoved.but(inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
@@ -224,8 +223,7 @@ def _across(axes: Array) -> Array:
     rows = np.arange(len(axes))
     u = -axes[rows, least][:, None] * axes
     u[rows, least] += 1.0
-    across: Array = u / np.linalg.norm(u, axis=1, keepdims=True)
-    return across
+    return np.asarray(u / np.linalg.norm(u, axis=1, keepdims=True))
 
 
 def _lines(points: Array, directions: Array) -> Array:

@@ -57,8 +57,7 @@ def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
     seen = np.eye(4)
     seen[:3, :3], seen[:3, 3] = rotation, point
     distances: Array = np.array(solver.distances(seen))
-    finite: Array = distances[np.isfinite(distances)]
-    return finite
+    return distances[np.isfinite(distances)]
 
 
 _STARTS, _ROUNDS = 32, 40

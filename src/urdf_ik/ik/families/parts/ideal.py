@@ -77,8 +77,7 @@ def _displacement(frames: DHFrames, chain: Chain) -> Numbers:
 
 def _sums(values: Array) -> Array:
     """Each entry with all that follow it."""
-    sums: Array = np.ascontiguousarray(np.cumsum(values[::-1])[::-1])
-    return sums
+    return np.ascontiguousarray(np.cumsum(values[::-1])[::-1])
 
 
 def _beside(frame: Array, ideal: Array) -> Array:

@@ -91,8 +91,7 @@ def _bound(sizes: tuple[Array, Array], off: tuple[Fixed, Fixed], unit: float) ->
         out[power] = np.linalg.norm(
             front_off @ (moved + moved_off) + front_size @ moved_off + 2.0 * product * (front_size @ moved)
         )
-    bound: Array = 2.0 * out
-    return bound
+    return 2.0 * out
 
 
 def _axes(steps: Array, centre: Array, scale: float) -> list[tuple[Fixed, Fixed]]:
@@ -125,18 +124,15 @@ def _null(left: Array, joints: list[Fixed]) -> Array:
 
 
 def _fixed(a: Array) -> Fixed:
-    out: Fixed = np.frompyfunc(lambda x: int(math.ldexp(x, _DIGITS)), 1, 1)(a)
-    return out
+    return np.asarray(np.frompyfunc(lambda x: int(math.ldexp(x, _DIGITS)), 1, 1)(a))
 
 
 def _floats(a: Fixed) -> Array:
-    out: Array = a.astype(np.float64) / 2.0**_DIGITS
-    return out
+    return a.astype(np.float64) / 2.0**_DIGITS
 
 
 def _times(a: Fixed, b: Fixed) -> Fixed:
-    out: Fixed = (a @ b) >> _DIGITS
-    return out
+    return np.asarray((a @ b) >> _DIGITS)
 
 
 def _back(motion: Fixed) -> Fixed:
@@ -163,8 +159,7 @@ def _line(p: Fixed, direction: Fixed) -> Fixed:
     """The 15 numbers of the line through p; see hidden_joint.hpp."""
     h, d = _times(p, p) >> 1, _times(p, direction)
     last = (h * direction - d * p) >> _DIGITS
-    out: Fixed = np.concatenate([[_ONE], p, [h], direction, _cross(p, direction), [d], last])
-    return out
+    return np.concatenate([[_ONE], p, [h], direction, _cross(p, direction), [d], last])
 
 
 def _motions(h: Fixed, p: Fixed) -> Fixed:
