@@ -139,11 +139,7 @@ class _Given:
 
     @cached_property
     def lock(self) -> Lock | None:
-        """The lock, written first where it is missing and ``--urdf-freeze`` was given; None with ``--urdf-no-lock``.
-
-        Raises:
-            ArgumentError: it is no lock file, or not there.
-        """
+        """The lock, written first where it is missing and ``--urdf-freeze`` was given; None with ``--urdf-no-lock``."""
         import urdf_ik
 
         if not self.lock_path.is_file() and self._freeze:
@@ -200,10 +196,7 @@ class _CheckedArm(pytest.Collector):
             return error
 
     def _refuse(self, reason: str, name: str) -> None:
-        """Fail the first of the tests that runs with why there is no report, and skip the others: it is one fault.
-
-        The test for reading the file may not be among those that were chosen, so any of them can be the first.
-        """
+        """Fail the first of the tests that runs with why there is no report, and skip the others: it is one fault."""
         if self._reported_by in ("", name):
             self._reported_by = name
             raise _Disagrees(reason)

@@ -86,11 +86,7 @@ def document_of(text: str, source: str) -> dict[str, Any]:
 
 
 def _arm_of(data: dict[str, Any], source: str) -> Arm:
-    """The arm of a compiled arm's values, which messages call ``source``.
-
-    Raises:
-        UrdfError: they are damaged.
-    """
+    """The arm of a compiled arm's values, which messages call ``source``."""
     try:
         arm = _assembled(data, source)
         core = Solver(_namespace(data["solver"]))

@@ -141,9 +141,6 @@ def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pai
         b: another one.
         rank: every link and then every obstacle, to its place.
         shaped: those that have a shape.
-
-    Raises:
-        ArgumentError: there is no such link or obstacle, it has no shape, or both are the same.
     """
     for name in (a, b):
         if name not in rank:

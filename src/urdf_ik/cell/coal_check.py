@@ -210,10 +210,7 @@ class CoalCheck:
         return self.arm.solids[shape], self.index.solid(slot)
 
     def _solids(self, placing: Placing, pair: int, hulls: bool) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
-        """Coal's geometries of a pair, the second one's inflation [m], and the poses of both.
-
-        The convex hulls come first, if there are any, then the shapes, unless only ``hulls`` are asked for.
-        """
+        """Coal's geometries of a pair, the second one's inflation [m], and the poses of both."""
         one, other = self._both(pair)
         if pair < len(self.pairs):
             poses, grown = (placing.link(self.pairs[pair].first), placing.link(self.pairs[pair].second)), 0.0
@@ -324,10 +321,7 @@ class CoalCheck:
         return pairs, least, placing
 
     def _likely(self, centres: Array) -> tuple[Indices, Indices]:
-        """A few pairs with obstacles for each row that are likely to be its nearest, as rows and pairs.
-
-        A row may have no such pair if the arm has pairs of links: these bound its distance as well.
-        """
+        """A few pairs with obstacles for each row that are likely to be its nearest, as rows and pairs."""
         row, pair = self.bounds.nearby(centres)
         reach = REACH
         while not self.bounds.among_links and reach < LARGEST:

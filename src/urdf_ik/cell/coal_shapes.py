@@ -32,11 +32,7 @@ LARGE_FILE = 2**22
 
 
 def geometry(shape: Shape) -> Any:
-    """Coal's ``CollisionGeometry`` of a shape, smaller on all sides by ``shape.inflation``.
-
-    Raises:
-        ArgumentError: a mesh is not there, or cannot be read.
-    """
+    """Coal's ``CollisionGeometry`` of a shape, smaller on all sides by ``shape.inflation``."""
     match shape:
         case Box(size):
             return coal.Box(*size)
@@ -80,9 +76,6 @@ def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list[Solid]]:
     """Every ``<collision>`` of a URDF: Pinocchio's geometry model, which places them, and the shapes.
 
     Pinocchio opens no mesh: in its model a speck stands in for each.
-
-    Raises:
-        UrdfError: there is no collision shape, or not all of them can be read: a check would call free what is not.
     """
     if broken := [warning.error for warning in model.warnings if warning.collides]:
         raise broken[0]
@@ -217,12 +210,7 @@ class MeshFile(Solid):
     is_mesh = True
 
     def __init__(self, path: Path, scale: tuple[float, ...], source: str) -> None:
-        """Read the file.
-
-        Raises:
-            UrdfError: a vertex is not finite.
-            OSError, ValueError, RuntimeError: it cannot be read.
-        """
+        """Read the file."""
         self._path, self._scale = path, np.array(scale)
         content = path.read_bytes()
         self._stl = _stl_corners(content)
@@ -366,11 +354,7 @@ class _Pieces:
     """
 
     def __init__(self, shape: Shape) -> None:
-        """Cut a shape.
-
-        Raises:
-            ArgumentError: a mesh is not there, or cannot be read.
-        """
+        """Cut a shape."""
         self._solids: dict[int, Solid] = {}
         self._points, self._triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)
         self.frame, self.radius = np.eye(4), shape.inflation
@@ -446,11 +430,7 @@ _PIECES: dict[int, tuple[weakref.ref[Shape], _Pieces]] = {}
 
 
 def pieces_of(shape: Shape) -> _Pieces:
-    """The pieces of a shape, made once and kept as long as the shape is.
-
-    Raises:
-        ArgumentError: a mesh is not there, or cannot be read.
-    """
+    """The pieces of a shape, made once and kept as long as the shape is."""
     key = id(shape)
     if key not in _PIECES:
         pieces = _Pieces(shape)

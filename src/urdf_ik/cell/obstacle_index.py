@@ -244,11 +244,7 @@ class ObstacleIndex:
 
 
 def index_of(every: Iterable[Standing]) -> ObstacleIndex:
-    """An index of obstacles, with a tree where they are many.
-
-    Raises:
-        ArgumentError: a mesh cannot be read.
-    """
+    """An index of obstacles, with a tree where they are many."""
     whole = _part(list(every))
     none = _part([])
     if len(whole.holds) <= FEW:

@@ -394,11 +394,7 @@ def finite(Q: Array) -> Iterator[tuple[int, ...]]:
 
 
 def _build(model: urdf.UrdfModel) -> Any:
-    """Pinocchio's model, in which mimicking joints follow by themselves where it can.
-
-    It refuses some mimics that are valid in a URDF: of a joint that its tree holds later, of one that mimics, too, or
-    of a continuous one. There every joint is left free, and :class:`Reference` moves it.
-    """
+    """Pinocchio's model, in which mimicking joints follow by themselves where it can."""
     text = model.xml.decode()
     try:
         return pin.buildModelFromXML(text, mimic=True)

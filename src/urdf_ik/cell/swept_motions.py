@@ -124,20 +124,12 @@ class _Pieces(NamedTuple):
 
 
 def check_margin(margin: float) -> float:
-    """``margin`` [m] as a float.
-
-    Raises:
-        ArgumentError: it is negative or not finite.
-    """
+    """``margin`` [m] as a float."""
     return inputs.number(margin, "margin", low=0.0, unit="m")
 
 
 def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
-    """Check that no joint goes farther than ``LONGEST`` on the motions from q0 (k, n) to q1 (k, n).
-
-    Raises:
-        ArgumentError: a joint goes farther.
-    """
+    """Check that no joint goes farther than ``LONGEST`` on the motions from q0 (k, n) to q1 (k, n)."""
     if (bad := inputs.first_bad(q1 - q0, LONGEST)) is not None:
         motion, joint = bad
         raise ArgumentError(
@@ -233,21 +225,7 @@ def _contact(
     own: NDArray[np.intp],
     still: NDArray[np.bool_],
 ) -> _Contact | None:
-    """Check the open pairs with coal at the middle q (n,) of a piece, and close those that are proven free.
-
-    Args:
-        check: coal's check.
-        q: the joint vector.
-        margin: m.
-        links: (A,) pairs of two links that are open.
-        links_closer: (A,) m by which they can come closer on the piece.
-        world: open pairs with obstacles, of this piece and of others.
-        own: indices into ``world`` of this piece's pairs.
-        still: (e,) whether each pair of ``world`` is open.
-
-    Returns:
-        A pair in contact, if there is one.
-    """
+    """Check the open pairs with coal at the middle q (n,) of a piece, and close those that are proven free."""
     placing = check.arm.place(q)
     candidates = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
     ranked = sorted(own.tolist(), key=lambda k: check.rank(int(world.pair[k])))

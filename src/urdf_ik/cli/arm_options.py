@@ -81,12 +81,7 @@ class ArmOptions(Record):
         return arm, angles_of(arm, degrees)
 
     def load(self, degrees: bool = False) -> Arm:
-        """The arm; ``degrees``: whether the tool's orientation is in degrees.
-
-        Raises:
-            typer.BadParameter: standard input is closed, or a lock or a tool's place cannot be understood.
-            UrdfIkError: there is no such arm.
-        """
+        """The arm; ``degrees``: whether the tool's orientation is in degrees."""
         tool = self._tool(degrees)
         arm = self._loaded()
         _say_warnings(arm.model)
@@ -109,12 +104,7 @@ class ArmOptions(Record):
         return arm.with_free_axis(axis if axis in _XYZ else console.numbers(axis, "--free-axis", _XYZ), at)
 
     def model(self) -> UrdfModel:
-        """The whole URDF, whichever chain is meant.
-
-        Raises:
-            typer.BadParameter: standard input is closed, or an argument of a xacro cannot be understood.
-            UrdfIkError: there is no such robot.
-        """
+        """The whole URDF, whichever chain is meant."""
         from urdf_ik.arm.loading import read
 
         roots, arguments = self.mesh_root or (), self._xacro_args()
@@ -207,11 +197,7 @@ class ArmOptions(Record):
         return [(Cylinder(radius, length), pose([0.0, 0.0, 0.5 * length]))]
 
     def require_only(self, names: Collection[str], why: str) -> None:
-        """Refuse options of one arm where there is none.
-
-        Raises:
-            typer.BadParameter: an option other than ``names`` is there.
-        """
+        """Refuse options of one arm where there is none."""
         for each in fields(self):
             if each.name not in ("robot", *names) and getattr(self, each.name):
                 option = f"--{each.name.replace('_', '-')}"
@@ -256,11 +242,7 @@ class SeveralArms(Record):
         return cls(values.pop("robots"), values)
 
     def each(self) -> list[ArmOptions]:
-        """Each arm with its options.
-
-        Raises:
-            typer.BadParameter: too few or too many arms, a letter without an arm, or an option twice for one arm.
-        """
+        """Each arm with its options."""
         count = len(self.robots)
         if not 2 <= count <= len(_LETTERS):
             raise usage(f"{count} arm{'s' * (count != 1)} given; two to {len(_LETTERS)} can be compared", "A B")

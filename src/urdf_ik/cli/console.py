@@ -84,11 +84,7 @@ def split(text: str) -> list[str]:
 
 
 def numbers(text: str, option: str, names: Sequence[str]) -> Array:
-    """Numbers typed as ``0.1,0.2,0.3``, one for each of ``names``.
-
-    Raises:
-        typer.BadParameter: a value is not a finite number, or there are too many or too few.
-    """
+    """Numbers typed as ``0.1,0.2,0.3``, one for each of ``names``."""
     out = []
     for part in split(text):
         try:
@@ -103,12 +99,7 @@ def numbers(text: str, option: str, names: Sequence[str]) -> Array:
 
 
 def joint_vectors(typed: Sequence[str], option: str, joint_names: Sequence[str]) -> Array:
-    """Joint vectors (N, n), each typed as numbers, or those of a file or of standard input for ``-``.
-
-    Raises:
-        typer.BadParameter: this is neither, or standard input is closed.
-        ArgumentError: the file cannot be read, or holds no joint vectors in an accepted form.
-    """
+    """Joint vectors (N, n), each typed as numbers, or those of a file or of standard input for ``-``."""
     parts = [
         _read_joint_vectors(text, option, joint_names) if _is_file(text) else numbers(text, option, joint_names)[None]
         for text in typed
@@ -139,11 +130,7 @@ def _read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) ->
 
 
 def opened(source: str, option: str) -> str | IO[bytes]:
-    """A file's name as it is; standard input for ``-``.
-
-    Raises:
-        typer.BadParameter: standard input is closed.
-    """
+    """A file's name as it is; standard input for ``-``."""
     if source != STDIN:
         return source
     if sys.stdin is None:
@@ -176,9 +163,6 @@ def emit(
         rows: the header and the rows of a CSV.
         arrays: those of an npz file.
         about: content and units of the data, which standard error gets where they go to a file.
-
-    Raises:
-        ArgumentError: the file cannot be written.
     """
     if printed_as == "json":
         value = data() if callable(data) else data
@@ -199,11 +183,7 @@ def emit(
 
 
 def write(text: str | bytes, output: Path | None = None) -> None:
-    """Write to ``output``, or to standard output.
-
-    Raises:
-        ArgumentError: the file cannot be written.
-    """
+    """Write to ``output``, or to standard output."""
     if isinstance(text, str):  # a name in a file of unknown origin must not control the terminal
         encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
         data = escaped(text).encode(encoding, "backslashreplace")
@@ -220,11 +200,7 @@ def write(text: str | bytes, output: Path | None = None) -> None:
 
 
 def conclude(report: Any, printed_as: str, output: Path | None = None) -> None:
-    """Print the report of a check, and end with status 1 where it has not passed.
-
-    Raises:
-        typer.Exit: it has not.
-    """
+    """Print the report of a check, and end with status 1 where it has not passed."""
     emit(printed_as, report.to_json, lambda: f"{report}\n", output)
     if not report.passed:
         raise typer.Exit(Status.FAILED)

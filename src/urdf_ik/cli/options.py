@@ -221,11 +221,7 @@ def is_terminal(stream: IO[str] | None) -> bool:
 
 
 def format_for(chosen: Format | None, output: Path | None, *, terminal: bool) -> Format:
-    """The format to write: the chosen one, else the one that the file's name ends in, else a table.
-
-    Raises:
-        typer.BadParameter: binary data would go to a terminal.
-    """
+    """The format to write: the chosen one, else the one that the file's name ends in, else a table."""
     if chosen is None:
         suffix = "" if output is None else output.suffix.lstrip(".").lower()
         chosen = Format(suffix) if suffix in tuple(Format) else Format.TABLE

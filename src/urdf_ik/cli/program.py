@@ -216,11 +216,7 @@ def root(
 
 
 def run() -> None:
-    """Run the command that ``sys.argv`` holds, and end the process.
-
-    Raises:
-        SystemExit: with the command's status.
-    """
+    """Run the command that ``sys.argv`` holds, and end the process."""
     try:
         try:
             app()

@@ -55,10 +55,6 @@ def target(arm: Arm, typed: PoseOptions, random: int | None, seed: int, angles: 
     """The target poses of the options; without any, the arm's example.
 
     ``task``: the part of the poses that counts, see :mod:`urdf_ik.ik.tasks`.
-
-    Raises:
-        typer.BadParameter: options that exclude each other, or values that do not make a pose.
-        ArgumentError: a file cannot be read.
     """
     found = given(arm, typed, angles, task)
     if found is not None and random is not None:
@@ -71,12 +67,7 @@ def target(arm: Arm, typed: PoseOptions, random: int | None, seed: int, angles: 
 
 
 def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> Target | None:
-    """The poses that are typed, or that a file holds; None without any.
-
-    Raises:
-        typer.BadParameter: options that exclude each other, or values that do not make a pose.
-        ArgumentError: a file cannot be read.
-    """
+    """The poses that are typed, or that a file holds; None without any."""
     from urdf_ik.paths.waypoint_files import read_poses
 
     oriented = [option for option in ORIENTATIONS if _typed_as(typed, option)]
@@ -95,12 +86,7 @@ def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> T
 
 
 def required(arm: Arm, typed: PoseOptions, angles: Angles, what: str) -> Target:
-    """The poses that are typed or in a file, which a message calls ``what``.
-
-    Raises:
-        typer.BadParameter: there are none, or values that do not make a pose.
-        ArgumentError: a file cannot be read.
-    """
+    """The poses that are typed or in a file, which a message calls ``what``."""
     found = given(arm, typed, angles)
     if found is None:
         raise console.usage(f"{what} are needed, such as --poses seam.csv", "--poses")
@@ -108,11 +94,7 @@ def required(arm: Arm, typed: PoseOptions, angles: Angles, what: str) -> Target:
 
 
 def task_of(task: PartOfPose | None, axis: str | None) -> tuple[str, Any]:
-    """The task and the axis that were typed, as ``arm.for_task`` takes them.
-
-    Raises:
-        typer.BadParameter: an axis that is neither named nor three numbers, or one without a task.
-    """
+    """The task and the axis that were typed, as ``arm.for_task`` takes them."""
     if task is None and axis is not None:
         raise console.usage("it is the axis of a task: --task position, axis or look-at", "--axis")
     asked = "pose" if task is None else task.value.replace("-", " ")
@@ -122,11 +104,7 @@ def task_of(task: PartOfPose | None, axis: str | None) -> tuple[str, Any]:
 
 
 def of_task(arm: Arm, poses: Array) -> Array:
-    """The targets of an arm for a task that belong to poses (N, 4, 4).
-
-    Raises:
-        typer.BadParameter: a point is off the plane of a planar arm.
-    """
+    """The targets of an arm for a task that belong to poses (N, 4, 4)."""
     if arm.solver.targets is None:
         return poses
     plane, out = arm.solver.control.plane, arm.solver.control.target_of(poses)
@@ -139,11 +117,7 @@ def of_task(arm: Arm, poses: Array) -> Array:
 
 
 def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
-    """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
-
-    Raises:
-        typer.BadParameter: values that are not numbers, or an arm without such a parameter.
-    """
+    """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is."""
     if typed is None:
         return target
     count = len(arm.solver.parameters)

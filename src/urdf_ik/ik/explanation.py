@@ -28,10 +28,6 @@ def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
         T: the pose.
         redundancy: the redundancy parameter, (k,) of k of them; default: their defaults.
 
-    Raises:
-        PoseError: ``T`` is no pose, or more than one.
-        UnsupportedArm: no solver takes this arm.
-
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")
@@ -49,12 +45,7 @@ def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
 
 
 def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
-    """Why one target has no solution, joint limits aside.
-
-    Raises:
-        PoseError: ``T`` is not one target.
-        UnsupportedArm: no solver takes this arm.
-    """
+    """Why one target has no solution, joint limits aside."""
     member = solver.require_member()
     if solver.targets is not None:
         target = solver.targets.read(T)

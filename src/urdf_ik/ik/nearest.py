@@ -31,11 +31,7 @@ def _along_parameter(
     within_limits: bool,
     threads: inputs.Threads,
 ) -> IKSolutions:
-    """See :meth:`urdf_ik.Arm.ik_nearest`.
-
-    The distance is that to the +-2 pi images (with ``within_limits`` those inside the limits). Of a pose that has no
-    solution inside the limits, what is least far outside them is looked at, and dropped with its reason.
-    """
+    """See :meth:`urdf_ik.Arm.ik_nearest`."""
     parameter = solver.redundant_member.parameters[0]
     threads = inputs.threads(threads)
     target = as_pose_array(T)

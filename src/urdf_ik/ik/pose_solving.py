@@ -125,11 +125,7 @@ def _reference(solver: Solver, q_ref: ArrayLike) -> Array:
 
 
 def near_each(solutions: IKSolutions, q_ref: Array) -> IKSolutions:
-    """A batch as it was solved, singular poses solved again, each near its own joint vector of ``q_ref`` (..., n).
-
-    Raises:
-        ArgumentError: ``q_ref`` does not fit the poses.
-    """
+    """A batch as it was solved, singular poses solved again, each near its own joint vector of ``q_ref`` (..., n)."""
     solver = solutions.solver
     reference = distances.reference(q_ref, solver.joint_names, solutions.shape)
     reference = np.broadcast_to(reference, (*solutions.shape, reference.shape[-1]))

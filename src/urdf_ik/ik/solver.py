@@ -97,11 +97,7 @@ class Solver:
 
     @property
     def redundant_member(self) -> FamilyMember:
-        """The member of a family with a redundancy parameter.
-
-        Raises:
-            UnsupportedArm: no solver takes the arm, or a pose leaves nothing free.
-        """
+        """The member of a family with a redundancy parameter."""
         if (member := self.require_member()).parameters:
             return member
         raise UnsupportedArm(
@@ -130,11 +126,7 @@ class Solver:
         return tuple(mirrors[:2])
 
     def require_member(self) -> FamilyMember:
-        """The arm as a member of its family.
-
-        Raises:
-            UnsupportedArm: no solver takes it.
-        """
+        """The arm as a member of its family."""
         if self.member is None:
             raise unsupported(self.name, self.chain, self.structure)
         return self.member
@@ -178,12 +170,6 @@ def prepare(
         task: what targets are; see :meth:`urdf_ik.Arm.ik`.
         free_axis: a line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`.
         chosen: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
-
-    Raises:
-        ChainError: one of ``chosen`` is not a joint of the chain.
-        ArgumentError: there is no such task, the arm cannot control it, more joints are chosen than a pose leaves free,
-            or the tip cannot turn about ``free_axis``.
-        UnsupportedArm: no solver takes this arm with these settings.
     """
     joints = _checked_choice(name, chain, chosen)
     made: Any = _core.prepared(lambda: _prepare(name, chain, velocity_limits, task, free_axis, joints))
@@ -246,12 +232,7 @@ def _prepare(
 
 
 def with_free_axis(solver: Solver, axis: Any, at: ArrayLike | None) -> Solver:
-    """A solver whose tip may turn about an axis; see :meth:`urdf_ik.Arm.with_free_axis`.
-
-    Raises:
-        ArgumentError: an invalid axis, or the tip may turn about one already.
-        UnsupportedArm: no solver takes this arm.
-    """
+    """A solver whose tip may turn about an axis; see :meth:`urdf_ik.Arm.with_free_axis`."""
     free = FreeAxis.read(axis, at)
     if solver.free_axis is not None:
         raise ArgumentError(f"{solver.name} may already turn about {solver.free_axis}; only one axis can be free")
@@ -262,11 +243,7 @@ def with_free_axis(solver: Solver, axis: Any, at: ArrayLike | None) -> Solver:
 
 
 def fixed_tip(solver: Solver) -> str:
-    """The tip, to which a tool can be fixed.
-
-    Raises:
-        ArgumentError: the tip may turn about an axis.
-    """
+    """The tip, to which a tool can be fixed."""
     if solver.free_axis is None:
         return solver.chain.tip
     raise ArgumentError(

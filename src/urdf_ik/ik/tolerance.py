@@ -28,9 +28,6 @@ def solve_within(solver: Solver, T: Any, tolerance: ArrayLike, **options: Any) -
     Joints that are fewer than the numbers of a pose reach few poses exactly; of the joint vectors near one the one with
     the least squared error is returned. More joints reach poses exactly but at the ends of their reach: there, and
     wherever the solver has none, the nearest postures are searched.
-
-    Raises:
-        ArgumentError: ``tolerance`` is not a pair of positive numbers.
     """
     pair = inputs.array(tolerance, "tolerance", (2,))
     if not (pair > 0.0).all():

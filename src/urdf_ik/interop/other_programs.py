@@ -177,11 +177,7 @@ def _one(arm: Arm, q: ArrayLike) -> Array:
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:
-    """Index of each name.
-
-    Raises:
-        ArgumentError: one of them stands there twice.
-    """
+    """Index of each name."""
     place = {name: k for k, name in enumerate(names)}
     if len(place) < len(names):
         twice = sorted({name for name in names if list(names).count(name) > 1})

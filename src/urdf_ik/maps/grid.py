@@ -61,11 +61,7 @@ class Grid:
         return np.asarray(self.lower + self.voxel * (np.stack(places, axis=-1).reshape(-1, 3) + 0.5))
 
     def part(self, bounds: ArrayLike) -> Part:
-        """The voxels whose centres are inside bounds (2, 3) m.
-
-        Raises:
-            ArgumentError: the bounds are invalid, or there is no such voxel.
-        """
+        """The voxels whose centres are inside bounds (2, 3) m."""
         lower, upper = checked_bounds(bounds)
         first = np.ceil((lower - self.lower) / self.voxel - 0.5 - _ROUNDING).astype(int)
         last = np.floor((upper - self.lower) / self.voxel - 0.5 + _ROUNDING).astype(int)
@@ -79,11 +75,7 @@ class Grid:
         return x, y, z
 
     def layer(self, axis: str, at: float) -> tuple[int, int]:
-        """Number of an axis, and of the layer of voxels across it that contains the coordinate ``at`` [m].
-
-        Raises:
-            ArgumentError: there is no such axis, or the coordinate is outside the grid.
-        """
+        """Number of an axis, and of the layer of voxels across it that contains the coordinate ``at`` [m]."""
         k = AXES.index(inputs.choice(axis, "axis", AXES))
         lower, upper = float(self.lower[k]), float(self.upper[k])
         if not lower <= at <= upper:
@@ -168,11 +160,7 @@ class Blocks:
 
 
 def checked_bounds(bounds: ArrayLike, *, flat: bool = False) -> tuple[Array, Array]:
-    """Lower and upper corner (3,) m; ``flat``: they may be equal along an axis.
-
-    Raises:
-        ArgumentError: not two finite corners, the lower one first.
-    """
+    """Lower and upper corner (3,) m; ``flat``: they may be equal along an axis."""
     box = np.array(bounds, dtype=np.float64)
     if box.shape == (2, 3) and np.isfinite(box).all():
         lower, upper = box

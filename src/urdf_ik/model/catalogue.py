@@ -226,10 +226,7 @@ def _bundled_folder() -> Path:
 
 
 def _example_robot_data_share() -> Path | None:
-    """The ``share`` folder of example-robot-data, or None where it is not installed.
-
-    Its wheel holds no Python module, so only the list of its files says where it lies.
-    """
+    """The ``share`` folder of example-robot-data, or None where it is not installed."""
     from importlib import metadata  # 10 ms that ``import urdf_ik`` need not pay
 
     try:

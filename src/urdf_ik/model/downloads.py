@@ -71,9 +71,6 @@ def fetch(model: str, instead: str) -> tuple[Path, tuple[Path, ...], Mapping[str
 
     Returns:
         Its URDF, xacro or MJCF, the folders of its packages and meshes, and the arguments of a xacro.
-
-    Raises:
-        ArgumentError: they cannot be downloaded, or hold nothing that can be read.
     """
     try:
         if not is_here(model):

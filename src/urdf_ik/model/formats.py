@@ -33,10 +33,6 @@ def as_urdf(
 
     Returns:
         The URDF, and an error for each shape that a URDF cannot hold.
-
-    Raises:
-        UrdfError: the xacro or the MJCF cannot be read.
-        MissingPackage: the package that reads it is not installed.
     """
     if xacro_args is not None or _XACRO_NAME.search(source.name):
         return expanded(source, roots, xacro_args or {}), ()
@@ -77,10 +73,6 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
         roots: folders that ``$(find package)`` searches first; the xacro's own ROS package, AMENT_PREFIX_PATH and
             ROS_PACKAGE_PATH follow.
         given: values of its arguments by name.
-
-    Raises:
-        UrdfError: it cannot be expanded, or has no such argument.
-        MissingPackage: the package xacro is not installed.
     """
     try:
         import xacro
@@ -147,19 +139,7 @@ NO_RANGE = 1000.0
 
 
 def _mujoco_as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
-    """A MuJoCo model as URDF: bodies and sites as links, hinges and slides as joints, geoms as shapes.
-
-    A joint's zero is MuJoCo's, also where it has a ``ref``; a body with several joints has links between them. Ball
-    and free joints become floating joints, joint equalities of first order become mimics. Missing mesh files are
-    omitted.
-
-    Returns:
-        The URDF, and an error for each shape that a URDF cannot hold.
-
-    Raises:
-        UrdfError: it is no file, or MuJoCo refuses the model.
-        MissingPackage: the package mujoco is not installed.
-    """
+    """A MuJoCo model as URDF: bodies and sites as links, hinges and slides as joints, geoms as shapes."""
     path = source.path
     if path is None:
         raise UrdfError("a MuJoCo model as text", source=source.name, hint="save it, and give the file's path")

@@ -70,22 +70,14 @@ def _candidates(filename: str, roots: Sequence[Path]) -> list[Path] | None:
 
 
 def check_vertices(vertices: Any, path: Path, source: str) -> None:
-    """Refuse vertices (k, 3) m that are not finite: what has them touches everything, or nothing.
-
-    Raises:
-        UrdfError: one of them is not finite, or beyond ``LARGEST``.
-    """
+    """Refuse vertices (k, 3) m that are not finite: what has them touches everything, or nothing."""
     bad = np.flatnonzero(~(np.abs(np.asarray(vertices)) <= LARGEST).all(axis=-1))
     if len(bad):
         raise _error(f"vertex {bad[0]} is {np.asarray(vertices)[bad[0]].tolist()}", path, source, "correct the mesh")
 
 
 def read_scene(path: Path, source: str) -> Any:
-    """Read a mesh file with trimesh, as a ``trimesh.Scene``.
-
-    Raises:
-        UrdfError: it cannot be read, or a vertex is not finite.
-    """
+    """Read a mesh file with trimesh, as a ``trimesh.Scene``."""
     import trimesh
 
     try:

@@ -40,11 +40,7 @@ class Source(NamedTuple):
 
 
 def open_source(source: Any) -> Source:
-    """The text of a path, of XML text, or of an open text or binary file.
-
-    Raises:
-        UrdfError: there is nothing to read there, or it is no text.
-    """
+    """The text of a path, of XML text, or of an open text or binary file."""
     if isinstance(source, str | bytes):
         text = _text(source, TEXT)
         if text.lstrip().startswith("<"):
@@ -65,11 +61,7 @@ def open_source(source: Any) -> Source:
 
 
 def parse(source: Source) -> Any:
-    """The ``<robot>`` element of the text, parsed without entities and without the network.
-
-    Raises:
-        UrdfError: the XML is malformed, truncated or empty, has a DOCTYPE, or is no ``<robot>``.
-    """
+    """The ``<robot>`` element of the text, parsed without entities and without the network."""
     text = _without_declaration(source.text)
     data = text.encode(errors="surrogatepass")  # the parser refuses halves of surrogate pairs, and says the line
     root = _tree(data, source.name)
@@ -198,11 +190,7 @@ def _parser(recover: bool) -> Any:
 
 
 def _tree(data: bytes, name: str) -> Any:
-    """Parse strictly, except for slips that every URDF reader forgives and that lose nothing.
-
-    These are an undeclared namespace prefix (old Gazebo tags) and a double hyphen in a comment; when the
-    parser's log holds nothing worse, its recovered tree is complete.
-    """
+    """Parse strictly, except for slips that every URDF reader forgives and that lose nothing."""
     parser = _parser(recover=False)
     try:
         return etree.fromstring(data, parser)
@@ -232,11 +220,7 @@ def _first_fatal(log: Any) -> Any:
 
 
 def require_name(name: Any, owner: str) -> None:
-    """That ``name`` can stand in a URDF, as that of what is added to one.
-
-    Raises:
-        ArgumentError: it is no text, or empty, or holds what XML does not.
-    """
+    """That ``name`` can stand in a URDF, as that of what is added to one."""
     if not isinstance(name, str) or not name:
         raise ArgumentError(f"name={name!r} given; {owner} needs a name, a text that is not empty")
     try:

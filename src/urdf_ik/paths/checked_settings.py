@@ -116,9 +116,6 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
         T: (m, 4, 4) m, waypoints.
         settings: as they were given.
         obstacles: bodies that must not touch.
-
-    Raises:
-        ArgumentError: a setting is invalid or does not fit the arm; the message names the valid values.
     """
     names = solver.joint_names
     cost = inputs.choice(settings.cost, "cost", path_settings.COSTS)

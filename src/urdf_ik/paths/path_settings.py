@@ -104,11 +104,7 @@ PathSettings.__doc__ = f"{PathSettings.__doc__}\n\nAttributes:\n    " + describe
 
 
 def velocities(solver: Solver) -> Array:
-    """(n,) rad/s or m/s, the velocity limits of the URDF.
-
-    Raises:
-        ArgumentError: a joint has no velocity limit.
-    """
+    """(n,) rad/s or m/s, the velocity limits of the URDF."""
     limits = solver.velocity_limits
     if missing := [name for name, limit in zip(solver.joint_names, limits, strict=True) if np.isinf(limit)]:
         raise ArgumentError(
@@ -123,9 +119,6 @@ def per_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fal
 
     They lie between 1e-15 and 1e15, so that their squares and inverses neither overflow nor vanish; or they are
     infinite, or with ``zero`` zero instead.
-
-    Raises:
-        ArgumentError: ``value`` is neither one number nor n, or a number is out of range.
     """
     numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
     fits = numbers.shape in ((), (1,), (len(names),))

@@ -82,10 +82,7 @@ def _so_far(settings: CheckedSettings, path: Array) -> Plan:
 
 
 def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:
-    """The cheapest of a plan and its alternatives that keeps to the joint limits and begins at ``start``.
-
-    The graph treats joints with many turns inside their limits as joints without limits (``Joints.counted``).
-    """
+    """The cheapest of a plan and its alternatives that keeps to the joint limits and begins at ``start``."""
     joints = settings.joints
     uncounted = (joints.turn > 0.0) & (joints.counted == 0) & np.isfinite(settings.solver.limits).any(axis=1)
     if not plan.found or not uncounted.any():
@@ -154,10 +151,7 @@ def _with_free_axis(settings: CheckedSettings, path: Array) -> Plan:
 
 
 def _fixed(settings: CheckedSettings, path: Array) -> Plan | None:
-    """The plan with a constant rotation about the free axis: that of the start, else of the end, else zero.
-
-    None where there is none, or where start and end differ in it.
-    """
+    """The plan with a constant rotation about the free axis: that of the start, else of the end, else zero."""
     solver, axis = settings.solver, settings.solver.free_axis
     assert axis is not None  # the arm has a free axis
     ends = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]

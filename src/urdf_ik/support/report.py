@@ -64,11 +64,7 @@ class Report:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The report that :meth:`to_dict` wrote.
-
-        Raises:
-            ArgumentError: a part is missing, or is something else; the message names it.
-        """
+        """The report that :meth:`to_dict` wrote."""
         try:
             report: Self = from_plain(cls, data)
         except (KeyError, TypeError, ValueError) as error:
@@ -77,11 +73,7 @@ class Report:
 
     @classmethod
     def from_json(cls, text: str) -> Self:
-        """The report that :meth:`to_json` wrote.
-
-        Raises:
-            ArgumentError: it is no JSON, or no such report; the message says what is wrong.
-        """
+        """The report that :meth:`to_json` wrote."""
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:
@@ -107,9 +99,6 @@ def from_plain(kind: Any, value: Any, name: str = "") -> Any:
         kind: a dataclass, a named tuple, a tuple of such, a number, text, or one of these or None.
         value: what JSON holds.
         name: what an error calls the value.
-
-    Raises:
-        TypeError, ValueError: the value is something else.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):

@@ -53,9 +53,6 @@ def read_table(
         element: what the messages call one entry of a list, such as 'waypoint'.
         accepted: a sentence that describes valid contents.
         error: the class of errors.
-
-    Raises:
-        UrdfIkError: ``error``; the file cannot be read, or holds no numbers.
     """
     name, data = files.name_of(source), files.read(source, error)
     try:

@@ -43,12 +43,7 @@ class Alignment:
 
 
 def aligned(a: Arm, b: Arm) -> tuple[Arm, Alignment]:
-    """B with A's frames of base and tip, zeros and signs. Joints are paired from base to tip.
-
-    Raises:
-        ArgumentError: the arms have other kinds of joints, the same joint names in another order, or joints that
-            mimic others.
-    """
+    """B with A's frames of base and tip, zeros and signs. Joints are paired from base to tip."""
     if a.joint_names != b.joint_names and set(a.joint_names) == set(b.joint_names):
         raise ArgumentError("arms with the same joint names in another order cannot be aligned")
     slides = a.chain.prismatic

@@ -528,10 +528,7 @@ class _Same:
     def changes(
         self, then: Pose, now: Pose, index: int, moves: list[tuple[float, int, int]]
     ) -> Iterator[tuple[str, str]]:
-        """Pair the solutions of a pose, and tell what is different, and in which branch.
-
-        ``moves`` gets how far [rad or m] a solution moved, the pose's number and the joint.
-        """
+        """Pair the solutions of a pose, and tell what is different, and in which branch."""
         before, after, paired = list(then.answers), list(now.answers), dict[int, int]()
         if before and after:
             gaps = np.abs(self._step(then.q[:, None], now.q[None]))
@@ -558,10 +555,7 @@ class _Same:
                 yield "contacts", old.branch
 
     def _is_missed(self, answer: Answer, others: Pose) -> bool:
-        """Whether a solution without an equal among the others is a difference.
-
-        It may vanish by rounding, form a double root with one of them, or represent the same continuum as one of them.
-        """
+        """Whether a solution without an equal among the others is a difference."""
         q = np.array(answer.q)
         if self._is_fragile(q):
             return False
@@ -583,10 +577,7 @@ class _Same:
         return out + PLANTED
 
     def _is_fragile(self, q: Array) -> bool:
-        """Whether the change, or rounding, may join a solution (n,) with another one, so that both are gone.
-
-        Near a fold the smallest singular value falls with the root of the distance to it.
-        """
+        """Whether the change, or rounding, may join a solution (n,) with another one, so that both are gone."""
         return bool(self._sigma_min(q[None])[0] ** 2 <= 10.0 * self.change + FOLD)
 
     def _sigma_min(self, q: Array) -> Array:

@@ -224,10 +224,7 @@ def _drawn(arm: Arm, n: int, seed: int) -> Array:
 
 
 def _answers(a: Arm, b: Arm, T: Array, maker: Arm | None = None, q: Array | None = None) -> _Answers:
-    """Solutions of both arms for poses T (m, 4, 4), as far as each task controls them.
-
-    ``q`` (m, n) [rad or m] of ``maker`` made the poses: an arm with its redundancy parameter is asked at its values.
-    """
+    """Solutions of both arms for poses T (m, 4, 4), as far as each task controls them."""
     same = [maker is not None and (arm is maker or _same_parameter(arm, maker)) for arm in (a, b)]
     values = None if maker is None or q is None else redundancy_at(maker, q)
     return _Answers(*(solutions_of(arm, T, values if own else None) for arm, own in zip((a, b), same, strict=True)))
@@ -251,13 +248,7 @@ class _Answers:
         return Reach(made_by, len(counts[0]), reached, inside, every, int((counts[0] == counts[1]).sum()))
 
     def branches(self, order: list[int], signs: Array) -> tuple[BranchChange, ...]:
-        """Every branch of A that has solutions, against B.
-
-        Args:
-            order: B's joints in A's order.
-            signs: (n,) -1 for the joints that turn the other way in B, else 1. Where one does, names of branches mean
-                other postures ('front' is said along the first axis), and the nearest posture counts.
-        """
+        """Every branch of A that has solutions, against B."""
         theirs = {name: k for k, name in enumerate(self.b.branches) if not _NUMBERED.search(name)}
         theirs = theirs if (signs > 0.0).all() else {}
         out = []

@@ -161,10 +161,7 @@ def _records(
 
 
 def _distance_to_singularity(n: int, index: int) -> float | None:
-    """How far [rad] from a singularity pose ``index`` is planted.
-
-    None for the n random ones that come first, ``CORNER`` for those at right angles, from 2 n on.
-    """
+    """How far [rad] from a singularity pose ``index`` is planted."""
     if index >= 2 * n:
         return CORNER
     return None if index < n else DISTANCES[(index - n) % len(DISTANCES)]

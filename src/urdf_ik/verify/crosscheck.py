@@ -445,10 +445,7 @@ class _Tallies:
     def collisions(
         self, indices: Sequence[int], Q: Array, solutions: Sequence[Array], shapes: CollisionModel, most: float
     ) -> int:
-        """Coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio.
-
-        At the planted joint vectors Q (m, n) and the solutions (k, n) of each, ``most`` in all; how many those were.
-        """
+        """Coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio."""
         verdict, distance = (self.of[name] for name in _COLLISION)
         every = [(index, q) for i, index in enumerate(indices) for q in (Q[i], *solutions[i]) if np.isfinite(q).all()]
         every = every[: int(min(most, len(every)))]
@@ -477,10 +474,7 @@ class _Tallies:
         return np.asarray(np.abs(difference(a, b, self._reference.prismatic)).max(axis=-1, initial=0.0))
 
     def _sigma_min(self, Q: Array) -> Array:
-        """Smallest singular value (...) of the Jacobian at Q (..., n), its linear rows over the arm's size.
-
-        Of an arm with redundancy parameters, the gradient of each is a row, too.
-        """
+        """Smallest singular value (...) of the Jacobian at Q (..., n), its linear rows over the arm's size."""
         J = self._reference.jacobian(Q)
         J[..., :3, :] /= max(self._reference.size, 1e-300)
         out = np.full(Q.shape[:-1], np.nan)

@@ -161,11 +161,7 @@ def described(arm: Arm, *, shapes: bool = True) -> Description:
 
 
 def from_dict(data: Any) -> Description:
-    """The description that was written as plain lists, numbers and text.
-
-    Raises:
-        TypeError, ValueError: it is something else; the message names the part.
-    """
+    """The description that was written as plain lists, numbers and text."""
     out: Description = from_plain(Description, data, "arm")
     for name, rows, width in (
         ("limits", out.limits, 2),

@@ -37,11 +37,7 @@ class Tolerance:
 
     @classmethod
     def read(cls, mm: object = None, deg: object = None) -> Self:
-        """From millimetres and degrees; None: the default.
-
-        Raises:
-            ArgumentError: a value is not a number, or is negative.
-        """
+        """From millimetres and degrees; None: the default."""
         out = cls()
         if mm is not None:
             out = replace(out, distance=inputs.number(mm, "tolerance_mm", low=0.0, high=_MOST_LENGTH, unit="mm") / 1e3)
@@ -79,11 +75,7 @@ class Difference:
 
 
 def ignored(kinds: str | Iterable[str]) -> frozenset[str]:
-    """Kinds of differences that do not count, as a list or as text with commas.
-
-    Raises:
-        ArgumentError: a kind that there is not, or kinematics, which cannot be ignored.
-    """
+    """Kinds of differences that do not count, as a list or as text with commas."""
     parts = kinds.replace(",", " ").split() if isinstance(kinds, str) else list(kinds)
     for part in parts:
         if part not in KINDS[1:]:

@@ -299,11 +299,7 @@ class _Judged:
 
 
 def _read(answer: Any, n: int) -> tuple[Array, NDArray[np.bool_]]:
-    """A solver's answer as joint vectors (k, n) and flags (k,); rows that are NaN throughout are left out.
-
-    Raises:
-        ArgumentError: it is something else.
-    """
+    """A solver's answer as joint vectors (k, n) and flags (k,); rows that are NaN throughout are left out."""
     flags: Any = None
     if isinstance(answer, tuple) and len(answer) == 2 and np.asarray(answer[1]).dtype == np.bool_:
         answer, flags = answer

@@ -193,10 +193,7 @@ def _roots(h: Array, a: Array, G: Array, shifts: Array) -> Array:
 
 
 def _equations(p: Array, d: Array) -> Array:
-    """(m, 14) of points p and directions d (m, 3): p, d, p.p, p.d, p x d, (p.p) d - 2 (p.d) p.
-
-    Both sides' are linear in the products of sines and cosines of their joints (Raghavan and Roth).
-    """
+    """(m, 14) of points p and directions d (m, 3): p, d, p.p, p.d, p x d, (p.p) d - 2 (p.d) p."""
     pp, pd = (np.einsum("ij,ij->i", p, other)[:, None] for other in (p, d))
     return np.concatenate([p, d, pp, pd, np.cross(p, d), pp * d - 2.0 * pd * p], axis=1)
 

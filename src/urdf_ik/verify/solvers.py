@@ -27,9 +27,6 @@ def opened(spec: str) -> Iterator[Solver]:
         spec: ``module:function`` or ``file.py:function``, which takes a pose (4, 4); or ``process:COMMAND``, which
             reads {"T": [[...], ...]} and answers {"q": [[...], ...]}, a line each, in the arm's order of joints, and
             {"error": text} where it cannot. "approximate" may flag joint vectors that are no claim.
-
-    Raises:
-        ArgumentError: there is no such solver; the message lists the forms.
     """
     place, _, name = spec.rpartition(":")
     if spec.startswith("process:"):

@@ -50,11 +50,6 @@ def check(
     Options:
         complete: Instead: look for missing solutions in a second way, at N random, N nearly singular, N round poses.
         proof: Instead: check the proofs of N random, N nearly singular and N round poses.
-
-    Raises:
-        typer.BadParameter: options that exclude each other.
-        typer.Exit: a check failed.
-        UrdfIkError: there is no such arm, or the folder holds no URDF.
     """
     from urdf_ik.verify import check_proof, completeness, crosscheck, folders
 

@@ -35,10 +35,6 @@ def dh(
             own. Default: the table's own, standard for a URDF.
         snap (TOLERANCE): Make neighbouring axes exactly parallel, or exactly meet, that are off by less than this
             [rad, or share of the arm's size]. Default: the URDF as written.
-
-    Raises:
-        typer.BadParameter: options that do not go together, or a file that cannot be written.
-        UrdfError: an invalid table.
     """
     from urdf_ik.kinematics.dh import DHTable, files
 

@@ -41,9 +41,6 @@ def explain(
         urdf-ik explain ur5 --q 0.1,-1,1,0.2,0.3,0 --world cell.urdf
         urdf-ik explain my_arm.urdf --tip tool0 --poses stations.csv --json
         urdf-ik explain planar_2r --task planar-position --xyz 0.3 0 0
-
-    Raises:
-        typer.BadParameter: an invalid target.
     """
     from urdf_ik.cli import targets
 
@@ -62,14 +59,7 @@ def explain(
 
 
 def _explained(arm: Arm, wanted: Array, redundancy: Array | None, world: World | None, angles: Angles) -> Any:
-    """The answer to one target in words.
-
-    Returns:
-        ``solutions``: how many joint vectors reach it; ``of_use``: how many of these are inside the limits, after
-        whole turns, and free of contacts; ``why`` there is none, or none of use; ``each``: a line on every solution,
-        what stands in its way; ``intervals`` of the redundancy parameter with solutions, of an arm with a single one;
-        ``unchecked``: why contacts were not checked.
-    """
+    """The answer to one target in words."""
     solutions = arm.ik(wanted, redundancy=redundancy)
     bodies = arm.cell.collisions.in_world(world)
     inside = solutions.within_limits()

@@ -30,10 +30,6 @@ def fk(
 
     Options (Poses):
         q (Q1,Q2,...|FILE): Joint vectors, rad or m: typed, of a csv, json, npy or npz, or -; repeatable.
-
-    Raises:
-        typer.BadParameter: there are none, or they do not fit the arm.
-        UrdfIkError: there is no such arm.
     """
     from urdf_ik.model.poses import to_quat_xyzw, to_rpy
     from urdf_ik.paths.waypoint_files import POSE_COLUMNS

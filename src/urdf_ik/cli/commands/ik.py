@@ -58,11 +58,7 @@ class Choice(options.Record):
         return (self.configuration or "").partition(" ")[0]
 
     def reference(self, arm: Arm, angles: Angles) -> Array | None:
-        """(n,) rad or m, the joint vector of --nearest.
-
-        Raises:
-            typer.BadParameter: joint values that do not fit.
-        """
+        """(n,) rad or m, the joint vector of --nearest."""
         if self.nearest is None:
             return None
         return angles.typed(console.numbers(self.nearest, "--nearest", arm.joint_names))
@@ -80,11 +76,7 @@ class Choice(options.Record):
         return replace(target, redundancy=found.redundancy, note=note)
 
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
-        """The function that keeps the chosen solutions.
-
-        Raises:
-            typer.BadParameter: joint values that do not fit, or an option that goes with another.
-        """
+        """The function that keeps the chosen solutions."""
         reference, bounds = self.reference(arm, angles), None
         if reference is not None:
             if self.best is not None:
@@ -136,11 +128,7 @@ class Nearest(options.Record):
     def solve(
         self, arm: Arm, target: Target, angles: Angles, task: tuple[str, Any], *, within_limits: bool
     ) -> tuple[IKSolutions, str]:
-        """The solutions of poses, or the nearest postures, and a note on what they miss.
-
-        Raises:
-            typer.BadParameter: a tolerance that is no pair of numbers, or options that exclude each other.
-        """
+        """The solutions of poses, or the nearest postures, and a note on what they miss."""
         if self.asked:
             asked = Task.read(*task)
             found = arm.ik_closest(target.poses, first=self.first, task=asked, within_limits=within_limits)
@@ -226,10 +214,6 @@ def ik(
 
     Options (Solutions):
         check: Pinocchio's errors and contacts, or neither. Default: both up to 20 poses, then errors.
-
-    Raises:
-        typer.BadParameter: an invalid target, or a file that cannot be written.
-        typer.Exit: a pose has no solution.
     """
     from urdf_ik.cli import answers
 

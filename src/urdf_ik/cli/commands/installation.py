@@ -65,12 +65,7 @@ def _table(found: list[dict[str, Any]]) -> str:
 
 
 def _robot(name: str) -> dict[str, Any]:
-    """An arm that has a name.
-
-    Returns:
-        ``here``: whether it can be loaded without a download or an installation; ``joints``: their number, None if
-        unknown; ``family`` that solves it; ``note``: its description, or why it is not solved.
-    """
+    """An arm that has a name."""
     source = "bundled" if name in catalogue.BUNDLED else "example-robot-data"
     source = source if name in catalogue.names() else "robot_descriptions"
     foreign = source == "robot_descriptions"
@@ -160,11 +155,7 @@ def _findings(found: dict[str, Any]) -> str:
 
 
 def _test(name: str) -> dict[str, Any]:
-    """Solve poses of random joint vectors, look for these among the answers, and have Pinocchio measure all.
-
-    ``missed`` counts the poses whose own joint vector was not among them, up to whole turns; ``error`` is the largest
-    one as Pinocchio measures it [m or rad], None where it is not installed.
-    """
+    """Solve poses of random joint vectors, look for these among the answers, and have Pinocchio measure all."""
     from urdf_ik.arm import load
     from urdf_ik.ik.solutions import limits
     from urdf_ik.support import angles

@@ -47,9 +47,6 @@ def freeze(
 
     Options:
         output (-o FILE): The same; commit the file.
-
-    Raises:
-        typer.BadParameter: two lock files are named, or none where there is one already.
     """
     from urdf_ik.cli import targets
 

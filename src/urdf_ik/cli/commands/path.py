@@ -68,12 +68,7 @@ class PathOptions(options.Record):
         return cls(values)
 
     def in_rad(self, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> dict[str, Any]:
-        """The settings with their values in rad and m.
-
-        Raises:
-            typer.BadParameter: a value that is not a number, or too many or too few of them.
-            UrdfIkError: the world cannot be read.
-        """
+        """The settings with their values in rad and m."""
         out = {}
         for name, typed in self.settings.items():
             setting, option = path_settings.options()[name].metadata, f"--{name.replace('_', '-')}"
@@ -113,12 +108,7 @@ class Followed(NamedTuple):
 def followed(
     arm: Arm, angles: Angles, waypoints: PoseOptions | targets.Target, path: PathOptions, chosen: ArmOptions
 ) -> Followed:
-    """Read the waypoints, if they are not read yet, and the world, and follow them.
-
-    Raises:
-        typer.BadParameter: no waypoints, or a value that is not a number.
-        UrdfIkError: a file that cannot be read, or a setting that makes no sense.
-    """
+    """Read the waypoints, if they are not read yet, and the world, and follow them."""
     settings = PathSettings(**path.in_rad(angles, chosen, arm.joint_names))
     with Progress("following the path") as progress:
         if isinstance(waypoints, PoseOptions):
@@ -155,11 +145,6 @@ def path(
     Options (Output):
         output (-o FILE): Write the plan: .csv, .json or .npz; always rad, m.
         timed (FILE): Write it in time, at the highest velocities: .csv, .json or .npz; always s, rad, m.
-
-    Raises:
-        typer.BadParameter: options that make no sense.
-        typer.Exit: there is no plan.
-        UrdfIkError: a file that cannot be read or written.
     """
     for file, option in ((output, "--output"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:

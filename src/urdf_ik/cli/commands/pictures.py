@@ -77,9 +77,6 @@ def plot(
     Options:
         shapes: The shapes of the links, too, meshes among them.
         output (-o FILE): PNG, SVG or PDF. Default: a window.
-
-    Raises:
-        ArgumentError: there is no display, or the file cannot be written.
     """
     from urdf_ik.show import plot as pictures
     from urdf_ik.show.plot.slider_panel import require_display
@@ -170,11 +167,6 @@ def view(
         port (PORT): Default: 8080, or the first free one after it; 0: any free one.
         dark: Light on dark.
         output (-o FILE): Write the scene there as one HTML page, and leave.
-
-    Raises:
-        MissingPackage: viser is not installed.
-        UrdfIkError: the port is in use, or the host is not this machine, or a file cannot be read.
-        typer.BadParameter: the file cannot be written.
     """
     from urdf_ik.show.viewer import Viewer
 

@@ -39,11 +39,7 @@ class StoreOptions(options.Record):
 
     @contextmanager
     def client(self) -> Iterator[Any]:
-        """The workers, for as long as the work takes; None for this process.
-
-        Raises:
-            typer.BadParameter: two options exclude each other, or one needs another.
-        """
+        """The workers, for as long as the work takes; None for this process."""
         if self.workers is None and self.scheduler is None:
             yield None
             return
@@ -77,11 +73,7 @@ class MapOptions(options.Record):
     threads: int = 1
 
     def changed(self) -> dict[str, Any]:
-        """The options that differ from their defaults.
-
-        Raises:
-            typer.BadParameter: an unknown value, or a box that is none.
-        """
+        """The options that differ from their defaults."""
         out = {name: value for name, value in asdict(self).items() if value != getattr(MapOptions, name)}
         for kind in console.split(out.pop("values", "")):
             if kind not in _VALUES:
@@ -114,11 +106,6 @@ def workspace(
 
     Options:
         output (-o FILE): Write the map here, as .npz.
-
-    Raises:
-        typer.BadParameter: options that exclude each other.
-        ArgumentError: ``output`` cannot be written, or an option has an invalid value.
-        JobError: the store, the scheduler or the workers cannot be used.
     """
     arm, angles = chosen.loaded(degrees)
     asked = map.changed()
@@ -239,11 +226,6 @@ def placement(
         places (N): Number of best places to print.
         show (VALUE): Score to draw: reached, branches, margin, ...
         output (-o FILE): Draw the map: PNG, SVG or PDF.
-
-    Raises:
-        typer.BadParameter: options that exclude each other, or an unknown score.
-        ArgumentError: a file without poses, invalid options, or a picture that cannot be written.
-        JobError: the store, the scheduler or the workers cannot be used.
     """
     from urdf_ik.cli import targets
     from urdf_ik.model.poses import pose

@@ -112,10 +112,7 @@ def _arm(chain: CoupledChain, many: int) -> Numbers:
 
 
 def _rates(axes: Chain, gain: Array) -> Array:
-    """(m, n) greatest rates [rad] at which the joints turn the links behind each axis.
-
-    About parallel axes in a row, slides between them or not, turns add up with their signs.
-    """
+    """(m, n) greatest rates [rad] at which the joints turn the links behind each axis."""
     done, run = np.zeros(gain.shape[1]), np.zeros(gain.shape[1])
     along = np.zeros(3)
     rates = np.empty_like(gain)

@@ -52,11 +52,7 @@ TURNING = Family(
 
 
 def _matches(structure: Structure) -> bool:
-    """Whether six joints have one slide, or two that are not opposite in the loop: joints 1 and 4, 2 and 5, 3 and 6.
-
-    However a loop is cut, opposite slides stand on both sides, and the elimination then has a solution with both at
-    infinity for every value of the hidden joint.
-    """
+    """Whether six joints have one slide, or two that are not opposite in the loop: joints 1 and 4, 2 and 5, 3 and 6."""
     slides = [i for i, kind in enumerate(structure.joint_types) if kind == "prismatic"]
     return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
 

@@ -130,12 +130,7 @@ def _samples(chain: CoupledChain) -> Array:
 
 
 def _crossings(axes: Chain, gain: Array, values: Array) -> tuple[Array, Array, Array, float]:
-    """Where axes 4 and 7 meet at values (m,) of the wrist's joint.
-
-    Returns:
-        The cosine of the angle between them, the point's place along axis 4 and along axis 7 from their points (m,)
-        each [m], and the greatest distance at which they pass each other [m].
-    """
+    """Where axes 4 and 7 meet at values (m,) of the wrist's joint."""
     Q = np.zeros((len(values), 7))
     Q[:, 4:6] = values[:, None] * gain[4:6, 4]
     J, T = axes.jacobian(Q), axes.fk(Q)

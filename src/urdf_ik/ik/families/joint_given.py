@@ -107,10 +107,7 @@ def _held_shared(chain: Chain, k: int, plan: FamilyMember) -> FamilyMember:
 
 
 def _prepare_sampled(chain: Chain, k: int) -> FamilyMember:
-    """The plan of seven joints that become singular everywhere when either end joint is given: ``k`` is.
-
-    The six others are then a different arm for every value, so nothing can be prepared for them.
-    """
+    """The plan of seven joints that become singular everywhere when either end joint is given: ``k`` is."""
     parameter = locked_joint(chain, k)
     arm = Numbers(kind="sampled with one held", written=written(chain), held=k, value=parameter.default)
 

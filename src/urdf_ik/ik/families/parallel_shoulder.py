@@ -20,11 +20,7 @@ _CLEAR = 1e-4
 
 
 def _matches(structure: Structure) -> bool:
-    """Whether axes 1, 2 and 3 of a 6R arm are parallel, and neither the wrist nor a pair of axes is degenerate.
-
-    A fourth parallel axis, three wrist axes that are parallel or meet, and two axes in one line make the arm
-    singular everywhere.
-    """
+    """Whether axes 1, 2 and 3 of a 6R arm are parallel, and neither the wrist nor a pair of axes is degenerate."""
     return (
         structure.is_6r
         and structure.triple(1, "parallel") is not None

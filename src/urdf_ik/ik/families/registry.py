@@ -121,11 +121,7 @@ def of_six(structure: Structure, chain: Chain) -> FamilyMember | None:
 
 
 def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:
-    """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one.
-
-    The nearest one gives starting points for the arm as written. A quartic is not used for an arm that it fits only
-    nearly: its double roots separate with the root of the error.
-    """
+    """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one."""
     back = chain.reversed()
     quartic: FamilyMember | None = None
     near: list[tuple[FamilyMember, Chain]] = []

@@ -109,16 +109,7 @@ def _arm(
     step: Numbers | None = None,
     in_tip: Array | None = None,
 ) -> Numbers | None:
-    """The arm for the compiled solver; None where two of its turns are parallel.
-
-    Args:
-        chain: the arm.
-        turns: (3,) the joints that make the orientation.
-        most: columns of a pose.
-        error: how far the arm is off its structure [share of size].
-        step: how the other joints place the wrist's centre; None: three slides.
-        in_tip: (3,) the wrist's centre in the tip [share of size].
-    """
+    """The arm for the compiled solver; None where two of its turns are parallel."""
     first, middle, last = chain.H[turns]
     side, side_too = np.cross(first, middle), np.cross(middle, last)
     sa, sb = float(np.linalg.norm(side)), float(np.linalg.norm(side_too))

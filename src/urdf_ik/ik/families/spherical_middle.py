@@ -18,10 +18,7 @@ from urdf_ik.typing import Array
 
 
 def _matches(structure: Structure) -> bool:
-    """Whether axes 2, 3 and 4 of a 6R arm meet, and neither axis 1 nor axis 5 in the same point.
-
-    A fourth axis there and two axes in one line make the arm singular everywhere.
-    """
+    """Whether axes 2, 3 and 4 of a 6R arm meet, and neither axis 1 nor axis 5 in the same point."""
     return (
         structure.is_6r
         and structure.triple(2, "meet") is not None

@@ -118,11 +118,7 @@ def _front(chain: Chain, ideal: Numbers, centre: Array) -> float:
 
 
 def _numbers(ideal: Numbers, shoulder: str, ahead: float) -> dict[str, Any] | None:
-    """What the solver takes beside the ideal arm; ``ahead``: side of x that is the front.
-
-    None where the equation for joint 3 does not depend on joint 3: the wrist lies on axis 3, or axis 2 meets both its
-    neighbours where axis 1 does.
-    """
+    """What the solver takes beside the ideal arm; ``ahead``: side of x that is the front."""
     a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
     centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
     rho, phi = math.hypot(centre[0], centre[1]), math.atan2(centre[1], centre[0])

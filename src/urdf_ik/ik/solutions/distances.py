@@ -64,13 +64,7 @@ class Measure:
 
 
 def measure(solver: Solver, metric: str, weights: ArrayLike | None, within: ArrayLike | None) -> Measure:
-    """A distance for the joint vectors of an arm.
-
-    Raises:
-        ArgumentError: there is no such metric, 'time' is asked for where the URDF does not give the speed of every
-            joint, or ``within`` is negative or not a number.
-        ArgumentError: ``weights`` or ``within`` do not fit the arm.
-    """
+    """A distance for the joint vectors of an arm."""
     names = solver.joint_names
     each = np.ones(len(names)) if weights is None else factors(weights, names)
     inputs.choice(metric, "metric", METRICS)
@@ -109,11 +103,7 @@ def least_columns(values: Array, n: int) -> NDArray[np.intp]:
 
 
 def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) -> Array:
-    """``q_ref`` as (n,) or (..., n) finite float64, for poses of the shape ``batch``.
-
-    Raises:
-        ArgumentError: it does not fit the joints ``names`` or the poses, or is not finite.
-    """
+    """``q_ref`` as (n,) or (..., n) finite float64, for poses of the shape ``batch``."""
     array = _joint_vector(q_ref, "q_ref", names)
     try:
         np.broadcast_to(array, (*batch, array.shape[-1]))
@@ -125,12 +115,7 @@ def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) ->
 
 
 def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
-    """``within`` as (n,), one number for all joints ``names`` or one a joint, zero or positive, perhaps infinite.
-
-    Raises:
-        ArgumentError: there are not as many numbers as joints.
-        ArgumentError: a number is negative or NaN.
-    """
+    """``within`` as (n,), one number for all joints ``names`` or one a joint, zero or positive, perhaps infinite."""
     array = inputs.real(within, "within", "a number, or one a joint")
     if array.shape not in ((), (len(names),)):
         raise ArgumentError(
@@ -145,11 +130,7 @@ def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
 
 
 def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
-    """``weights`` as (n,) finite float64: zero, or within a factor of LARGEST of one.
-
-    Raises:
-        ArgumentError: they do not fit the joints ``names``, or one is negative or not finite.
-    """
+    """``weights`` as (n,) finite float64: zero, or within a factor of LARGEST of one."""
     array = _joint_vector(weights, "weights", names)
     if array.ndim != 1 or not ((array == 0.0) | inputs.usable(array)).all():
         raise ArgumentError(f"weights are {quoted(weights)}; one number a joint is needed, zero or {inputs.USABLE}")

@@ -66,11 +66,7 @@ def room(q: Array, limits: Array) -> Array:
 
 
 def check_inside(q: Array, limits: Array, names: Sequence[str], what: str) -> None:
-    """Refuse a joint vector (n,) that is outside the limits (n, 2) [rad or m].
-
-    Raises:
-        ArgumentError: it is; the message names the first such joint, and ends with ``what``.
-    """
+    """Refuse a joint vector (n,) that is outside the limits (n, 2) [rad or m]."""
     low, high = limits.T
     outside = (q < low - LIMIT_TOLERANCE) | (q > high + LIMIT_TOLERANCE)
     if outside.any():
@@ -107,9 +103,6 @@ def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIM
 
     Returns:
         Two arrays (..., n) of whole numbers; first > last where no image is inside.
-
-    Raises:
-        ArgumentError: ``tol`` is not finite.
     """
     first, last = _core.image_range(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
     return first, last
@@ -220,9 +213,6 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
 
     Every branch gets the same number M of columns, the product of the greatest number of images that each
     joint has in ``q``.
-
-    Raises:
-        ArgumentError: more than ``MAX_ENTRIES`` joint values.
     """
     first, last = image_range(q, limits, turning, tol)
     inside = (first <= last).all(axis=-1, keepdims=True)
@@ -286,11 +276,7 @@ def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TO
 
 
 def _bounds(limits: Array, turning: Mask | Array, tol: float) -> tuple[Array, Array]:
-    """Limits (n, 2) widened by a tolerance, and how far [rad] the images of each joint are apart, 0 where it has none.
-
-    Raises:
-        ArgumentError: the tolerance is not finite.
-    """
+    """Limits (n, 2) widened by a tolerance; how far [rad] the images of each joint are apart, 0 where it has none."""
     tol = inputs.number(tol, "tol", unit="rad or m")
     on_circle, turn = _turns(turning)
     return np.ascontiguousarray(limits + [-tol, tol]), np.where(on_circle, turn, 0.0)

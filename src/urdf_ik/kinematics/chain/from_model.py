@@ -19,11 +19,6 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         model: the URDF.
         base: base link; default: the root.
         tip: tip link; default: the end of the only movable chain below the base.
-
-    Raises:
-        UrdfError: a part of the URDF that the chain uses has a defect.
-        ChainError: base or tip is unknown, ambiguous, or not on one chain.
-        UnsupportedArm: a joint of the chain is of a type that cannot be solved.
     """
     base, tip = model.resolve_chain(base, tip)
     model.require_sound(base, tip)

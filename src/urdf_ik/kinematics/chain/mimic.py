@@ -138,10 +138,7 @@ def coupled(model: UrdfModel, axes: Chain, movable: list[Joint]) -> Chain:
 
 
 def _limits(driver: Joint, movable: list[Joint], rows: list[tuple[Joint, float, float]]) -> tuple[float, float]:
-    """The driver's limits as far as the joints that mimic it may follow.
-
-    Theirs do not count where they leave nothing: a mimicking joint's are often written carelessly, as 0 to 0.
-    """
+    """The driver's limits as far as the joints that mimic it may follow."""
     own = (-math.inf, math.inf) if driver.type == "continuous" else (driver.lower, driver.upper)
     lower, upper = own
     for joint, (leader, multiplier, offset) in zip(movable, rows, strict=True):

@@ -70,11 +70,7 @@ class Redundancy:
         return f"{what}, {least} to {amount(high, self.unit, '.4f')}, by default {standard}"
 
     def check(self, value: ArrayLike) -> Array:
-        """``value`` as an array (...) of finite numbers.
-
-        Raises:
-            ArgumentError: a value is not a finite number, or an angle is beyond 1e6 rad, where its digits are lost.
-        """
+        """``value`` as an array (...) of finite numbers."""
         if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
             values = value
         else:
@@ -92,11 +88,7 @@ class Redundancy:
 
 
 def spread(parameters: Sequence[Redundancy], poses: Array, value: ArrayLike) -> tuple[Array, Array]:
-    """Poses (..., 4, 4) and values broadcast against each other: (...) of one parameter, (..., k) of k of them.
-
-    Raises:
-        ArgumentError: the values are no finite numbers, or the shapes do not fit.
-    """
+    """Poses (..., 4, 4) and values broadcast against each other: (...) of one parameter, (..., k) of k of them."""
     count, batch = len(parameters), poses.shape[:-2]
     for parameter in parameters:
         values = parameter.check(value)

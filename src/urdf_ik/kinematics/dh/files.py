@@ -47,12 +47,7 @@ def check_convention(convention: Any, error: Callable[[str], Exception] = Argume
 
 
 def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) -> dict[str, Any]:
-    """Arguments of :meth:`urdf_ik.DHTable.from_array` from a file.
-
-    Raises:
-        ArgumentError: the file cannot be read, or the convention is unknown.
-        UrdfError: it holds no table; the error names row, column and value.
-    """
+    """Arguments of :meth:`urdf_ik.DHTable.from_array` from a file."""
     try:
         text = files.read(path).decode("utf-8-sig")
     except UnicodeDecodeError:

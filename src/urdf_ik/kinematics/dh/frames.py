@@ -155,11 +155,7 @@ MOST_SNAP = 0.5
 
 
 def _as_written(snap: float | None) -> tuple[float, float]:
-    """Angle [rad] and distance [share of size] below which axes are parallel or meet.
-
-    Feet of a common normal lie 1 / angle away, where rounding weighs 1e-16 / angle: below the root of that, taking
-    the axes for parallel costs less.
-    """
+    """Angle [rad] and distance [share of size] below which axes are parallel or meet."""
     return (np.sqrt(np.finfo(np.float64).eps), _ROUNDING_OF_STEP) if snap is None else (snap, snap)
 
 

@@ -309,11 +309,7 @@ class DHTable(Frozen):
 
 
 def _check(table: DHTable) -> None:
-    """Check every field of the table.
-
-    Raises:
-        UrdfError: something is missing, of the wrong shape, not finite or senseless.
-    """
+    """Check every field of the table."""
     check_convention(table.convention)
     n = table.alpha.size
     if n == 0:
@@ -335,11 +331,7 @@ def _check(table: DHTable) -> None:
 
 
 def _joint_types(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
-    """Types of ``n`` joints from words, letters such as 'RRP', or nothing (all revolute).
-
-    Raises:
-        UrdfError: an unknown word or letter, or too many or too few of them.
-    """
+    """Types of ``n`` joints from words, letters such as 'RRP', or nothing (all revolute)."""
     if len(kinds) == 0:
         return ("revolute",) * n
     words = []
@@ -358,11 +350,7 @@ def _joint_types(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
 
 
 def _table_array(rows: Any, columns: Sequence[str]) -> Array:
-    """A writable array (n, number of columns) of numbers.
-
-    Raises:
-        UrdfError: a row has more or fewer columns, or an entry is no number.
-    """
+    """A writable array (n, number of columns) of numbers."""
     out = np.empty((len(rows), len(columns)))
     for i, row in enumerate(rows):
         values = np.atleast_1d(np.asarray(row))
@@ -377,11 +365,7 @@ def _table_array(rows: Any, columns: Sequence[str]) -> Array:
 
 
 def _transform(value: ArrayLike | None, name: str) -> Array:
-    """One pose (4, 4) of its own; the identity for None.
-
-    Raises:
-        UrdfError: it is not a pose.
-    """
+    """One pose (4, 4) of its own; the identity for None."""
     try:
         T = np.eye(4) if value is None else check_poses(value).copy()
     except PoseError as error:

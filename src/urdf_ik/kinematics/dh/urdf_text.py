@@ -123,11 +123,7 @@ _EFFORT, _VELOCITY = 100, {"revolute": 3, "continuous": 3, "prismatic": 1}
 
 
 def write(table: Any, base_link: str, tip_link: str) -> str:
-    """URDF text with the links ``base_link``, ``link_1`` ... ``link_n`` and ``tip_link``.
-
-    Raises:
-        UrdfError: base and tip have the same name, or that of another link.
-    """
+    """URDF text with the links ``base_link``, ``link_1`` ... ``link_n`` and ``tip_link``."""
     links = [base_link, *(f"link_{i + 1}" for i in range(table.n)), tip_link]
     if not all(isinstance(name, str) and name.strip() for name in links) or len(set(links)) < len(links):
         raise table_error(f"the links {', '.join(map(quoted, links))} must have different names")

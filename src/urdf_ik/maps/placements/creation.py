@@ -198,10 +198,7 @@ class _Question(Question):
         }
 
     def _scores(self, into_base: Array, world: World | None) -> dict[str, float]:
-        """The scores of one pose of the base; ``into_base`` is the cell's pose in it.
-
-        ``world`` has the obstacles, which are moved into the base: its shapes are built once.
-        """
+        """The scores of one pose of the base; ``into_base`` is the cell's pose in it."""
         found = {name: SCORES[name].fill for name in self.names}
         in_base = into_base @ self.targets
         for obstacle in self.world or ():

@@ -113,17 +113,7 @@ class _Circle:
 
 
 def _region(inside: Inside, circles: Iterable[_Circle], size: float) -> Region:
-    """The region in which ``inside`` holds, whose boundary lies on some of the circles.
-
-    Every circle is cut where it meets another one. A piece belongs to the boundary when one of its sides is inside and
-    the other is not. The sides are tested where the piece is farthest from every other circle, and nearer to it than
-    to them, so that a sliver between two circles is never stepped over.
-
-    Args:
-        inside: points (k, 2) m to (k,) bool.
-        circles: all on which a boundary may lie.
-        size: m, what tolerances are relative to.
-    """
+    """The region in which ``inside`` holds, whose boundary lies on some of the circles."""
     merged = _merged(circles, size)
     arcs: list[Arc] = []
     for circle in merged:

@@ -36,9 +36,6 @@ def with_numbers(source: object, changes: Mapping[str, Mapping[str, Mapping[str,
         changes: joint name -> 'origin', 'axis' or 'mimic' -> attribute -> numbers. An element or attribute that is
             missing is added.
 
-    Raises:
-        UrdfError: the source cannot be read, is no URDF as a parser takes it, or has no such joint.
-
     Example:
         >>> text = '<robot name="r"><!-- mine --><joint name="j"><origin xyz="0 0 1"/></joint></robot>'
         >>> print(with_numbers(text, {"j": {"origin": {"xyz": [0.0, 0.0, 1.5]}}}).decode())
@@ -132,11 +129,7 @@ _NAMING = ("link", "joint", "material")
 
 
 def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float64], prefix: str) -> UrdfModel:
-    """Fix the root of ``other`` to ``link`` of ``model`` at ``pose`` (4, 4) m; its names get ``prefix``.
-
-    Raises:
-        ArgumentError: ``model`` already has one of the prefixed names.
-    """
+    """Fix the root of ``other`` to ``link`` of ``model`` at ``pose`` (4, 4) m; its names get ``prefix``."""
     robot, added = etree.fromstring(model.xml), etree.fromstring(other.xml)
     taken = {(each.tag, each.get("name")) for each in robot if each.tag in _NAMING}
     for element in added.iter():

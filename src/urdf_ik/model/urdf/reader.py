@@ -36,10 +36,6 @@ def read(
     Returns:
         The model, with every joint's origin and axis, digit for digit as yourdfpy reads them.
 
-    Raises:
-        UrdfError: the URDF cannot be read or is defective; the message names file, line, element and correction.
-        MissingPackage: a xacro or MJCF is given, and the package that reads it is not installed.
-
     Example:
         >>> from urdf_ik.model import catalogue
         >>> model = read(catalogue.resolve("planar_2r").path)

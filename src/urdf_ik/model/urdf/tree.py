@@ -18,11 +18,7 @@ VERSIONS = ("1.0", "1.1", "1.2")
 
 
 def check_robot(robot: Any, source: str, defects: Defects) -> str:
-    """Name of the robot, or ''; unresolved xacro instructions are recorded as defects.
-
-    Raises:
-        UrdfError: another version of the format.
-    """
+    """Name of the robot, or ''; unresolved xacro instructions are recorded as defects."""
     place = Place(source, robot, "<robot>")
     if (version := robot.get("version", "1.0")) not in VERSIONS:
         place.fail(f"unknown version {version!r}", hint=f"one of {', '.join(VERSIONS)}, or none")
@@ -37,11 +33,7 @@ def check_robot(robot: Any, source: str, defects: Defects) -> str:
 
 
 def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
-    """Link elements by name, in the file's order; links without a name, or with one that is taken, are omitted.
-
-    Raises:
-        UrdfError: there is no link, or there are too many.
-    """
+    """Link elements by name, in the file's order; links without a name, or with one that is taken, are omitted."""
     links: dict[str, Any] = {}
     for element in children(robot, "link"):
         place = Place(source, element, label_of(element))
@@ -68,11 +60,7 @@ def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
 def check_joints(
     robot: Any, links: dict[str, Any], source: str, defects: Defects
 ) -> tuple[list[Joint], dict[str, Written]]:
-    """Joints between two links, in the file's order, and their texts by name; tree and mimics are not checked yet.
-
-    Raises:
-        UrdfError: there are too many.
-    """
+    """Joints between two links, in the file's order, and their texts by name; tree and mimics are not checked yet."""
     joints: dict[str, Joint] = {}
     written: dict[str, Written] = {}
     for count, element in enumerate(children(robot, "joint"), 1):
@@ -88,11 +76,7 @@ def check_joints(
 def check_tree(
     joints: list[Joint], written: Mapping[str, Written], links: dict[str, Any], source: str, defects: Defects
 ) -> tuple[str, list[Joint], dict[str, Any]]:
-    """The root link, and the joints and links of its tree: of several trees the one with most moving joints.
-
-    Raises:
-        UrdfError: all links are parts of circles.
-    """
+    """The root link, and the joints and links of its tree: of several trees the one with most moving joints."""
     parent_of: dict[str, Joint] = {}
     for joint in joints:
         other = parent_of.setdefault(joint.child, joint)

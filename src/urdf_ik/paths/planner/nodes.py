@@ -314,11 +314,7 @@ def _continue(solver: Solver, joints: Joints, T: Array, waypoint: int, here: lis
 
 
 def _nearest_singular(solver: Solver, joints: Joints, T: Array, waypoint: int, reference: Array) -> Nodes | None:
-    """The singular solution of a pose nearest to a reference (n,), or None.
-
-    ``ik`` returns a representative near its reference, not always the nearest. So the reference is moved along the
-    tangent of the solutions until it coincides with the solution returned.
-    """
+    """The singular solution of a pose nearest to a reference (n,), or None."""
     target, nearest = reference, None
     for _ in range(TANGENT_STEPS):
         solutions = solve(solver, T, target)

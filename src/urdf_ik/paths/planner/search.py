@@ -44,11 +44,7 @@ class Search:
         self._stale = True
 
     def best(self, nodes: Mask | None = None) -> Route | None:
-        """The cheapest route that passes; only start nodes of the mask ``nodes`` count.
-
-        Raises:
-            TimeIsUp: the time limit has passed.
-        """
+        """The cheapest route that passes; only start nodes of the mask ``nodes`` count."""
         while True:
             self._watch.check()
             if self._stale:

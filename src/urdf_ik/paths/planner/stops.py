@@ -81,11 +81,7 @@ def _first_contact(search: Search, column: int) -> str:
 
 
 def _reached(settings: CheckedSettings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Marks (N, states) of the first waypoint's states, passed on to all states that are reached without contact.
-
-    The search checked only the nodes of the cheapest routes, so all others are checked here. With a redundancy
-    parameter there are too many nodes for that.
-    """
+    """Marks (N, states) of the first waypoint's states, passed on to all states that are reached without contact."""
     graph = search.graph
     if search.obstacles is None or settings.solver.parameter is not None:
         return graph.reached(first)

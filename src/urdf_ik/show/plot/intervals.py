@@ -39,9 +39,6 @@ def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
         found: of ``arm.intervals``, of a single pose.
         degrees: an angle in degrees; else in rad.
 
-    Raises:
-        ArgumentError: these are the intervals of a batch.
-
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("srs_7r")

@@ -15,9 +15,6 @@ def check(host: str, port: int | None) -> None:
     Args:
         host: name or address of one of this machine's interfaces.
         port: None: any port will do.
-
-    Raises:
-        ArgumentError: the port is invalid or in use, or the host is not this machine.
     """
     if port is not None and not (type(port) is int and 0 <= port <= 65535):
         raise ArgumentError(f"port {port!r} given; it is a whole number from 0 (any free one) to 65535")

@@ -50,10 +50,7 @@ class Guard:
         return ""
 
     def _is_own(self, host: str) -> bool:
-        """Whether a Host header can name this server: DNS rebinding lets other names lead here.
-
-        The port may differ, since ports are forwarded.
-        """
+        """Whether a Host header can name this server: DNS rebinding lets other names lead here."""
         try:
             parts = urlsplit(f"//{host}")
             name, _ = parts.hostname or "", parts.port
@@ -93,9 +90,6 @@ def start(guard: Guard, host: str, port: int) -> Any:
 
     viser hands each request to websockets' ``serve`` and has no argument for a check. So the check is added to that
     call while the server starts; whether it works is asked of the server itself.
-
-    Raises:
-        MissingPackage: the installed viser answers requests without the token.
     """
     import viser
     from websockets.asyncio import server

@@ -275,11 +275,7 @@ class Viewer:
             self._latest.put(("view", client.client_id), lambda: self._frame(client))
 
     def _frame(self, *clients: Any) -> None:
-        """Have pages see the whole arm, path and obstacles.
-
-        Their cameras are turned in the server's event loop, which reads the messages of pages. Elsewhere one with an
-        older view could be read between the two steps: viser would compare the second with it, and might not send it.
-        """
+        """Have pages see the whole arm, path and obstacles."""
 
         def turn(client: Any, position: NDArray[np.float64], look_at: NDArray[np.float64]) -> None:
             with suppress(UserWarning):  # viser warns of each message to a closed page

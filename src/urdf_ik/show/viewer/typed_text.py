@@ -23,10 +23,6 @@ def read(text: str, arm: Arm) -> tuple[str, Array]:
     quaternion (x, y, z, w), 6 a position and roll, pitch, yaw [rad]. Where that leaves a doubt, and in JSON, a word
     says what they are: ``q=...``, ``pose=...``, ``{"q": [...]}``, ``{"pose": [...]}``.
 
-    Raises:
-        ArgumentError: the text holds something else, or another number of numbers.
-        PoseError: the numbers are no pose.
-
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")

@@ -289,14 +289,7 @@ def _by_family(loop: Loop, near: Loop, answer: _Answer, rng: np.random.Generator
 def _answered(
     loop: Loop, answer: _Answer, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
 ) -> tuple[bool | None, str]:
-    """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one.
-
-    Where two folds meet, a solution of a clustered answer may be nearest to a pair of roots that is not real, and stand
-    for the real ones beside it.
-    A solution that keeps the pose, but is near no real root, leaves a clustered answer open: another rounding of the
-    pose may have it. Of any other answer it is refused. So does a cluster around real numbers without a solution: its
-    roots may be real.
-    """
+    """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one."""
     near: list[list[int]] = [[] for _ in singles]
     between: list[list[acb]] = []  # solutions that stand for real roots and for a pair that is not real
     undecided = ""

@@ -51,9 +51,6 @@ class Loop:
         Args:
             chain: six turning joints.
             T: (4, 4) pose of the tip in the base [m].
-
-        Raises:
-            UnsupportedArm: the chain does not have six turning joints, or joints mimic others.
         """
         if chain.n != 6 or chain.prismatic.any() or chain.followers:
             raise UnsupportedArm("a proof is checked for six turning joints, and this chain has others")
@@ -159,11 +156,7 @@ def _length(v: list[arb]) -> arb:
 
 
 def _rotation(R: Array) -> list[list[arb]]:
-    """The rotation nearest to a matrix of doubles that is all but a rotation, exact up to the precision.
-
-    Newton's iteration for the polar factor, then the unit quaternion of the result: a quaternion of any four numbers is
-    a rotation, so what the iteration leaves costs accuracy and no rigour.
-    """
+    """The rotation nearest to a matrix of doubles that is all but a rotation, exact up to the precision."""
     M = acb_mat([[acb(float(x)) for x in row] for row in R])
     for _ in range(5):
         M = (M + M.transpose().inv()) * _HALF

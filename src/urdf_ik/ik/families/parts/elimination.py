@@ -112,12 +112,7 @@ def _at(variants: Numbers, rows: Sequence[int] | NDArray[np.intp]) -> Numbers:
 
 
 def _tried(setup: Numbers, variants: Numbers, targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Try each variant alone on the poses (m, 4, 4).
-
-    Returns:
-        (v, m): how many solutions it finds, and bits: whether it is certain that they are all (1), whether it is
-            proven (2).
-    """
+    """Try each variant alone on the poses (m, 4, 4)."""
     counts = np.empty((len(variants.first), len(targets)), np.uint8)
     certain = np.empty_like(counts)
     try_elimination(setup, variants, np.ascontiguousarray(targets), counts, certain)
@@ -135,10 +130,7 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
 
 
 def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> Numbers:
-    """Every variant, v of them, on the axes as they are and on axes moved a little.
-
-    Each array (v, ...) has a row a variant: ``EliminationVariant`` of the core; ``inexact`` is ``UNKNOWN``.
-    """
+    """Every variant, v of them, on the axes as they are and on axes moved a little."""
     shifts = np.array(_SHIFTS)[:, None, None]
     turned = np.empty((len(_SHIFTS), 6, 3))
     moved = np.empty_like(turned)
