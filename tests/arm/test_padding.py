@@ -47,16 +47,10 @@ def test_rows_of_nan_give_nan(name: str, ask: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_functions_of_the_jacobian_take_them(name: str) -> None:
-    """Condition number, singular directions and joint velocities, too, and a JointState."""
+    """The condition number, too, and a JointState."""
     arm = urdf_ik.load(name)
     q, both = padded(arm), [0, 2]
-    twist = np.full(6, 0.1)
     compare(velocity.condition_number(arm.chain, q), velocity.condition_number(arm.chain, q[:, both]))
-    compare(velocity.joint_velocities(arm.chain, q, twist), velocity.joint_velocities(arm.chain, q[:, both], twist))
-    whole, alone = (velocity.singular_directions(arm.chain, each) for each in (q, q[:, both]))
-    for field in ("gains", "twists", "motions"):
-        compare(getattr(whole, field), getattr(alone, field))
-    assert not whole.lost[:, 1].any() and not whole.idle[:, 1].any()
     compare(interop.to_joint_state(arm, q, arm.joint_names), q[:, both])
 
 

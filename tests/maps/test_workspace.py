@@ -325,7 +325,7 @@ def test_questions_to_a_map() -> None:
     k = int((0.41 - found.grid.lower[2]) / 0.05)
     np.testing.assert_array_equal(np.nan_to_num(layer.values), found.counts[:, :, k, 0])
     assert layer.axes == ("x", "y") and abs(layer.at - 0.41) <= 0.025
-    shares = found.branch_shares()
+    shares = found.totals()["branches"]
     for b, name in enumerate(found.about["branches"]):
         assert shares[name]["voxels"] == pytest.approx(found.branch_poses[..., b].sum() / found.reached.sum())
     assert found.cell == pytest.approx(0.05**3)

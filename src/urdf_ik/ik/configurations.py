@@ -242,20 +242,6 @@ def depends_on_turns(numbers: Sequence[int | None], vendor: str) -> bool:
     return any(numbers[k] is not None for k in _vendor(vendor).turning)
 
 
-def to_pendant(q: Array) -> Array:
-    """Joint vectors (..., 6) as a FANUC pendant shows them: J3 against the horizon, J3 - J2 of the URDF's values."""
-    shown = np.array(q, dtype=np.float64)
-    shown[..., 2] -= shown[..., 1]
-    return shown
-
-
-def from_pendant(q: Array) -> Array:
-    """The URDF's joint vectors (..., 6) of those that a FANUC pendant shows; see :func:`to_pendant`."""
-    own = np.array(q, dtype=np.float64)
-    own[..., 2] += own[..., 1]
-    return own
-
-
 def _numbers(found: str) -> list[int]:
     return [int(each) for each in re.findall(r"-?\d+", found)]
 

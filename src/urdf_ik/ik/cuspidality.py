@@ -18,8 +18,6 @@ if it has a cusp).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,10 +27,9 @@ from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
 
-Node = tuple[int, ...]
-
 _MOVING = (1, 2, 3, 4)
 _NODES = 16  # along each of these joints
+_SHAPE = (_NODES,) * 4
 _FINER = 8  # samples from node to node
 _SPACING = 2.0 * np.pi / _NODES
 _POSES = 100
@@ -92,7 +89,9 @@ def nonsingular_change(solver: Solver) -> Array | None:
             other, other_ramp = by_region[region]
             if np.abs(shortest(x - other)).max() < _DISTINCT:
                 continue
-            return np.array([*other_ramp, *grid.path(other_ramp[-1], ramp[-1]), *_with_ends(ramp[::-1], other), x])
+            # Joints 1 and 6 have no part in the determinant.
+            ends = [np.array([other[0], *q[1:5], other[5]]) for q in ramp[::-1]]
+            return np.array([*other_ramp, *grid.path(other_ramp[-1], ramp[-1]), *ends, x])
     return None
 
 
@@ -123,14 +122,21 @@ class _Grid:
     """The Jacobian's determinant on a grid over the joints 2 to 5, and which neighbours are joined without a zero."""
 
     def __init__(self, chain: Chain) -> None:
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import connected_components
+
         self._chain = chain
         self._axis = _SPACING * np.arange(_NODES) + 0.1  # off the symmetric places, where determinants like to vanish
-        Q = np.zeros((*(_NODES,) * 4, 6))
+        Q = np.zeros((*_SHAPE, 6))
         Q[..., 1:5] = np.stack(np.meshgrid(*[self._axis] * 4, indexing="ij"), axis=-1)
         values = _determinants(chain, Q)
-        # joined[k] at a node: the move from it to the next node along axis k is certified.
-        self._joined = [_joined(values, k) for k in range(4)]
-        self._regions = self._spread(np.arange(values.size).reshape(values.shape))
+        nodes = np.arange(values.size).reshape(_SHAPE)
+        # The certified moves: from a node to the next one along an axis.
+        joined = [_joined(values, k) for k in range(4)]
+        here = np.concatenate([nodes[each] for each in joined])
+        there = np.concatenate([np.roll(nodes, -1, k)[each] for k, each in enumerate(joined)])
+        self._graph = csr_array((np.ones(len(here), np.int8), (here, there)), (values.size, values.size))
+        self._regions = connected_components(self._graph, directed=False)[1]
 
     def region(self, q: Array) -> int:
         """Number of the region of a joint vector on the grid: moves along the grid lead from one to all of it."""
@@ -149,44 +155,22 @@ class _Grid:
 
     def path(self, start: Array, end: Array) -> list[Array]:
         """Shortest certified moves between two joint vectors of one region of the grid, both left out."""
+        from scipy.sparse.csgraph import breadth_first_order
+
         first, last = self._node(start), self._node(end)
-        far = np.iinfo(np.int64).max
-        steps = np.full(self._regions.shape, far)
-        steps[last] = 0
-        steps = self._spread(steps, 1)
-        nodes = [first]
-        while nodes[-1] != last:
-            nodes.append(min(self._neighbours(nodes[-1]), key=lambda node: int(steps[node])))
-        return [self._vector(node, start) for node in nodes[1:-1]]
+        before = breadth_first_order(self._graph, first, directed=False)[1]
+        nodes = [last]
+        while nodes[-1] != first:
+            nodes.append(int(before[nodes[-1]]))
+        return [self._vector(node, start) for node in nodes[-2:0:-1]]
 
-    def _spread(self, numbers: NDArray[np.int64], toll: int = 0) -> NDArray[np.int64]:
-        """Let every node take the least of its own number and its neighbours', plus the toll, until nothing changes."""
-        most = np.iinfo(np.int64).max
-        while True:
-            before = numbers
-            for k, joined in enumerate(self._joined):
-                for step, open_ in ((-1, joined), (1, np.roll(joined, 1, k))):
-                    there = np.roll(numbers, step, k)
-                    there = np.where(open_ & (there < most), np.minimum(there, most - toll) + toll, most)
-                    numbers = np.minimum(numbers, there)
-            if (numbers == before).all():
-                return numbers
+    def _node(self, q: Array) -> int:
+        places = np.round((q[1:5] - self._axis[0]) / _SPACING).astype(np.intp) % _NODES
+        return int(np.ravel_multi_index(tuple(places), _SHAPE))
 
-    def _neighbours(self, node: Node) -> Iterator[Node]:
-        for k, joined in enumerate(self._joined):
-            ahead = (*node[:k], (node[k] + 1) % _NODES, *node[k + 1 :])
-            behind = (*node[:k], (node[k] - 1) % _NODES, *node[k + 1 :])
-            if joined[node]:
-                yield ahead
-            if joined[behind]:
-                yield behind
-
-    def _node(self, q: Array) -> Node:
-        return tuple(int(i) for i in np.round((q[1:5] - self._axis[0]) / _SPACING) % _NODES)
-
-    def _vector(self, node: Node, like: Array) -> Array:
+    def _vector(self, node: int, like: Array) -> Array:
         """The node's joint vector, with joints 1 and 6 of another one."""
-        return np.array([like[0], *self._axis[list(node)], like[5]])
+        return np.array([like[0], *self._axis[list(np.unravel_index(node, _SHAPE))], like[5]])
 
 
 def _joined(values: Array, axis: int) -> NDArray[np.bool_]:
@@ -210,8 +194,3 @@ def _determinants(chain: Chain, Q: Array) -> Array:
     J = np.array(chain.jacobian(Q))
     J[..., :3, :] /= chain.size
     return np.asarray(np.linalg.det(J))
-
-
-def _with_ends(Q: list[Array], like: Array) -> list[Array]:
-    """The joint vectors Q with joints 1 and 6 of another one, which have no part in the determinant."""
-    return [np.array([like[0], *q[1:5], like[5]]) for q in Q]

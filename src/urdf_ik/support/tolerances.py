@@ -47,15 +47,13 @@ class Tolerances(SolverTolerances):
         near_angle: two axes this close to parallel [rad] may be intended as parallel.
         near_distance: two axes this close [share of size] may be intended to intersect.
         contract: greatest error of every result [share of the arm's size, rad].
-        damped: smallest singular value, lengths as shares of the size, below which joint velocities are damped.
-        damping: damping of joint velocities at a singularity.
+        damped: smallest singular value, lengths as shares of the size, below which derivatives are damped.
     """
 
     near_angle: float = 0.02
     near_distance: float = 1e-3
     contract: float = 1e-9
     damped: float = 0.01
-    damping: float = 0.01
 
 
 DEFAULT = Tolerances()

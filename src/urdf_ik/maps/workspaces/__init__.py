@@ -4,7 +4,7 @@
 >>> from urdf_ik.maps import workspaces
 >>> region = workspaces.planar(urdf_ik.load("planar_2r"))
 >>> found = workspaces.workspace(urdf_ik.load("zyyzyz_6r"), voxel=0.5, orientations=20)
->>> len(found.branch_shares()), found.slice("z", 1.0).axes
+>>> len(found.totals()["branches"]), found.slice("z", 1.0).axes
 (8, ('x', 'y'))
 
 A map larger than memory is written to a store, ``stored_workspace(arm, "map.zarr")``, by this process or by the workers

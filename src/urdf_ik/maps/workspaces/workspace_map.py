@@ -231,18 +231,13 @@ class WorkspaceMap:
             what,
         )
 
-    def branch_shares(self) -> dict[str, dict[str, float]]:
-        """Shares of the reached 'voxels' and 'poses' that each branch covers; zeros where nothing is reached."""
-        shares: dict[str, dict[str, float]] = self.totals()["branches"]
-        return shares
-
     def totals(self) -> dict[str, Any]:
         """Sums over the whole map.
 
         Returns:
             'poses' and 'voxels': the numbers of 'all' and of 'reached' ones, a voxel in any orientation;
             'dexterous_voxels': those reached in every orientation; 'solutions': the sum of each count that the map
-            contains; 'branches': see :meth:`branch_shares`.
+            contains; 'branches': the shares of the reached 'voxels' and 'poses' that each branch covers.
         """
         counted: dict[str, int] = {name: 0 for name in ("solutions", "within", "free") if name in self.names}
         branches = np.zeros((2, len(self.about["branches"])), dtype=np.int64)

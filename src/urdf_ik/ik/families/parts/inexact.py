@@ -91,7 +91,8 @@ def _bound(sizes: tuple[Array, Array], off: tuple[Fixed, Fixed], unit: float) ->
         out[power] = np.linalg.norm(
             front_off @ (moved + moved_off) + front_size @ moved_off + 2.0 * product * (front_size @ moved)
         )
-    return 2.0 * out
+    bound: Array = 2.0 * out
+    return bound
 
 
 def _axes(steps: Array, centre: Array, scale: float) -> list[tuple[Fixed, Fixed]]:
@@ -124,15 +125,18 @@ def _null(left: Array, joints: list[Fixed]) -> Array:
 
 
 def _fixed(a: Array) -> Fixed:
-    return np.asarray(np.frompyfunc(lambda x: int(math.ldexp(x, _DIGITS)), 1, 1)(a))
+    out: Fixed = np.frompyfunc(lambda x: int(math.ldexp(x, _DIGITS)), 1, 1)(a)
+    return out
 
 
 def _floats(a: Fixed) -> Array:
-    return a.astype(np.float64) / 2.0**_DIGITS
+    out: Array = a.astype(np.float64) / 2.0**_DIGITS
+    return out
 
 
 def _times(a: Fixed, b: Fixed) -> Fixed:
-    return np.asarray((a @ b) >> _DIGITS)
+    out: Fixed = (a @ b) >> _DIGITS
+    return out
 
 
 def _back(motion: Fixed) -> Fixed:
@@ -159,7 +163,8 @@ def _line(p: Fixed, direction: Fixed) -> Fixed:
     """The 15 numbers of the line through p; see hidden_joint.hpp."""
     h, d = _times(p, p) >> 1, _times(p, direction)
     last = (h * direction - d * p) >> _DIGITS
-    return np.concatenate([[_ONE], p, [h], direction, _cross(p, direction), [d], last])
+    out: Fixed = np.concatenate([[_ONE], p, [h], direction, _cross(p, direction), [d], last])
+    return out
 
 
 def _motions(h: Fixed, p: Fixed) -> Fixed:
