@@ -17,8 +17,17 @@ import urdf_ik
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.verify import completeness
-from urdf_ik.verify.completeness import BOTH, CORNER, DISTANCES, SECOND, SOLVER, Completeness, Difference, Group
-from urdf_ik.verify.sameness import Sameness
+from urdf_ik.verify.completeness import (
+    BOTH,
+    CORNER,
+    DISTANCES,
+    SECOND,
+    SOLVER,
+    Completeness,
+    Difference,
+    Group,
+    Sameness,
+)
 
 FEW = 16
 

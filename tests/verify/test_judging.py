@@ -16,9 +16,8 @@ import urdf_ik
 from urdf_ik.cli import app
 from urdf_ik.errors import ArgumentError
 from urdf_ik.verify import judge, judging
-from urdf_ik.verify.judging import Judgement, replay
+from urdf_ik.verify.judging import Judgement, opened, replay
 from urdf_ik.verify.sampling import least_singular_value
-from urdf_ik.verify.solvers import opened
 
 PUMA = urdf_ik.load("puma_560")
 

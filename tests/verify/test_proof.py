@@ -16,8 +16,7 @@ from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.verify import check_proof
 from urdf_ik.verify.proof.check import SIXTEEN, examine
 from urdf_ik.verify.proof.loop import Loop, exact
-from urdf_ik.verify.proof.roots import cluster, single_root
-from urdf_ik.verify.proof.search import search
+from urdf_ik.verify.proof.roots import cluster, search, single_root
 
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 

@@ -189,10 +189,10 @@ def judge(
         max_error (E): Error [m; rad] of a solution. Default: 1e-7.
         within_limits: The solver returns only what is inside the limits.
     """
-    from urdf_ik.verify import judging, solvers
+    from urdf_ik.verify import judging
 
     arm = chosen.load()
-    with solvers.opened(solver) as solve, Progress("judging poses") as progress:
+    with judging.opened(solver) as solve, Progress("judging poses") as progress:
         found = judging.judge(
             arm,
             solve,

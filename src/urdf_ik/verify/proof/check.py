@@ -22,10 +22,8 @@ from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.watch import Progress
 from urdf_ik.typing import Array
-from urdf_ik.verify.proof.families import EIGHT, ideal
-from urdf_ik.verify.proof.loop import Loop, exact, largest
-from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, single_root
-from urdf_ik.verify.proof.search import outside, search
+from urdf_ik.verify.proof.loop import EIGHT, Loop, exact, ideal, largest
+from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, outside, search, single_root
 
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
 _ROUNDS = 20  # of the search for complex roots
