@@ -30,7 +30,7 @@ import bench
 import numpy as np
 
 import urdf_ik
-from urdf_ik.paths.checked_settings import Obstacles
+from urdf_ik.paths.path_settings import Obstacles
 
 # Catalogue names, and joint vectors [rad] that paths go around.
 ARMS: dict[str, tuple[float, ...]] = {

@@ -26,7 +26,7 @@ import numpy as np
 
 import urdf_ik
 from urdf_ik.maps import cluster, workspaces
-from urdf_ik.maps.workspaces.orientations import samples, targets
+from urdf_ik.maps.workspaces.creation import samples, targets
 
 MB = 2**20 if sys.platform == "darwin" else 2**10
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from seams import seam
 
 import urdf_ik
-from urdf_ik.cli import progress
+from urdf_ik.cli import console
 from urdf_ik.model import catalogue
 from urdf_ik.paths import PathSettings
 from urdf_ik.paths.path_settings import options
@@ -233,12 +233,12 @@ def test_what_is_wrong_is_answered_in_words(file: str, args: tuple[str, ...], wo
 
 def test_long_work_says_how_far_it_is(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Where nobody sees a bar there is a line now and then; short work is silent."""
-    with progress.Progress("following") as shown:
+    with console.Progress("following") as shown:
         shown.tick(1, 2)
     assert not capsys.readouterr().err
-    monkeypatch.setattr(progress, "WORD_AFTER", -1.0)
-    monkeypatch.setattr(progress, "WORD_EVERY", -1.0)
-    with progress.Progress("following") as shown:
+    monkeypatch.setattr(console, "WORD_AFTER", -1.0)
+    monkeypatch.setattr(console, "WORD_EVERY", -1.0)
+    with console.Progress("following") as shown:
         shown.tick(1, 2)
         shown.say("looking")
     assert capsys.readouterr().err.splitlines() == ["following: 1 of 2, 0 s so far", "following: looking, 0 s so far"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik.maps import store, workspaces
-from urdf_ik.maps.workspaces.orientations import directions, rotations
+from urdf_ik.maps.workspaces.creation import directions, rotations
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import urdf_ik
 from urdf_ik import ChainError, UrdfError
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.model.urdf import read
-from urdf_ik.model.urdf.defects import CHAIN, COLLISION, RULES
+from urdf_ik.model.urdf.checks import CHAIN, COLLISION, RULES
 
 LIMIT = '<limit lower="-2" upper="2" effort="1" velocity="1"/>'
 JOINTS = {

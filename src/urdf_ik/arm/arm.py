@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import changes
-from urdf_ik.arm.html import html
 from urdf_ik.cell.cell import Cell
 from urdf_ik.cell.tool import Shapes
 from urdf_ik.ik.explanation import explain
@@ -20,6 +21,7 @@ from urdf_ik.ik.redundancy import Intervals, Sweep, values
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
 from urdf_ik.ik.solutions import IKSolutions, limits
+from urdf_ik.ik.solutions.tables import stick_picture
 from urdf_ik.ik.solver import Solver, prepare
 from urdf_ik.ik.task import Task
 from urdf_ik.kinematics import velocity
@@ -30,6 +32,8 @@ from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.paths.path_settings import takes_settings
 from urdf_ik.paths.target_tracker import Tracker
 from urdf_ik.support import inputs
+from urdf_ik.support.palette import colours
+from urdf_ik.support.report import table
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:
@@ -440,3 +444,23 @@ def assemble(model: UrdfModel, chain: Chain, **settings: Any) -> Arm:
 def _remade(model: UrdfModel, chain: Chain, cell: Cell, settings: dict[str, Any]) -> Arm:
     """An arm as it was before it was pickled or copied: its solver is prepared again."""
     return Arm(model, chain, prepare(**settings), cell)
+
+
+def html(solver: Solver) -> str:
+    """Joints and limits, how it is solved, and a small picture of it nearest to zero within its limits."""
+    kinds = solver.chain.joint_types
+    rows = [
+        [str(k + 1), name, kind, _bound(lower), _bound(upper), "m" if kind == "prismatic" else "rad"]
+        for k, (name, kind, (lower, upper)) in enumerate(zip(solver.joint_names, kinds, solver.limits, strict=True))
+    ]
+    structure = solver.structure
+    solved = f"{structure.family}: {structure.solutions_in_words()}" if structure.family else "no solver takes it"
+    title = f"{solver.name}: {solver.chain.base} to {solver.chain.tip}"
+    q = np.clip(np.zeros(solver.dof), *solver.limits.T)
+    picture = stick_picture(solver.chain, q[None], colours(1))
+    joints = table(["#", "joint", "type", "lower", "upper", "unit"], rows)
+    return f"<div><p><b>{escape(title)}</b><br/>{escape(solved)}</p>{picture}{joints}</div>"
+
+
+def _bound(value: float) -> str:
+    return "none" if np.isinf(value) else f"{value:.4f}"

@@ -16,7 +16,7 @@ from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
 from urdf_ik.model.srdf import chain_groups, defects_of, disabled_pairs, groups_beside
-from urdf_ik.model.urdf.defects import together
+from urdf_ik.model.urdf.checks import together
 
 Robot = Arm | str | os.PathLike[str] | IO[Any]
 """An arm, or the source of one."""

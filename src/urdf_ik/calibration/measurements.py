@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import check_poses
-from urdf_ik.paths.waypoint_files import ORIENTATIONS, POSITION, read_waypoints
+from urdf_ik.paths.waypoints import ORIENTATIONS, POSITION, read_waypoints
 from urdf_ik.support import files, inputs
 from urdf_ik.support.tables import Table, read_table
 from urdf_ik.typing import Array

@@ -18,7 +18,7 @@ from urdf_ik.cell.spatial_search import DistanceField, cell_codes
 from urdf_ik.errors import ArgumentError, UrdfError, printable
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import UrdfModel, resolve_mesh
-from urdf_ik.support import kept_arrays
+from urdf_ik.support import read_only
 from urdf_ik.typing import Array
 
 BALLS = 4
@@ -221,7 +221,7 @@ class MeshFile(Solid):
             ball, balls = Solid.one_ball(self), Solid.covering_balls(self)
             return {"corners": corners, "faces": faces, "ball": np.append(*ball), "balls": np.column_stack(balls)}
 
-        self._kept: Any = kept_arrays.arrays(f"mesh{BALLS}", [content, self._scale.tobytes()], computed)
+        self._kept: Any = read_only.arrays(f"mesh{BALLS}", [content, self._scale.tobytes()], computed)
 
     @cached_property
     def exact(self) -> Any:

@@ -68,7 +68,7 @@ def target(arm: Arm, typed: PoseOptions, random: int | None, seed: int, angles: 
 
 def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> Target | None:
     """The poses that are typed, or that a file holds; None without any."""
-    from urdf_ik.paths.waypoint_files import read_poses
+    from urdf_ik.paths.waypoints import read_poses
 
     oriented = [option for option in ORIENTATIONS if _typed_as(typed, option)]
     kinds = {"--xyz": bool(typed.xyz or oriented), "--q": bool(typed.q), "--poses": typed.poses is not None}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import amount
-from urdf_ik.support.display import html_of, short
+from urdf_ik.support.report import html_of, short
 from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT
 

@@ -7,7 +7,7 @@ __all__ = ["placement", "stored_workspace", "workspace"]
 __getattr__ = attributes(
     __name__,
     {
-        "placement": "placements.creation",
+        "placement": "placements",
         "stored_workspace": "workspaces.creation",
         "workspace": "workspaces.creation",
     },

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.model.urdf.defects import Defects, UrdfWarning
+from urdf_ik.model.urdf.checks import Defects, UrdfWarning
 from urdf_ik.model.xml import child, children, open_source, parse, tag
 from urdf_ik.support.text import meant
 

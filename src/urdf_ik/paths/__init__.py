@@ -13,7 +13,7 @@ _MODULE = {
     "arc": "waypoints",
     "line": "waypoints",
     "polyline": "waypoints",
-    "read_waypoints": "waypoint_files",
+    "read_waypoints": "waypoints",
 }
 
 __all__ = [*_MODULE]  # noqa: PLE0604

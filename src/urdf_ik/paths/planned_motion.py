@@ -15,7 +15,7 @@ from urdf_ik.ik.solutions import IKSolutions, branch_names, limits
 from urdf_ik.ik.solutions.derivatives import joint_rates
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
-from urdf_ik.paths.checked_settings import Obstacles
+from urdf_ik.paths.path_settings import Obstacles
 from urdf_ik.paths.timing import Timed, timed, write_rows
 from urdf_ik.support import files
 from urdf_ik.support.report import Report

@@ -10,8 +10,7 @@ from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.ik.solver import Solver
 from urdf_ik.paths import waypoints
-from urdf_ik.paths.checked_settings import END_TOLERANCE, LOOSER, CheckedSettings, Obstacles, checked
-from urdf_ik.paths.path_settings import PathSettings
+from urdf_ik.paths.path_settings import END_TOLERANCE, LOOSER, CheckedSettings, Obstacles, PathSettings, checked
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop, followed
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters

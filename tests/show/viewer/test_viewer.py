@@ -17,9 +17,9 @@ from wire import WirePage, wait
 import urdf_ik
 from urdf_ik import Arm, Singular, UrdfIkError
 from urdf_ik.model import catalogue
-from urdf_ik.show.viewer import address, panels
+from urdf_ik.show.viewer import guard, panels
 from urdf_ik.show.viewer import state as states
-from urdf_ik.show.viewer.request_queue import Latest
+from urdf_ik.show.viewer.playback import Latest
 from urdf_ik.support import palette
 
 pytest.importorskip("viser", reason="pip install viser")
@@ -330,7 +330,7 @@ def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: py
         port = other.getsockname()[1]
         with pytest.raises(UrdfIkError, match=f"port {port} on 127.0.0.1 is in use"):
             Viewer(arm, port=port)
-        monkeypatch.setattr(address, "DEFAULT_PORT", port)
+        monkeypatch.setattr(guard, "DEFAULT_PORT", port)
         with Viewer(arm) as viewer:
             assert viewer.port > port and f":{viewer.port}/" in viewer.url
 
@@ -339,11 +339,11 @@ def test_the_printed_address_can_be_typed() -> None:
     """0.0.0.0 is reached at 127.0.0.1, IPv6 stands in brackets; foreign hosts and ports out of range are refused."""
     for host, port, words in (("127.0.0.1", 70000, "port 70000"), ("192.0.2.1", None, "192.0.2.1")):
         with pytest.raises(UrdfIkError, match=words):
-            address.check(host, port)
-    assert address.url("0.0.0.0", 8080) == "http://127.0.0.1:8080"
-    assert address.url("::1", 8080) == "http://[::1]:8080"
-    assert address.is_local("127.0.0.1") and address.is_local("localhost")
-    assert not address.is_local("0.0.0.0") and not address.is_local("192.168.0.2")
+            guard.check(host, port)
+    assert guard.url("0.0.0.0", 8080) == "http://127.0.0.1:8080"
+    assert guard.url("::1", 8080) == "http://[::1]:8080"
+    assert guard.is_local("127.0.0.1") and guard.is_local("localhost")
+    assert not guard.is_local("0.0.0.0") and not guard.is_local("192.168.0.2")
 
 
 def test_ctrl_c_ends_it_cleanly() -> None:

@@ -7,8 +7,8 @@ import typer
 
 from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions
+from urdf_ik.cli.console import Progress
 from urdf_ik.cli.options import ReportFormat
-from urdf_ik.cli.progress import Progress
 from urdf_ik.support import files
 from urdf_ik.support.text import Section
 

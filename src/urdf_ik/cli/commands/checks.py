@@ -8,9 +8,8 @@ import typer
 
 from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions, SeveralArms, angles_of, read_world
-from urdf_ik.cli.console import Status
+from urdf_ik.cli.console import Progress, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
-from urdf_ik.cli.progress import Progress
 from urdf_ik.support import files
 
 

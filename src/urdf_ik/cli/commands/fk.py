@@ -32,7 +32,7 @@ def fk(
         q (Q1,Q2,...|FILE): Joint vectors, rad or m: typed, of a csv, json, npy or npz, or -; repeatable.
     """
     from urdf_ik.model.poses import to_quat_xyzw, to_rpy
-    from urdf_ik.paths.waypoint_files import POSE_COLUMNS
+    from urdf_ik.paths.waypoints import POSE_COLUMNS
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     arm, angles = chosen.loaded(degrees, options.PoseOptions(q=q))

@@ -13,9 +13,8 @@ from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options, targets
 from urdf_ik.cli.arm_options import ArmOptions, read_world
-from urdf_ik.cli.console import Angles, Status
+from urdf_ik.cli.console import Angles, Progress, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
-from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.task import POSE, Task

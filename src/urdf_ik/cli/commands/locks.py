@@ -9,9 +9,8 @@ import typer
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions
-from urdf_ik.cli.console import Status
+from urdf_ik.cli.console import Progress, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat, ReviewFormat
-from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ChainError, UrdfIkError
 from urdf_ik.support import files
 from urdf_ik.verify import baselines, review

@@ -14,9 +14,8 @@ from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options, tables, targets
 from urdf_ik.cli.arm_options import ArmOptions, read_world
-from urdf_ik.cli.console import Angles, Status
+from urdf_ik.cli.console import Angles, Progress, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
-from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError
 from urdf_ik.paths import path_settings
 from urdf_ik.paths.path_settings import PathSettings

@@ -11,9 +11,8 @@ import numpy as np
 from urdf_ik.arm import Arm
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, read_world
-from urdf_ik.cli.console import Angles, usage
+from urdf_ik.cli.console import Angles, Progress, usage
 from urdf_ik.cli.options import PoseOptions, ReportFormat
-from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps import placements, workspaces
 from urdf_ik.support import files

@@ -16,7 +16,6 @@ from urdf_ik.ik.families import (
     hollow_wrist,
     joint_given,
     parallel_shoulder,
-    parallelogram,
     planar,
     slides,
     spherical_middle,
@@ -88,7 +87,7 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> F
         chain: the joints.
         given: names of joints whose values are to be the redundancy parameters.
     """
-    if (plain := parallelogram.uncoupled(chain)) is not None:
+    if (plain := coupled.uncoupled(chain)) is not None:
         plan = choose(analyse(plain), plain)
         links = ", ".join(map(str, chain.followers))
         return plan and replace(plan, reason=f"parallelograms turn as one axis ({links}): {plan.reason}")

@@ -21,7 +21,7 @@ from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shown, unit_of
-from urdf_ik.support.display import html_of, short
+from urdf_ik.support.report import html_of, short
 from urdf_ik.support.text import Section, aligned, quoted
 from urdf_ik.typing import Array
 

@@ -18,8 +18,8 @@ from urdf_ik.ik.solutions.branch_names import suffix
 from urdf_ik.ik.solutions.proof import WORDS
 from urdf_ik.ik.solver import Solver
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.display import html_of
 from urdf_ik.support.read_only import frozen
+from urdf_ik.support.report import html_of
 from urdf_ik.support.text import Section, quoted
 from urdf_ik.typing import Array
 

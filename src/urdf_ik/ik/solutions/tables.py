@@ -15,9 +15,9 @@ from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import extras
 from urdf_ik.support.angles import amount, shown
-from urdf_ik.support.display import Markup
-from urdf_ik.support.display import table as html_table
 from urdf_ik.support.palette import colours
+from urdf_ik.support.report import Markup
+from urdf_ik.support.report import table as html_table
 from urdf_ik.support.text import aligned, quoted
 from urdf_ik.typing import Array
 

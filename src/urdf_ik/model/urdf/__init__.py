@@ -1,8 +1,7 @@
 """The URDF reader: hardened XML in, a checked kinematic tree out; every error names line and element."""
 
 from urdf_ik.model.urdf.chains import Candidate
-from urdf_ik.model.urdf.checks import MOVABLE, Joint
-from urdf_ik.model.urdf.defects import UrdfWarning
+from urdf_ik.model.urdf.checks import MOVABLE, Joint, UrdfWarning
 from urdf_ik.model.urdf.reader import read
 from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from urdf_ik.errors import UrdfError, listed
-from urdf_ik.model.urdf.checks import MOVABLE, Joint, Place, Written, check_joint, check_name, label_of
-from urdf_ik.model.urdf.defects import Defects
+from urdf_ik.model.urdf.checks import MOVABLE, Defects, Joint, Place, Written, check_joint, check_name, label_of
 from urdf_ik.model.xml import XACRO_HINT, child, children, is_xacro, written_tag
 from urdf_ik.support.text import meant
 

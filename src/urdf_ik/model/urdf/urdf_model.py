@@ -12,8 +12,7 @@ from lxml import etree
 from urdf_ik.errors import ChainError
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf.chains import Candidate, Chains, Limb, doubt
-from urdf_ik.model.urdf.checks import MOVABLE, Joint
-from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning, together
+from urdf_ik.model.urdf.checks import MOVABLE, TAKEN_FOR_FIXED, Joint, UrdfWarning, together
 from urdf_ik.support import files
 from urdf_ik.support.text import meant, nearest
 

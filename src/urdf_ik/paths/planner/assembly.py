@@ -7,7 +7,7 @@ import numpy as np
 
 from urdf_ik.ik.solutions import limits
 from urdf_ik.paths import waypoints
-from urdf_ik.paths.checked_settings import CheckedSettings
+from urdf_ik.paths.path_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import Change, Plan, Stop
 from urdf_ik.paths.planner.graph import CHANGE, MISMATCH, Graph, Route
 from urdf_ik.paths.planner.nodes import Layers

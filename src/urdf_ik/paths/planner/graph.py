@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
-from urdf_ik.paths.checked_settings import COSTS, CheckedSettings
+from urdf_ik.paths.path_settings import COSTS, CheckedSettings
 from urdf_ik.paths.planner.nodes import WIDEST_STEP, Joints, Layers
 from urdf_ik.paths.planner.straightness import bisected, keeps_straight
 from urdf_ik.typing import Array

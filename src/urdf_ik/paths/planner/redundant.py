@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.paths import waypoints
-from urdf_ik.paths.checked_settings import CheckedSettings
+from urdf_ik.paths.path_settings import CheckedSettings
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.assembly import Refined, add_limit_costs, cut, made, not_found, offer, priced

@@ -19,7 +19,7 @@ from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solver import Solver, with_locked
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
-from urdf_ik.paths.checked_settings import END_TOLERANCE, CheckedSettings, Obstacles
+from urdf_ik.paths.path_settings import END_TOLERANCE, CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner.assembly import cut, made, not_found, offer, priced
 from urdf_ik.paths.planner.nodes import Joints, Nodes

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
+from urdf_ik.paths.path_settings import CheckedSettings, Obstacles
 from urdf_ik.paths.planner.assembly import Refined
 from urdf_ik.paths.planner.nodes import nearest_solutions
 from urdf_ik.typing import Array

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.solver import Solver
-from urdf_ik.paths.checked_settings import CheckedSettings, Obstacles
+from urdf_ik.paths.path_settings import CheckedSettings, Obstacles
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.search import Search

@@ -21,11 +21,11 @@ except ImportError:
 except ValueError as error:  # the environment names a backend that there is not
     raise ArgumentError(f"matplotlib does not start: {error}") from None
 
-from urdf_ik.show.plot.intervals import intervals
 from urdf_ik.show.plot.pictures import (
     SUFFIXES,
     arm,
     branches,
+    intervals,
     limits,
     placements,
     planar_workspace,

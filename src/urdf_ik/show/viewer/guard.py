@@ -5,16 +5,18 @@ server (Host), come from the server's own page (Origin) and begin with the token
 """
 
 import dataclasses
+import errno
 import http.client
 import ipaddress
 import logging
 import secrets
+import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 from urllib.parse import urlsplit
 
-from urdf_ik.show.viewer import address
+from urdf_ik.errors import ArgumentError
 from urdf_ik.support import extras, forks
 
 MAX_MESSAGE = 2**20
@@ -58,13 +60,13 @@ class Guard:
             return False
         if parts.netloc != host or "@" in host:
             return False
-        if name == self._host.lower() or address.is_local(name):
+        if name == self._host.lower() or is_local(name):
             return True
         try:
             ipaddress.ip_address(name)
         except ValueError:
             return False
-        return not address.is_local(self._host)
+        return not is_local(self._host)
 
     def before(self, answer: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         """A ``process_request`` of websockets that calls ``answer``, without the token, where nothing is refused."""
@@ -110,7 +112,7 @@ def start(guard: Guard, host: str, port: int) -> Any:
         finally:
             server.serve = original  # type: ignore[misc]
         setattr(started, "request_share_url", lambda *_, **__: None)  # noqa: B010  a page must not publish the server
-        if not _is_refused(address.reachable(host), started.get_port()):
+        if not _is_refused(reachable(host), started.get_port()):
             started.stop()
             raise extras.missing("requests to the installed viser cannot be checked, a newer one is needed", "viewer")
     return started
@@ -139,3 +141,49 @@ def quiet() -> Iterator[None]:
         yield
     finally:
         console.quiet = before
+
+
+DEFAULT_PORT = 8080
+
+
+def check(host: str, port: int | None) -> None:
+    """Find out whether a server can listen there.
+
+    Args:
+        host: name or address of one of this machine's interfaces.
+        port: None: any port will do.
+    """
+    if port is not None and not (type(port) is int and 0 <= port <= 65535):
+        raise ArgumentError(f"port {port!r} given; it is a whole number from 0 (any free one) to 65535")
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port or 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does
+            probe.bind(address)
+    except (UnicodeError, ValueError, OSError) as error:  # a label of more than 63 characters, a null byte
+        if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
+            raise ArgumentError(
+                f"port {port} on {host} is in use; name another one, or leave it out for the first free one"
+            ) from None
+        reason = getattr(error, "strerror", None) or "no host name or address"
+        hint = "127.0.0.1 is this machine alone, 0.0.0.0 everybody; ports from 1024 on are allowed"
+        raise ArgumentError(f"cannot listen on {host!r}: {reason}; {hint}") from None
+
+
+def is_local(host: str) -> bool:
+    """Whether only programs on this machine reach a server that listens on ``host``."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def reachable(host: str) -> str:
+    """An address at which a server that listens on ``host`` answers on this machine."""
+    return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+
+
+def url(host: str, port: int) -> str:
+    """The address to type into a browser on this machine."""
+    name = reachable(host)
+    return f"http://[{name}]:{port}" if ":" in name else f"http://{name}:{port}"

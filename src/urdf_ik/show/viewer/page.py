@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from functools import partial
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -15,18 +16,19 @@ from urdf_ik import export
 from urdf_ik.arm import Arm, load
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
+from urdf_ik.ik.solutions.tables import stick_picture
 from urdf_ik.model.poses import pose
 from urdf_ik.paths.planned_motion import Plan, Stop
-from urdf_ik.show.viewer import address, guard, playback
+from urdf_ik.show.viewer import guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
-from urdf_ik.show.viewer.embedding import embedded, picture, with_names
+from urdf_ik.show.viewer.arm_and_gizmo import colours as bytes_of_colours
 from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, WorkPanel, add_sources, plain
-from urdf_ik.show.viewer.playback import Track
-from urdf_ik.show.viewer.request_queue import Latest
+from urdf_ik.show.viewer.playback import Latest, Track
 from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
 from urdf_ik.support import extras
+from urdf_ik.support.palette import colours
 
 """The command that installs what the viewer needs."""
 
@@ -78,7 +80,7 @@ class Viewer:
             import viser as _  # noqa: F401
         except ImportError:
             raise extras.missing("the viewer needs viser, which is not installed", "viewer") from None
-        address.check(host, port)
+        guard.check(host, port)
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)
         self.message = ""
@@ -91,7 +93,7 @@ class Viewer:
         self.path: PathPanel | None = None
         self.path_drawing: PathDrawing | None = None
         self._player = playback.Player(self.go_to, self._ended)
-        first = address.DEFAULT_PORT if port is None else port
+        first = guard.DEFAULT_PORT if port is None else port
         self.server = guard.start(self._guard, host, first)
         self._latest = Latest(lambda: self.panel.show_intervals(self.state))
         if port and self.port != port:  # somebody took it since it was looked at
@@ -129,7 +131,7 @@ class Viewer:
     @property
     def url(self) -> str:
         """Address of the page, for a browser on this machine; who knows its token may use the page."""
-        return f"{address.url(self._host, self.port)}/{self._guard.token}/"
+        return f"{guard.url(self._host, self.port)}/{self._guard.token}/"
 
     def close(self) -> None:
         """Stop the server."""
@@ -377,3 +379,49 @@ class Viewer:
     def _turned(self, which: int, value: float) -> None:
         change = partial(states.with_redundancy, value=value, which=which)
         self._update("redundancy", change, self.panel.redundancies[which])
+
+
+_LEGEND = (
+    "position:fixed;left:1em;bottom:1em;z-index:9;margin:0;padding:.6em .9em;border-radius:.4em;list-style:none;"
+    "font:13px/1.5 sans-serif;pointer-events:none;"
+)
+
+
+def embedded(url: str, height: int, picture: str) -> str:
+    """The page at ``url`` as an element of another page; the picture is shown where the address does not answer.
+
+    A browser shows what an <object> holds where it cannot load the object itself: in an exported notebook, or one whose
+    kernel has ended.
+    """
+    size = f'width="100%" height="{height}" style="border:0"'
+    return f'<object type="text/html" data="{escape(url)}" {size}>{picture}</object>'
+
+
+def picture(state: State) -> str:
+    """The arm and every solution of its target as stick figures, and what they are."""
+    arm = state.arm
+    figures = np.array([*(ghost.q for ghost in state.ghosts), state.q])
+    shades = [*colours(len(state.ghosts)), (0.0, 0.0, 0.0)]
+    count = len(state.ghosts)
+    words = f"{arm.name}: {count} solution{'' if count == 1 else 's'} of the target, and the arm in black"
+    return (
+        f"<figure>{stick_picture(arm.chain, figures, shades)}"
+        f"<figcaption>{escape(words)}. The page itself needs the viewer to run.</figcaption></figure>"
+    )
+
+
+def with_names(page: str, state: State, dark: bool = False) -> str:
+    """The HTML ``page`` of a scene with a list of its solutions in their colours; the arm's own is marked."""
+    shades = bytes_of_colours(max(len(state.arm.structure.branches), 1), dark)
+    lines = []
+    for k, ghost in enumerate(state.ghosts):
+        red, green, blue = shades[ghost.column]
+        here = " (the arm)" if k == state.chosen else ""
+        marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
+        dot = f'<span style="color:rgb({red},{green},{blue})">&#9679;</span>'
+        lines.append(f"<li>{dot} {escape(ghost.branch + marks + here)}</li>")
+    text, ground = ("#eee", "rgba(0,0,0,.6)") if dark else ("#222", "rgba(255,255,255,.8)")
+    title = f"<li><b>{escape(state.arm.name)}</b></li>"
+    legend = f'<ul id="branches" style="{_LEGEND}color:{text};background:{ground}">{title}{"".join(lines)}</ul>'
+    head, end, tail = page.rpartition("</body>")
+    return f"{head}{legend}{end}{tail}" if end else page + legend

@@ -216,8 +216,8 @@ def ideal(loop: Loop) -> tuple[Loop, float] | None:
     solutions (D. L. Pieper, "The kinematics of manipulators under computer control", 1968; C. Mavroidis and B. Roth,
     J. Mech. Des. 116, 1994). An arm as written misses this by rounding, or by the decimals of its file. Its real joint
     vectors q in the pose G solve the ideal arm at the target ``e1' ... e6'(q)``, which differs from
-    G = ``e1 ... e6(q)`` by a known amount. So where all eight roots of the ideal arm are enclosed for every target so close to G, the real
-    solutions of the arm as written lie in these eight boxes.
+    G = ``e1 ... e6(q)`` by a known amount. So where all eight roots of the ideal arm are enclosed for every target so
+    close to G, the real solutions of the arm as written lie in these eight boxes.
 
     Args:
         loop: the arm as written at a pose.
