@@ -15,8 +15,6 @@ to keep to; where that is so many times another row, its number is that row's ti
 misses that.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import json

@@ -12,8 +12,6 @@ solution at which the arm is not singular. wrong answers: share of all these pos
 misses the pose and is not flagged as approximate.
 """
 
-from __future__ import annotations
-
 import argparse
 import gc
 import os

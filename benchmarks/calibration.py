@@ -10,8 +10,6 @@ percent of the positions are 20 mm off. ``position``, ``rotation``: root mean sq
 in units of the noise, so that 1 is the floor. Pinocchio makes the poses. ``seconds`` are of the processor.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import sys

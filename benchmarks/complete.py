@@ -1,7 +1,5 @@
 """Which share of poses does a solver answer completely? Measured by Pinocchio alone."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ singular value, lengths as shares of the arm's size, above 0.02, with redundancy
 itself over three steps, extrapolated (Richardson), by random twists, relative to |X|.
 """
 
-from __future__ import annotations
-
 import argparse
 import gc
 import sys

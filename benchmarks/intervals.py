@@ -14,8 +14,6 @@ or fewer solutions inside the limits than intervals that hold the value. Values 
 ``--urdf`` names another arm with one redundancy parameter.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

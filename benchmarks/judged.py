@@ -6,8 +6,6 @@
 A cell holds wrong / missing / doubled, summed over the seeds.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 

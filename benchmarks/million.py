@@ -12,8 +12,6 @@ Poses are drawn and solved in chunks, so memory does not grow with their number,
 same counts. The status is 1 when something was lost, doubled or off by more than 1e-9 m or rad.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import sys
@@ -73,7 +71,7 @@ class Tally:
     rotation: float = 0.0
     seconds: float = 0.0
 
-    def add(self, other: Tally) -> None:
+    def add(self, other: "Tally") -> None:
         """Count other poses in."""
         self.poses += other.poses
         self.solutions += other.solutions

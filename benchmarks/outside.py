@@ -10,8 +10,6 @@ instead: least of many, alternating.
 It needs an editable install, whose build folder has the library.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

@@ -16,8 +16,6 @@ The third one compares costs with the best known, by ladder graphs of 400 values
 ``--best`` runs them again (minutes, some GB of memory) and prints ``BEST``.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

@@ -3,8 +3,6 @@
 Each is built from the arm's URDF or its screw axes, and called in the shortest way that its own documentation gives.
 """
 
-from __future__ import annotations
-
 import importlib
 import tempfile
 import warnings

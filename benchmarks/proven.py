@@ -14,8 +14,6 @@ those of other kinds too. Kinds of pose:
 A cell holds the per cent of complete / clustered / continuum / incomplete.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import warnings

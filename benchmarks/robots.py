@@ -1,7 +1,5 @@
 """The arms that the benchmarks solve, as URDF text from published link lengths."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +31,7 @@ class Robot:
     structure: str
 
     @cached_property
-    def reference(self) -> ReferenceModel:
+    def reference(self) -> "ReferenceModel":
         """Pinocchio's model of the same text."""
         return ReferenceModel(self.urdf)
 

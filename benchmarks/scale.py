@@ -11,8 +11,6 @@ Processor time, of the workers and of this process, says what the work costs whe
 that other work. Peak memory is that of each process.
 """
 
-from __future__ import annotations
-
 import argparse
 import resource
 import shutil

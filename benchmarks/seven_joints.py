@@ -9,8 +9,6 @@ so that the number of solutions differs: the ratios are of the time a solution t
 ``ssik build`` generates. ssik has no call for many poses; urdf-ik's is given all of them.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

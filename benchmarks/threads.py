@@ -8,8 +8,6 @@ away, and then two threads are no faster than one. ``--alone`` measures at a rea
 waits: under Linux, as root, and for a second or so.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import time

@@ -8,8 +8,6 @@ call a pose; the joint vector and the status of every answer are read. Repetitio
 best one counts. ``answered`` is how often each status came. Without ssik only our rows are printed.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

@@ -1,7 +1,5 @@
 """Sphinx's settings. `make docs` builds the pages; warnings are errors."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import sys

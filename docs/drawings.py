@@ -3,8 +3,6 @@
 Run by hand, `python docs/drawings.py FOLDER` writes them there.
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path

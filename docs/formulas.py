@@ -1,7 +1,5 @@
 """Formulas as MathML, which browsers draw themselves: the pages need no network and no script."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from docutils import nodes

@@ -3,8 +3,6 @@
 Run by hand, `python docs/gallery.py FOLDER` writes them there.
 """
 
-from __future__ import annotations
-
 import contextlib
 import re
 import sys

@@ -3,8 +3,6 @@
 Run by hand, `python docs/live.py FOLDER` writes it there.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

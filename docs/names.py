@@ -3,8 +3,6 @@
 Run by hand, `python docs/names.py FOLDER` writes them there.
 """
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import re

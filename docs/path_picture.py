@@ -1,7 +1,5 @@
 """Draws `path.png`, the seam of notebook 10 with its clamp in the way: `python docs/path_picture.py`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

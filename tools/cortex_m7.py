@@ -7,8 +7,6 @@ where a count differs from that of this machine. Debian's packages are gcc-arm-n
 libstdc++-arm-none-eabi-newlib (headers) and qemu-system-arm.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import subprocess

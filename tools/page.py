@@ -6,8 +6,6 @@ Node and npm are needed; three.js and esbuild, at the versions of page/package.j
 repository, since it is mostly three.js and changes as a whole; a wheel that is built afterwards holds it.
 """
 
-from __future__ import annotations
-
 import gzip
 import shutil
 import subprocess

@@ -6,8 +6,6 @@ The compiler is Zig's from PyPI, installed into this Python's environment where 
 last build is compiled anew. The file is in no repository; a wheel that is built afterwards holds it.
 """
 
-from __future__ import annotations
-
 import gzip
 import os
 import re

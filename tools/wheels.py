@@ -8,8 +8,6 @@ description; it may have 10 MB, with WebAssembly and the page. Two builds of one
 times are those of the commit. With --twice the sources are built again in another folder, and the hashes are compared.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import os

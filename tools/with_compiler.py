@@ -11,8 +11,6 @@ and without what only tests use. With --each it is built for every instruction s
 a solver, for this one. CMAKE_ARGS that name instruction sets come first.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import platform

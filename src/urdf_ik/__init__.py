@@ -6,8 +6,6 @@
 8
 """
 
-from __future__ import annotations
-
 from urdf_ik.support import forks as _forks  # noqa: F401  a fork waits for first calls of other threads
 from urdf_ik.support.lazy import attributes
 from urdf_ik.version import __version__  # noqa: F401

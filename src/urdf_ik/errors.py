@@ -1,7 +1,5 @@
 """The exception classes of this package, and the functions that make text safe to print in their messages."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 
@@ -27,7 +25,7 @@ class UrdfIkError(Exception):
         # Names in files of unknown origin may hold control sequences, which a terminal would carry out.
         super().__init__(*(message(each) if isinstance(each, str) else each for each in arguments))
 
-    def __reduce__(self) -> tuple[Callable[..., UrdfIkError], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., "UrdfIkError"], tuple[object, ...]]:
         return _restored, (type(self), self.args, self.__dict__)
 
 

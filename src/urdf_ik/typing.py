@@ -1,7 +1,5 @@
 """Types that annotations of all rooms share."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """An arm: its repr, immutability, pickling, threads, and the arms that it refuses to solve."""
 
-from __future__ import annotations
-
 import pickle
 import threading
 from typing import Any

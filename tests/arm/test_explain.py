@@ -1,7 +1,5 @@
 """explain: why a pose has no solution, with the number that is out of range."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

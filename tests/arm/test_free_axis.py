@@ -1,7 +1,5 @@
 """A free axis of the tip: solutions and the nearest ones by Pinocchio, refusals, and the arm without a value."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """An arm beyond its solutions: Pinocchio's configurations, the nearest solution, refused arguments."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """load: from every kind of source, by name, and the errors for inputs that it refuses."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Rows of NaN, as solutions are padded with, pass through every function that takes joint vectors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

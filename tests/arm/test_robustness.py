@@ -1,7 +1,5 @@
 """Threads, forks, bad input, unusual arrays, memory."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import select

@@ -1,7 +1,5 @@
 """Bounds that the proofs stand on: balls hold their shapes, no point goes farther than it may, hulls lose nothing."""
 
-from __future__ import annotations
-
 import coal
 import numpy as np
 import pinocchio as pin

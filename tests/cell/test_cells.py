@@ -1,7 +1,5 @@
 """An arm on a rail, one with a positioner that carries the workpiece, and two arms of one URDF: by Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

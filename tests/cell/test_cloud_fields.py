@@ -1,7 +1,5 @@
 """The field of a large cloud: a lower bound on the distance to its points, wherever it is asked."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree

@@ -1,7 +1,5 @@
 """Self-collision and distances against known geometry, and against Pinocchio asked in the plainest way."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import re

@@ -3,8 +3,6 @@
 The oracle asks coal about every pair of a link's shape and an obstacle, one by one, without bounds, hulls or a tree.
 """
 
-from __future__ import annotations
-
 import os
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The reference itself: Pinocchio's model, asked for a chain's poses, Jacobian and errors, against facts by hand."""
 
-from __future__ import annotations
-
 import math
 import re
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Motions proven free: what is called free never touches, what touches is found, and how little is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

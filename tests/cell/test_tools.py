@@ -1,7 +1,5 @@
 """Tools at the tip: exact by Pinocchio, part of the URDF, in collision as any link, stacked, pickled and refused."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 from typing import Any

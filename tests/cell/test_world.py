@@ -1,7 +1,5 @@
 """Worlds: shapes, distances to them in closed form, tables, and what is refused."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The urdf-ik command: the status it ends with, its messages and its help."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import shutil

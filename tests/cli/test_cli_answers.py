@@ -1,7 +1,5 @@
 """What urdf-ik ik answers: the same solutions in every format and notation, and what filters keep."""
 
-from __future__ import annotations
-
 import csv
 import io
 import subprocess

@@ -1,7 +1,5 @@
 """The command `urdf-ik calibrate`."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

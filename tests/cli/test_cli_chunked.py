@@ -1,7 +1,5 @@
 """``placement`` and ``check FOLDER``: what they print is what the library finds."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Files that the urdf-ik command reads: poses and joint vectors in every documented form."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The urdf-ik command with a free axis of the tip."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Where the urdf-ik command writes, and how it looks there: tables, files, terminals, pipes, a full disk."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

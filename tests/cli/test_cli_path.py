@@ -1,7 +1,5 @@
 """urdf-ik path: what it prints, what it writes, and how it says that there is no way."""
 
-from __future__ import annotations
-
 import csv
 import re
 from pathlib import Path

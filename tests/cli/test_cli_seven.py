@@ -1,7 +1,5 @@
 """The urdf-ik command with seven joints: what is free in a pose, and joints that are held."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """With --degrees every command speaks of angles in degrees, in text and data, and takes back what it prints."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

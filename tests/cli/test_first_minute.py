@@ -1,7 +1,5 @@
 """The first minute: the command alone, `robots`, `doctor`, formats and chains on the command line."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

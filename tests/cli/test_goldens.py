@@ -3,8 +3,6 @@
 ``python tests/cli/test_goldens.py`` (with tests/support in PYTHONPATH) writes the file anew.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """A change of an arm in review: the steps of action.yml in a clean clone, and `urdf-ik verify` of several files."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

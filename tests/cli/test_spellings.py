@@ -1,7 +1,5 @@
 """The command as one language: groups, one spelling for one thing, lists with spaces."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The ten tasks of the documentation: each line of the page does what the task asks."""
 
-from __future__ import annotations
-
 import csv
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Batches of poses: memory that is used again, and threads."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Names of branches are geometry: front, back, up and down are where Pinocchio puts the links."""
 
-from __future__ import annotations
-
 import itertools
 import re
 

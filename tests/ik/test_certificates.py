@@ -1,7 +1,5 @@
 """What general arms prove of their solutions, against complex kinematics in extended precision."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Which solution is chosen: by distance, within bounds, by quality, against a search through all turns one by one."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

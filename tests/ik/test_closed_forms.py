@@ -1,7 +1,5 @@
 """Families with three parallel axes at one end or a spherical middle, also reversed: the contract of ``ik``."""
 
-from __future__ import annotations
-
 import closed_forms
 import contract
 import pytest

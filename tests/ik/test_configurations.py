@@ -1,7 +1,5 @@
 """Configurations of controllers: published examples, and 1,000 random poses a maker with Pinocchio's flags."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The contract of ``ik`` for one to six joints, turning or sliding."""
 
-from __future__ import annotations
-
 import contract
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Cuspidal arms: known ones are found and their paths hold, proven others are not, and what this rests on is true."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

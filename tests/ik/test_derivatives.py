@@ -1,7 +1,5 @@
 """Derivatives of solutions against Pinocchio's Jacobians, and against solutions of targets and URDFs nearby."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every family, on catalogue arms and on random members: the contract of ``ik``, branches, published numbers."""
 
-from __future__ import annotations
-
 import itertools
 
 import contract

@@ -1,7 +1,5 @@
 """Arms with one to five joints: poses by any of them, complete, exact, and explained where they are out of reach."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """Six revolute joints without a closed form: every solution by elimination, measured by Pinocchio."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 

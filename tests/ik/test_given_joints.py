@@ -1,7 +1,5 @@
 """Joints that are given by name: any of seven, and two of eight, by Pinocchio."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

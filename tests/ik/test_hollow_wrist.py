@@ -1,7 +1,5 @@
 """6R arms with a hollow wrist, whose joint 6 mimics joint 5: every solution by Pinocchio; refusals with reasons."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

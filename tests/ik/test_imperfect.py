@@ -3,8 +3,6 @@
 Between an exact structure and none there is no gap: whatever the imperfection, ``ik`` keeps its contract.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Seven joints that are a little off S-R-S, next to a fold at their redundancy parameter."""
 
-from __future__ import annotations
-
 import numpy as np
 from lxml import etree
 

@@ -3,8 +3,6 @@
 The planted joint vector is a solution by construction: an answer that says that it is complete has it.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The elimination's constant matrices and the bound on their error, on real joint vectors of the arm."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms_general import calibrated_ur

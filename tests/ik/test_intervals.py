@@ -1,7 +1,5 @@
 """Intervals of the redundancy parameter: they hold solutions, end for a reason, and none is missing."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Joint limits and +-2 pi images, against an oracle that tries every number of turns."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Names of solutions where geometry gives none: the sign of Pinocchio's Jacobian lasts, the number is local."""
 
-from __future__ import annotations
-
 import arms_hollow
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Machine tools with two rotary axes and three slides in any order, and surgical parallelograms, by Pinocchio."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import numpy as np

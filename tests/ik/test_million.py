@@ -1,7 +1,5 @@
 """The benchmark that counts lost solutions: its reference is Pinocchio, and it counts each kind of fault."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from pathlib import Path

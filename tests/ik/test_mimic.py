@@ -1,7 +1,5 @@
 """Chains whose joints mimic others: Pinocchio's kinematics, every solution, limits, images, and clear refusals."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

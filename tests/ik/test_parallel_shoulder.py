@@ -1,7 +1,5 @@
 """Axes 1, 2 and 3 parallel, or 4, 5 and 6: the family, and why a pose is out of reach."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms import random_arm

@@ -1,7 +1,5 @@
 """Arms of few joints, and of seven at a swivel angle: what an answer claims, against planted joint vectors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Closed forms with a quartic: what an answer claims, against solvers that know nothing of the quartic."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms import random_arm

@@ -1,7 +1,5 @@
 """The registry of families: records are whole, every arm has a reason, and a family is added by a record and a row."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The nearest joint vector of an arm with seven joints, and its solutions along the redundancy parameter."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms_seven import random_seven

@@ -1,7 +1,5 @@
 """Arms with seven joints: every solution at a value of the redundancy parameter, measured by Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms import Y, Z, serial_urdf

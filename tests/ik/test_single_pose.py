@@ -1,7 +1,5 @@
 """The compiled answer to a single pose, whose arrays are made when they are asked for."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import pickle

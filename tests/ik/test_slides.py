@@ -1,7 +1,5 @@
 """Six joints, some of them slides: complete, exact, named, and explained where a pose is out of reach."""
 
-from __future__ import annotations
-
 import math
 import re
 

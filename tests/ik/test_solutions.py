@@ -1,7 +1,5 @@
 """The container of solutions: indexing, filters, images, the nearest, and the reason when there are none."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

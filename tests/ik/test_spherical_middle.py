@@ -1,7 +1,5 @@
 """Axes 2, 3 and 4 through one point, or 3, 4 and 5: the family, and why a pose is out of reach."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import contract

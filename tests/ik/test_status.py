@@ -1,7 +1,5 @@
 """The status of a pose: four words, kept by filters, parts of a batch and copies."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 

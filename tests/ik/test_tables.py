@@ -1,7 +1,5 @@
 """Answers as data frames, data sets and HTML: the same values, names that cannot break a page."""
 
-from __future__ import annotations
-
 import sys
 from xml.etree import ElementTree
 

@@ -1,7 +1,5 @@
 """Chains against Pinocchio: kinematics of any base and tip, joints beside the chain, limits."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Denavit-Hartenberg tables: to URDF and back, in both conventions, with Pinocchio's poses as the reference."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

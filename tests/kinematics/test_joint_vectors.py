@@ -1,7 +1,5 @@
 """Joint vectors that a chain takes: batches of any shape, numbers of any type; and those it refuses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from chains import HAND, RIGHT, serial

@@ -1,7 +1,5 @@
 """Joints that are held: the chain without them against Pinocchio with them at their values."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

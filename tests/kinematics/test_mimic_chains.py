@@ -1,7 +1,5 @@
 """Rows of joints that mimic each other: circles, multipliers of zero and nearly zero, mimics of mimics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The bundled arms that were made from Denavit-Hartenberg tables: they load, and are what their sources say."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

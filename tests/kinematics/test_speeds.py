@@ -1,7 +1,5 @@
 """The greatest speeds of the joints, as Pinocchio reads them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms_mimic import LINKAGES, linkage

@@ -1,7 +1,5 @@
 """Relations of axes, their measured imperfection, and the family that follows."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """How a structure reads: its text, and the names of its branches."""
 
-from __future__ import annotations
-
 import re
 
 import cases

@@ -1,7 +1,5 @@
 """What the Jacobian says, against NumPy's linear algebra on Pinocchio's Jacobian and against formulas of textbooks."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Derivatives by a URDF's numbers and of second order, against Pinocchio's model of changed URDFs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from lxml import etree

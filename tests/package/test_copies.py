@@ -1,7 +1,5 @@
 """Copies: arms, solutions, worlds, plans and errors can be pickled and copied, and read-only arrays stay read-only."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from collections.abc import Callable

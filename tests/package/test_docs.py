@@ -1,7 +1,5 @@
 """The pages: what they show is what the package prints, every public name is in the reference, every link leads on."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import io

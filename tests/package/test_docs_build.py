@@ -1,7 +1,5 @@
 """The pages as `make docs` builds them, without a network: formulas, pictures and tables in a browser."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

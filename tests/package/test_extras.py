@@ -1,7 +1,5 @@
 """The command that installs a missing package, by how this copy was installed."""
 
-from __future__ import annotations
-
 from importlib import metadata
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Processes that are forked or spawned from a program with threads: they work, whatever the other threads are at."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import subprocess

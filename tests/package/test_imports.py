@@ -1,7 +1,5 @@
 """Imports of the package and includes of its core: down the floors, without a circle; files and folders are short."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The notebooks: one question each, in few cells; `--nbmake` runs them all."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

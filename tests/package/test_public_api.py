@@ -1,7 +1,5 @@
 """What ``import urdf_ik`` gives, and what it must not cost."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import json

@@ -1,7 +1,5 @@
 """Links of the README, and what the page on the command shows is what it prints."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

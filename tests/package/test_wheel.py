@@ -1,7 +1,5 @@
 """The wheel as others get it: built, installed into an environment of its own, used elsewhere, without a compiler."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Where Pinocchio is not installed, arms load, solve and are drawn, and every check that is left out is named."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

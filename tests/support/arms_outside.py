@@ -1,7 +1,5 @@
 """The arms and poses of comparisons outside Python: of a folder of URDFs, or those of this repository."""
 
-from __future__ import annotations
-
 import csv
 import sys
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """A shared library with the C interface of ``urdf_ik.h`` as a solver to judge."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Loaded arms with their reference, and the checks that every answer must pass."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache

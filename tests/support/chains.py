@@ -1,7 +1,5 @@
 """URDFs of chains and trees, and Pinocchio as the reference of every link in them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

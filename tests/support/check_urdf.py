@@ -1,7 +1,5 @@
 """check_urdf, the reader of URDFs that ROS ships."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Members of the families with three parallel axes at one end or a spherical middle, and checks of them alone."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

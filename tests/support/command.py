@@ -1,7 +1,5 @@
 """The urdf-ik command as the tests run it, and the pose that they ask for."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A project outside the repository that is built against an installed urdf_ik, and its programs' answers."""
 
-from __future__ import annotations
-
 import sys
 import sysconfig
 from pathlib import Path

@@ -3,8 +3,6 @@
 A *planted* joint vector is the one that a test draws and whose pose, by Pinocchio, it asks for.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from cases import Case, assert_exact, closest_pair, flags, indistinct_pairs, nearest, rows
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """For the tests of the core's steps: arms, numbers to draw, formulas written out, a fresh interpreter."""
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The steps of the compiled solvers, one by one: the module that is built beside the core for tests."""
 
-from __future__ import annotations
-
 import importlib.util
 import sysconfig
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A solver without a core, and solutions as a solver hands them over, for the tests of their container."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 from typing import Any
 
@@ -53,7 +51,7 @@ class Hits:
         """The two bodies that there are, as far apart as the first joint's value."""
         return Nearest(("arm", "wall"), max(float(q[0]), 0.0))
 
-    def in_world(self, world: Hits | None) -> Hits:
+    def in_world(self, world: "Hits | None") -> "Hits":
         """What stands for the arm in a world."""
         return self if world is None else world
 

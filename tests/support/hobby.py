@@ -1,7 +1,5 @@
 """A hobby arm of five servos, with decimals as CAD exporters write them, and what scipy finds for it."""
 
-from __future__ import annotations
-
 import numpy as np
 from cases import Case
 from numpy.typing import NDArray

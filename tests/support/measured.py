@@ -1,7 +1,5 @@
 """Measurements of arms whose URDF is not the one that a calibration starts from: Pinocchio's poses, with noise."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

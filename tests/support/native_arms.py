@@ -1,7 +1,5 @@
 """Programs in C++ and C that solve compiled arms, built against the library beside the core."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The reference of the tests: Pinocchio's own model of the same URDF, and a slow and obvious solver on top of it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Known joint paths, arms to move along them, and the checks that every found plan must pass."""
 
-from __future__ import annotations
-
 import arms
 import arms_closed_forms
 import arms_general

@@ -1,7 +1,5 @@
 """Checks of pictures."""
 
-from __future__ import annotations
-
 
 def stick_lines(axes: object) -> list[object]:
     """Lines with joints marked: the stick figures, and not the frames."""

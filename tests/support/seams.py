@@ -1,7 +1,5 @@
 """A straight seam before the bundled arm, and the plan along it with a box on the way of every branch."""
 
-from __future__ import annotations
-
 import numpy as np
 from command import oracle
 

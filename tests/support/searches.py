@@ -1,7 +1,5 @@
 """Searches that know no family: Newton's method from many starts, and where the Jacobian's determinant changes sign."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Random arms with seven joints beside their reference, and how near their answers have to be."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Arms and paths for trackers, and the checks that every step of a tracker must pass."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """The npm module under Node: what it answers for a compiled arm."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Arms beside Pinocchio's view of them, where joints mimic others, and how joint vectors of them are compared."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

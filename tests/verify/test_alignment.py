@@ -1,7 +1,5 @@
 """Two models of one arm with other frames, zeros and signs are one mechanism after aligning."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A baseline: what an arm answers today holds for its rewritten URDF, and for no changed one."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

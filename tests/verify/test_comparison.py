@@ -1,7 +1,5 @@
 """Two arms compared: what must be zero is zero, and a change of known size is found at its size."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

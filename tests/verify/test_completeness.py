@@ -1,7 +1,5 @@
 """Two ways to all solutions: sound arms agree, a crippled solver is caught, one solution is no difference."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from functools import lru_cache

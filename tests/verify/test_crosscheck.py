@@ -1,7 +1,5 @@
 """The cross-check passes sound arms, and every kind of damage is caught by the row that is there for it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """The arms of a folder: rows against the checks of each arm alone, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Solvers judged: a right one passes, and each seeded fault is found with its pose."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Callable

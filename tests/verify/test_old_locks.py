@@ -4,8 +4,6 @@ They hold every kind of family, and a few poses each. `urdf-ik freeze` of commit
 name in the catalogue has its URDF beside its lock.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

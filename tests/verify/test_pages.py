@@ -1,7 +1,5 @@
 """The notebook about swaps can be read without a kernel: exported, in a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The independent check of proofs: a true account is accepted, and one that is changed in any way is refused."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the package offers for tests of one's own: an assertion, and a plugin of pytest."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Small changes of a URDF, each with the joint or link that it is about, and rewritings that change nothing."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """``load``, ``load_compiled``, and the record ``Arm`` that they return."""
 
-from __future__ import annotations
-
 from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.arm.compiled import is_compiled, load_compiled
 from urdf_ik.arm.loading import Robot, load, loaded

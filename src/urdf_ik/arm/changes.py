@@ -1,7 +1,5 @@
 """Arms with one setting changed: a tool, a free axis, redundancy parameters, locked joints, a task."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ The text holds what the compiled solver is made from, the chain, its limits and 
 chain uses. ``docs/_static/compiled-arm.schema.json`` describes it, and ``urdf_ik.export`` writes it.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """``load``: from a URDF to an arm."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Mapping, Sequence

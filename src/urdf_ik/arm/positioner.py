@@ -1,7 +1,5 @@
 """Arms whose workpiece is carried by a positioner."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from urdf_ik.arm.arm import Arm, assemble

@@ -1,7 +1,5 @@
 """The allowed-collision table: the pairs that must not touch, those that may, and the reasons."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 

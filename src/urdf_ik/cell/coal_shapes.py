@@ -1,7 +1,5 @@
 """Coal's geometry of the shapes of an arm and of a world, with their bounding balls, boxes and convex hulls."""
 
-from __future__ import annotations
-
 import weakref
 from functools import cached_property
 from pathlib import Path
@@ -72,7 +70,7 @@ def _reason(error: Exception) -> str:
     return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
 
 
-def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list[Solid]]:
+def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list["Solid"]]:
     """Every ``<collision>`` of a URDF: Pinocchio's geometry model, which places them, and the shapes.
 
     Pinocchio opens no mesh: in its model a speck stands in for each.

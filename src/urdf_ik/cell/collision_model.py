@@ -1,7 +1,5 @@
 """CollisionModel: the collision shapes of an arm and of a world, and the pairs that must not touch."""
 
-from __future__ import annotations
-
 import os
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -136,7 +134,7 @@ class CollisionModel:
             always = allowed_collisions.always_colliding(CoalCheck(self.shapes, kept), ALWAYS, SAMPLES, SEED)
             self._allowed.update(dict.fromkeys(always, allowed_collisions.ALWAYS_COLLIDE))
 
-    def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., "CollisionModel"], tuple[Any, ...]]:
         return _restored, (self._made_from, self.__dict__.get("_allowed"), self._changes, self.world)
 
     def __repr__(self) -> str:
@@ -180,7 +178,7 @@ class CollisionModel:
         self._require_geometry()
         return self._table()
 
-    def in_world(self, world: World | None) -> CollisionModel:
+    def in_world(self, world: World | None) -> "CollisionModel":
         """This model among the obstacles of a world, which may be changed later; itself where ``world`` is None.
 
         Every link that the joint vector moves against the base link is checked against every obstacle. The other links
@@ -197,7 +195,7 @@ class CollisionModel:
             self._last = last
         return last
 
-    def allow(self, first: str, second: str) -> CollisionModel:
+    def allow(self, first: str, second: str) -> "CollisionModel":
         """This model with one more pair that may touch.
 
         Args:
@@ -210,7 +208,7 @@ class CollisionModel:
         """
         return self._changed(first, second, False)
 
-    def check(self, first: str, second: str) -> CollisionModel:
+    def check(self, first: str, second: str) -> "CollisionModel":
         """This model with a pair that must not touch, whatever allowed it to.
 
         Args:
@@ -223,7 +221,7 @@ class CollisionModel:
         """
         return self._changed(first, second, True)
 
-    def checking(self, pairs: Collection[Pair]) -> CollisionModel:
+    def checking(self, pairs: Collection[Pair]) -> "CollisionModel":
         """This model, checking these pairs of links and no others.
 
         Raises:
@@ -245,7 +243,7 @@ class CollisionModel:
 
     def rebuilt(
         self, model: UrdfModel, base: str | None, tip: str | None, locked: Mapping[str, float] | None
-    ) -> CollisionModel:
+    ) -> "CollisionModel":
         """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world."""
         out = type(self)(model, base, tip, locked=locked)
         if out._error is None:
@@ -253,13 +251,13 @@ class CollisionModel:
         out._changes, out.world = dict(self._changes), self.world
         return out
 
-    def _copy(self) -> CollisionModel:
+    def _copy(self) -> "CollisionModel":
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
         out._current = out._last = None
         return out
 
-    def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:
+    def _changed(self, first: str, second: str, must_not: bool) -> "CollisionModel":
         self._require_geometry()
         obstacles = () if self.world is None else self.world.names
         rank = self._ranks(obstacles)

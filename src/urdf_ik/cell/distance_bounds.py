@@ -4,8 +4,6 @@ Coal checks only the pairs that the bounds do not decide. Pairs of two links are
 link and an obstacle are never listed one by one: the index of the obstacles returns the near ones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Loading, kinematics, solutions, limits, pictures and exports do without it. Its 
 coal) are for Linux and macOS only.
 """
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from typing import Any
 

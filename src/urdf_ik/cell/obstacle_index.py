@@ -6,8 +6,6 @@ query scans, and those that were moved or removed no longer count in the tree. W
 index builds a new tree. Large clouds of points have a grid of lower bounds on the distance as well.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
@@ -107,7 +105,7 @@ class ObstacleIndex:
         """Number of obstacles."""
         return len(self._loose.entries) + sum(bool(self._present[first]) for first, _ in self._fixed.slots.values())
 
-    def changed(self, names: Mapping[str, Standing | None], every: Iterable[Standing]) -> ObstacleIndex:
+    def changed(self, names: Mapping[str, Standing | None], every: Iterable[Standing]) -> "ObstacleIndex":
         """The index after some obstacles were moved, added or removed.
 
         Args:

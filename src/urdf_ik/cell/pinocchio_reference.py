@@ -1,7 +1,5 @@
 """Reference: Pinocchio's model of a URDF, the check of this package's kinematics. It shares no code with ``chain``."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Iterator, Mapping

@@ -3,8 +3,6 @@
 Each shape is centred at the origin of its frame, cylinders and capsules along z, as in a URDF.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass

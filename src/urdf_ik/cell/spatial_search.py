@@ -5,8 +5,6 @@ callbacks cannot be derived from, and the built-in ones know neither allowed pai
 tree only proposes pairs, and coal's narrow phase decides about each of them.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

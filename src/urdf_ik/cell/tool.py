@@ -1,7 +1,5 @@
 """Tools: an additional link at the tip, written into the URDF, so that every reader sees it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """World: named shapes around the arm, placed in its base link's frame. Only a check imports coal."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import os
@@ -75,7 +73,7 @@ class World:
         cls,
         source: str | os.PathLike[str] | IO[Any],
         package_dirs: Sequence[str | os.PathLike[str]] = (),
-    ) -> World:
+    ) -> "World":
         """The collision shapes of a URDF of fixed links as obstacles.
 
         An obstacle has the name of its link; from the link's second shape on, '/1', '/2' and so on follow. The root

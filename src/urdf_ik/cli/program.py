@@ -1,7 +1,5 @@
 """The program ``urdf-ik``: its list of commands, whose files are imported when they are used, and its errors."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 import os

@@ -1,7 +1,5 @@
 """The sources of the compiled core and their CMake package, as they are installed with this package."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[1]

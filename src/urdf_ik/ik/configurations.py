@@ -21,8 +21,6 @@ Turn numbers come from joint values, which are the URDF's: those of the vendors'
   upper, rear behind or front; R, T and S at 180 degrees or more.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -91,7 +89,7 @@ class OPW:
     signs: tuple[int, ...]
 
     @classmethod
-    def from_chain(cls, chain: Chain) -> OPW:
+    def from_chain(cls, chain: Chain) -> "OPW":
         """The parameters of a chain, of any six joints of this structure.
 
         Raises:

@@ -16,8 +16,6 @@ nonredundant manipulators, 1992; Wenger and Chablat 2022; Salunkhe et al. 2022 (
 if it has a cusp).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

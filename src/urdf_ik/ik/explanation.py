@@ -1,7 +1,5 @@
 """Explanations of targets without a solution."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

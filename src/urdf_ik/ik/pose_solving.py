@@ -1,7 +1,5 @@
 """From targets to their solutions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

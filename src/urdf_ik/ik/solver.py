@@ -1,7 +1,5 @@
 """``Solver``: a chain with its family and compiled solver, how one is prepared, and why an arm has none."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -106,7 +104,7 @@ class Solver:
         )
 
     @cached_property
-    def fixed(self) -> Solver:
+    def fixed(self) -> "Solver":
         """This solver without a free axis: the rotation about it counts."""
         return self if self.free_axis is None else self.again(free_axis=None)
 
@@ -137,7 +135,7 @@ class Solver:
         names = ("name", "chain", "velocity_limits", "free_axis", "chosen")
         return {"task": self.asked if self.asked != POSE else self.task} | {name: getattr(self, name) for name in names}
 
-    def again(self, **changed: Any) -> Solver:
+    def again(self, **changed: Any) -> "Solver":
         """This solver with other settings: those of :func:`prepare`. It belongs to no arm, but keeps the cell."""
         return replace(prepare(**{**self.settings, **changed}), arm=self.arm)
 

@@ -1,7 +1,5 @@
 """Solutions that miss their poses by no more than a tolerance: for poses that were rounded."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any

@@ -3,8 +3,6 @@
 The swivel angle of an S-R-S arm has them, too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

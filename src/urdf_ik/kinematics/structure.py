@@ -1,7 +1,5 @@
 """``Structure``: parallel, intersecting and coincident joint axes, with the measured imperfection of each relation."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

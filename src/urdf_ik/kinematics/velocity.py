@@ -1,7 +1,5 @@
 """Functions of the Jacobian: manipulability and condition number."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

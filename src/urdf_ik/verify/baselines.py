@@ -6,8 +6,6 @@
 True
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -87,7 +85,7 @@ def freeze(
     seed: int = _SEED,
     collisions: str | bool = True,
     progress: Progress | None = None,
-) -> Lock:
+) -> "Lock":
     """An arm's answers of today, to be compared with those of tomorrow.
 
     Kept are joints, axes, limits, shapes, Pinocchio's pose at 20 joint vectors, and every solution of 50 poses: random
@@ -188,7 +186,7 @@ class Lock:
         ignore: str | Iterable[str] = (),
         time_limit: float | None = None,
         progress: Progress | None = None,
-    ) -> Verification:
+    ) -> "Verification":
         """What of this holds for an arm.
 
         Solutions are compared as sets: a solver that orders or names them in another way is no difference; a solution
@@ -269,7 +267,7 @@ class Lock:
         files.write(path, self.to_text().encode())
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Lock:
+    def load(cls, path: str | os.PathLike[str]) -> "Lock":
         """Read a lock file.
 
         Raises:
@@ -278,7 +276,7 @@ class Lock:
         return cls.from_text(files.read(path).decode("utf-8", "replace"), files.name_of(path))
 
     @classmethod
-    def from_text(cls, text: str, name: str = "the text") -> Lock:
+    def from_text(cls, text: str, name: str = "the text") -> "Lock":
         """The baseline of a lock file's text.
 
         Raises:

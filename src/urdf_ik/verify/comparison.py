@@ -5,8 +5,6 @@ for the part of a pose that it controls (see ``Arm.task``); Pinocchio computes w
 comparison are in m and rad; its text shows mm and degrees.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterable
@@ -61,7 +59,7 @@ def compare(
     ignore: str | Iterable[str] = (),
     align: bool = False,
     progress: Callable[[int, int], None] | None = None,
-) -> Comparison:
+) -> "Comparison":
     """Compare two arms.
 
     Each arm draws ``n`` joint vectors within its limits; both arms solve all poses that these make. Joints are paired
@@ -148,12 +146,12 @@ def compare(
     )
 
 
-def _side(arm: Arm) -> _Side:
+def _side(arm: Arm) -> "_Side":
     prismatic = tuple(arm.chain.prismatic.tolist())
     return _Side(arm.name, arm.model.source, arm.base, arm.tip, arm.joint_names, prismatic)
 
 
-def _structure(a: Arm, b: Arm) -> tuple[_Fact, ...]:
+def _structure(a: Arm, b: Arm) -> tuple["_Fact", ...]:
     """Structural properties of both arms, and the relations between axes that differ."""
 
     def known(arm: Arm) -> dict[str, str]:
@@ -194,7 +192,7 @@ def _off(arm: Arm) -> str:
     return f"off by {angle:.2g} rad, {distance:.2g} m"
 
 
-def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[_AxisChange, ...]:
+def _axes(a: Arm, b: Arm, order: list[int]) -> tuple["_AxisChange", ...]:
     out = []
     for i, k in enumerate(order):
         ours, theirs = (a.chain.points[i], a.chain.H[i]), (b.chain.points[k], b.chain.H[k])
@@ -204,7 +202,7 @@ def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[_AxisChange, ...]:
     return tuple(out)
 
 
-def _limits(a: Arm, b: Arm, order: list[int]) -> tuple[_LimitChange, ...]:
+def _limits(a: Arm, b: Arm, order: list[int]) -> tuple["_LimitChange", ...]:
     return tuple(
         _LimitChange(a.joint_names[i], b.joint_names[k], tuple(a.limits[i].tolist()), tuple(b.limits[k].tolist()))
         for i, k in enumerate(order)
@@ -223,7 +221,7 @@ def _drawn(arm: Arm, n: int, seed: int) -> Array:
     return np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
 
 
-def _answers(a: Arm, b: Arm, T: Array, maker: Arm | None = None, q: Array | None = None) -> _Answers:
+def _answers(a: Arm, b: Arm, T: Array, maker: Arm | None = None, q: Array | None = None) -> "_Answers":
     """Solutions of both arms for poses T (m, 4, 4), as far as each task controls them."""
     same = [maker is not None and (arm is maker or _same_parameter(arm, maker)) for arm in (a, b)]
     values = None if maker is None or q is None else redundancy_at(maker, q)
@@ -237,7 +235,7 @@ class _Answers:
     a: IKSolutions
     b: IKSolutions
 
-    def reach(self, made_by: str) -> Reach:
+    def reach(self, made_by: str) -> "Reach":
         """How many poses each has a solution for, and how many solutions."""
         counts, within = (
             [solutions.count for solutions in sides]
@@ -247,7 +245,7 @@ class _Answers:
         every = int(counts[0].sum()), int(counts[1].sum())
         return Reach(made_by, len(counts[0]), reached, inside, every, int((counts[0] == counts[1]).sum()))
 
-    def branches(self, order: list[int], signs: Array) -> tuple[BranchChange, ...]:
+    def branches(self, order: list[int], signs: Array) -> tuple["BranchChange", ...]:
         """Every branch of A that has solutions, against B."""
         theirs = {name: k for k, name in enumerate(self.b.branches) if not _NUMBERED.search(name)}
         theirs = theirs if (signs > 0.0).all() else {}
@@ -309,7 +307,7 @@ def _cautions(a: Arm, b: Arm) -> list[str]:
     return out
 
 
-def _tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> ToolError | None:
+def _tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> "ToolError | None":
     """Difference between the tip poses of A and B at joint vectors ``q`` (m, n) of A; None without one."""
     if not len(q):
         return None

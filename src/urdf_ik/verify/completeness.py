@@ -6,8 +6,6 @@ and Roth, set up at three places of the loop, and Newton's method from many rand
 Each pose comes from a planted joint vector. If neither method finds this vector, the report counts it as missed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import astuple, dataclass, field
 
@@ -47,7 +45,7 @@ REGULAR = 1e-2
 
 def compare(
     arm: Arm, n: int = 200, seed: int = 0, *, time_limit: float | None = None, progress: Progress | None = None
-) -> Completeness:
+) -> "Completeness":
     """Compare an arm's solver with a second method for all solutions.
 
     Joint vectors are drawn over the whole torus, whatever the limits: n at random, and n more 1e-1 to 1e-8 rad from a
@@ -145,14 +143,14 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
 
 
 def _records(
-    sameness: Sameness,
-    answer: Unmatched,
+    sameness: "Sameness",
+    answer: "Unmatched",
     T: Array,
     planted: Array,
     index: int,
     near: float | None,
     names: list[str],
-) -> Iterator[Difference]:
+) -> Iterator["Difference"]:
     found = [(names[i], SECOND, q) for i, q in answer.only_first]
     found += [(f"number {i + 1} of the second way", SOLVER, q) for i, q in answer.only_second]
     found += [("planted", BOTH, planted)] * answer.planted_lost

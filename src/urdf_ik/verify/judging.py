@@ -7,8 +7,6 @@
 True
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import runpy
@@ -73,7 +71,7 @@ def judge(
     within_limits: bool = False,
     name: str | None = None,
     progress: Progress | None = None,
-) -> Judgement:
+) -> "Judgement":
     """Judge a solver on an arm: is each of its solutions one, and does it have all of them, once?
 
     The rules:
@@ -178,7 +176,7 @@ def _poses(arm: Arm, kind: str, n: int, seed: int) -> tuple[Array, Array | None,
 class _Judged:
     """The faults so far, and the counts of the poses of a kind."""
 
-    kind: Kind
+    kind: "Kind"
 
     def __init__(self, arm: Arm, solve: Solve, tolerance: float, within_limits: bool) -> None:
         self.faults: list[Fault] = []

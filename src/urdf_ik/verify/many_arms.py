@@ -1,7 +1,5 @@
 """Solutions of many arms for the same poses: one tidy table, and one picture of the reached poses."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -81,7 +79,7 @@ class ManyArms(Report):
     unlooked: str = ""
     unit: str = "rad"
 
-    def in_degrees(self) -> ManyArms:
+    def in_degrees(self) -> "ManyArms":
         """The same with margins in degrees; itself where an arm has a prismatic joint."""
         if self.unit != "rad":
             return self

@@ -1,7 +1,5 @@
 """Poses as people teach them: right angles, straight and folded elbows, aligned wrists, and combinations of these."""
 
-from __future__ import annotations
-
 import arms
 import arms_closed_forms
 import closed_forms

@@ -1,7 +1,5 @@
 """Degenerate arms (joints on one axis, zero lengths, many parallel axes): no pose that they reach is lost."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

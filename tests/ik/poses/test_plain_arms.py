@@ -1,7 +1,5 @@
 """Arms typed by hand from round numbers: zero lengths and slides, where solvers lose solutions."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 At these poses the elimination's determinant is zero for every value of the hidden joint, or has multiple roots.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """At and near singularities and the edge of reach: isolated solutions are complete, continua are marked."""
 
-from __future__ import annotations
-
 import contract
 import numpy as np
 import pytest

@@ -13,7 +13,7 @@ from urdf_ik.model import catalogue
 
 pytest.importorskip("viser")
 
-from urdf_ik.show.viewer import Viewer, typed_text  # noqa: E402
+from urdf_ik.show.viewer import Viewer, panels  # noqa: E402
 from urdf_ik.show.viewer import state as states  # noqa: E402
 from urdf_ik.show.viewer.surroundings import points_beside  # noqa: E402
 
@@ -39,7 +39,7 @@ def viewer(arm: urdf_ik.Arm) -> Iterator[Viewer]:
 def test_joint_vectors_and_poses_are_read_in_every_form(arm: urdf_ik.Arm) -> None:
     """Python, JSON, or only numbers; a matrix, a position with a quaternion, or with roll, pitch and yaw."""
     for form in ("q = {}", "{}", "[{}]", "np.array([{}])", '{{"q": [{}]}}'):
-        kind, value = typed_text.read(form.format(", ".join(map(str, Q))), arm)
+        kind, value = panels.read(form.format(", ".join(map(str, Q))), arm)
         assert kind == "q" and value.tolist() == Q.tolist()
     T = urdf_ik.pose([0.4, 0.1, 0.3], rpy=[0.1, 0.2, 0.3])
     x, y, z, w = 0.0342708, 0.1060205, 0.1435722, 0.9833474
@@ -50,19 +50,19 @@ def test_joint_vectors_and_poses_are_read_in_every_form(arm: urdf_ik.Arm) -> Non
         "pose = 0.4,0.1,0.3,0.1,0.2,0.3",
     )
     for text in texts:
-        kind, value = typed_text.read(text, arm)
+        kind, value = panels.read(text, arm)
         assert kind == "pose"
         np.testing.assert_allclose(value, T, atol=1e-6)
     for text, words in (("1 2 3", "3 numbers given"), ("q = 1 2", "6 joints"), ("a b", "no number"), ("{}", "'q' or")):
         with pytest.raises(UrdfIkError, match=words):
-            typed_text.read(text, arm)
+            panels.read(text, arm)
 
 
 def test_what_is_copied_can_be_pasted(arm: urdf_ik.Arm) -> None:
     """Line by line."""
-    lines = typed_text.written(Q, arm.fk(Q)).splitlines()
+    lines = panels.written(Q, arm.fk(Q)).splitlines()
     for line, kind, expected in zip(lines, ("q", "pose"), (Q, arm.fk(Q)), strict=True):
-        found, value = typed_text.read(line, arm)
+        found, value = panels.read(line, arm)
         assert found == kind
         np.testing.assert_allclose(value, expected, atol=1e-8)
 

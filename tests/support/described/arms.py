@@ -5,8 +5,6 @@ may vary without touching the structure is then varied: the base, the tool, the 
 points along an axis where a joint's frame sits, fixed joints in between, limits.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Each kind comes from both ends: the reversed axes make the same structure as seen from the tip.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """URDF text of arms whose neighbouring axes are one, parallel, meeting or skew as it comes."""
 
-from __future__ import annotations
-
 import numpy as np
 from arms_few import few_urdf
 

@@ -1,7 +1,5 @@
 """URDF text of arms with one to five joints, turning or sliding: random members of the classes that are built."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

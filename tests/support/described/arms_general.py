@@ -1,7 +1,5 @@
 """URDF text of arms without a closed form, and of arms near a family, for tests."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """URDF text of 6R arms with a hollow wrist: seven axes, the fifth and the sixth driven by one joint."""
 
-from __future__ import annotations
-
 import numpy as np
 from arms_mimic import mimicking
 from numpy.typing import NDArray

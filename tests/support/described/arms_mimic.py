@@ -1,7 +1,5 @@
 """URDF text of arms in which joints mimic others: random members of linkages, telescopes and arbitrary chains."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from xml.etree import ElementTree

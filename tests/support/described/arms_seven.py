@@ -1,7 +1,5 @@
 """URDF text of arms with seven joints: random members of S-R-S and of what is left when an end joint is held."""
 
-from __future__ import annotations
-
 import numpy as np
 from arms import (
     KINDS,

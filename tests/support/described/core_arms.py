@@ -1,7 +1,5 @@
 """Arms of every family, solved in a process of its own for each instruction set; see test_core_levels."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Structures of axes that are given as they are, and of arms of a kind."""
 
-from __future__ import annotations
-
 import numpy as np
 from arms import DescribedArm, random_arm, serial_urdf
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """URDF texts to read, to break and to compare with Pinocchio's reading."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

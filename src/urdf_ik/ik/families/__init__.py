@@ -1,7 +1,5 @@
 """How arms are solved: one file a family, and a registry of them in the order of cost."""
 
-from __future__ import annotations
-
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.registry import choose, every, of_six
 

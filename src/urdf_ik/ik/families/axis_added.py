@@ -4,8 +4,6 @@ The arm of six has a family of its own, with closed form or elimination; its sol
 the five joints as written.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

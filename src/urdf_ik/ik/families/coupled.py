@@ -3,8 +3,6 @@
 Six independent joints are solved where the wrist mimics: see ``hollow_wrist``.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 

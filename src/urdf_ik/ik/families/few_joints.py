@@ -6,8 +6,6 @@ Arms with fewer joints get slides before the base, or a turn behind the tip, tha
 do so, from base to tip and from tip to base, the one with the best conditioned position step is taken.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Turning or with slides there are up to sixteen solutions; where the joints are singular everywhere, a continuum.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any

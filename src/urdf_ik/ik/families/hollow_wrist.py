@@ -4,8 +4,6 @@ In a hollow wrist (ABB IRB 5400) the axes 4 and 7 meet at every value of that jo
 both. The point is known from the target and the joint's value, and so are joints 1 to 3: one equation in one unknown.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The arm with one joint given, for the compiled solver of the others."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache

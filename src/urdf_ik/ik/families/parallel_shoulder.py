@@ -1,7 +1,5 @@
 """Six revolute joints whose axes 1, 2 and 3 are parallel; seen from the tip, those whose axes 4, 5 and 6 are."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

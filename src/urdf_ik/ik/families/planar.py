@@ -1,7 +1,5 @@
 """Two or three parallel turning joints, exactly so, and at most one slide along them: 2R, 3R and SCARA."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

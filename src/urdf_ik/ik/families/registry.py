@@ -3,8 +3,6 @@
 A new family is a row here: see CONTRIBUTING.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/core/families/few_joints/slides.hpp.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

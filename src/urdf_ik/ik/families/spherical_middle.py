@@ -1,7 +1,5 @@
 """Six revolute joints whose axes 2, 3 and 4 meet in a point; seen from the tip, those whose axes 3, 4 and 5 do."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

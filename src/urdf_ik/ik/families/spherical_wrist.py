@@ -1,7 +1,5 @@
 """Six revolute joints whose last three axes meet in a point (Pieper 1968)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

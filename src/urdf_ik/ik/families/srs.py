@@ -1,7 +1,5 @@
 """Seven joints, S-R-S: three axes meet in the shoulder, three in the wrist, and the elbow is between them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Six revolute joints whose axes 2, 3 and 4 are parallel, as Universal Robots builds them."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``IKSolutions``, the result of ``arm.ik``: filters, turns, and the choice of a solution."""
 
-from __future__ import annotations
-
 from urdf_ik.ik.solutions.ik_solutions import IKSolutions
 from urdf_ik.ik.solutions.proof import Cluster, Proof
 from urdf_ik.ik.solutions.solution import Singular, Solution, Step

@@ -7,8 +7,6 @@ out of reach have no solution. The number after the sign orders one pose's solut
 pose; along a path :func:`urdf_ik.paths.planned_motion.followed` keeps it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from typing import Any

@@ -5,8 +5,6 @@ derivative by the joints is the matrix A, the Jacobian above one row a parameter
 values or the arm by a small amount b, the joints follow it by A^-1 b. Where A loses rank, there is no derivative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

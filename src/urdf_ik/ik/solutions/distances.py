@@ -1,7 +1,5 @@
 """Measures for the choice of a solution: distance from a reference, and quality."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal

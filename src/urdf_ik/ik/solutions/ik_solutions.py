@@ -1,7 +1,5 @@
 """``IKSolutions``, the result of ``arm.ik``: filters, turns, and the choice of a solution."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -39,7 +37,7 @@ class IKSolutions(DifferentiableSolutions):
 
     __slots__ = ()
 
-    def within_limits(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
+    def within_limits(self, tol: float = limits.LIMIT_TOLERANCE) -> "IKSolutions":
         """The solutions inside the joint limits.
 
         The solver returns angles in (-pi, pi]. An angle outside the limits is replaced by its nearest image, whole
@@ -61,7 +59,7 @@ class IKSolutions(DifferentiableSolutions):
         """
         return self._moved_inside(limits.nearest_image(self._q, self.solver.limits, self._turning, tol), tol)
 
-    def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
+    def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> "IKSolutions":
         """Every +-2 pi image inside the joint limits: up to 8 x 64 for six joints of +-2 pi.
 
         The columns of one branch are neighbours, the image with the fewest turns first. A column's name ends with
@@ -119,7 +117,7 @@ class IKSolutions(DifferentiableSolutions):
         within: ArrayLike | None = None,
         within_limits: bool = False,
         modulo_turns: bool = False,
-    ) -> IKSolutions:
+    ) -> "IKSolutions":
         """The solution nearest to a joint vector, for every pose: one column, or ``n`` of them, nearest first.
 
         Each joint stands at its image nearest to ``q_ref``, of those inside its limits where there are any, and a
@@ -185,7 +183,7 @@ class IKSolutions(DifferentiableSolutions):
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
         return np.asarray(self._beside(reference) - reference)
 
-    def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
+    def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> "IKSolutions":
         """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
 
         Of equally good solutions, the first branch counts. Where a redundancy parameter was left at its default, poses
@@ -246,7 +244,7 @@ class IKSolutions(DifferentiableSolutions):
             scores[places] = self.arm.cell.in_world(world).distance(vectors)
         return scores
 
-    def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
+    def collision_free(self, world: Any = None, margin: float = 0.0) -> "IKSolutions":
         """The solutions in which the arm touches neither itself nor an obstacle, by ``arm.cell.collisions``.
 
         Args:
@@ -305,7 +303,7 @@ class IKSolutions(DifferentiableSolutions):
             found[place] = configurations.text(flat[place].tolist(), vendor)
         return found
 
-    def with_configuration(self, written: str, vendor: str) -> IKSolutions:
+    def with_configuration(self, written: str, vendor: str) -> "IKSolutions":
         """The solutions with a configuration as a maker's controller writes it, such as 'NUT 0 0 0' of 'fanuc'.
 
         Where it has turn numbers, every image inside the joint limits counts (:meth:`turns`); parts that are left out
@@ -451,18 +449,18 @@ class IKSolutions(DifferentiableSolutions):
 
     def _moved_inside(
         self, images: tuple[Array, NDArray[np.bool_]], tol: float = limits.LIMIT_TOLERANCE
-    ) -> IKSolutions:
+    ) -> "IKSolutions":
         """The images inside the joint limits, and which of them there are."""
         q, inside = images
         info = np.where(inside, self._info, np.uint8(0))
         return self._derived(q, info, self._branches, Step("limits", self, amount=tol))
 
-    def _picked(self, columns: NDArray[np.intp], how: str, q: Array | None = None) -> IKSolutions:
+    def _picked(self, columns: NDArray[np.intp], how: str, q: Array | None = None) -> "IKSolutions":
         """The solutions in these columns (..., n); ``q``: (..., B, n) their values, if they are other images."""
         q = np.take_along_axis(self._q if q is None else q, columns[..., None], axis=-2)
         info = np.take_along_axis(self._info, columns, axis=-1)
         names = tuple(how if k == 0 else f"{how} {k + 1}" for k in range(columns.shape[-1]))
         return self._derived(q, info, names, Step(how, self, columns))
 
-    def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
+    def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> "IKSolutions":
         return IKSolutions(self.solver, self._poses, q, info, branches, None, step, self._redundancy)

@@ -4,8 +4,6 @@ Pure functions over joint vectors (..., B, n), NaN rows where there is no soluti
 intervals, widened by a tolerance: half a turn and limits such as 3.1416 or 3.14 mean what they say.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 

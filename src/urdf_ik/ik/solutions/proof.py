@@ -1,7 +1,5 @@
 """What the solver proves about the solutions of one pose, as data that others can check."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Solutions as text, as tables of pandas and xarray, and as HTML for a notebook."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 from typing import Any

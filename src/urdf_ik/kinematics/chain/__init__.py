@@ -1,7 +1,5 @@
 """A serial chain from a base link to a tip link, as screw axes at the zero configuration."""
 
-from __future__ import annotations
-
 from urdf_ik.kinematics.chain.from_model import from_urdf, velocity_limits
 from urdf_ik.kinematics.chain.mimic import CoupledChain
 from urdf_ik.kinematics.chain.redundancy import (

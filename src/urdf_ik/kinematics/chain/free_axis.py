@@ -1,7 +1,5 @@
 """A free axis: a line in the tip about which the tip may turn (welding, drilling, gripping a cylinder)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,7 +33,7 @@ class FreeAxis(Frozen):
         object.__setattr__(self, "motion", turning(np.array(self.direction), np.array(self.at)))
 
     @classmethod
-    def read(cls, axis: Any, at: ArrayLike | None = None) -> FreeAxis:
+    def read(cls, axis: Any, at: ArrayLike | None = None) -> "FreeAxis":
         """From 'x', 'y', 'z' or a direction (3,), and a point (3,) or None for the tip's origin.
 
         Raises:

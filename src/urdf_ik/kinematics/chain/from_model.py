@@ -1,7 +1,5 @@
 """The chain between two links of a URDF, and the velocity limits of its joints."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

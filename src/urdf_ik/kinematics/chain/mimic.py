@@ -4,8 +4,6 @@ The joint vector holds the drivers alone, in the order in which the chain first 
 mimic follows the joint at the end of the row, and a driver beside the chain counts by what it drives in it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace

@@ -1,7 +1,5 @@
 """The plane in which a planar arm moves its tip, with its coordinates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

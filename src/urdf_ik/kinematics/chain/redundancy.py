@@ -1,7 +1,5 @@
 """What a task leaves free of a chain: its redundancy parameters, and the rank of its Jacobian."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

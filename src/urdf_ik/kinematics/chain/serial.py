@@ -1,7 +1,5 @@
 """A serial chain from a base link to a tip link, as screw axes at the zero configuration."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -51,7 +49,7 @@ class TreeJoint(Frozen):
         steps[0] = self.origin[:3, 3]
         return _core.Chain((R @ self.axis)[None], steps, R, np.array([self.prismatic]))
 
-    def held(self, free: list[int], q: NDArray[np.float64], beside: Mapping[str, float]) -> TreeJoint:
+    def held(self, free: list[int], q: NDArray[np.float64], beside: Mapping[str, float]) -> "TreeJoint":
         """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``.
 
         Joints beside the chain stand at the values in ``beside``.
@@ -156,7 +154,7 @@ class Chain(Frozen):
         return _core.Chain(axes.H, axes.P, axes.R_tip, axes.prismatic)
 
     @property
-    def axes(self) -> Chain:
+    def axes(self) -> "Chain":
         """The chain of the moving axes: this one, but where joints mimic others."""
         return self
 
@@ -187,11 +185,11 @@ class Chain(Frozen):
             return between
         return base + slides or 1.0
 
-    def with_screws(self, H: NDArray[np.float64], P: NDArray[np.float64], R_tip: NDArray[np.float64]) -> Chain:
+    def with_screws(self, H: NDArray[np.float64], P: NDArray[np.float64], R_tip: NDArray[np.float64]) -> "Chain":
         """The same joints with other axes, as of a URDF with other numbers."""
         return replace(self, H=H, P=P, R_tip=R_tip)
 
-    def reversed(self) -> Chain:
+    def reversed(self) -> "Chain":
         """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
         back = self.R_tip.T
         points = np.vstack([self.P.sum(axis=0), self.points[::-1], np.zeros(3)])
@@ -207,7 +205,7 @@ class Chain(Frozen):
             limits=self.limits[::-1].copy(),
         )
 
-    def lock(self, values: Mapping[str, float]) -> Chain:
+    def lock(self, values: Mapping[str, float]) -> "Chain":
         """The chain of the other joints, with these held still: they become part of the fixed geometry.
 
         Args:
@@ -235,7 +233,7 @@ class Chain(Frozen):
             followers=tuple(each for each in self.followers if each.driver not in held),
         )
 
-    def at_rest(self, q: NDArray[np.float64], free: Sequence[int]) -> Chain:
+    def at_rest(self, q: NDArray[np.float64], free: Sequence[int]) -> "Chain":
         """The chain of the joints ``free``, with its zero where all joints have the values ``q`` (n,)."""
         axes, points, home = self.placed(q)
         return replace(

@@ -6,8 +6,6 @@ One step from frame to frame is, with theta + q for a revolute joint and d + q f
     modified   Rx(alpha) Tx(a) Rz(theta) Tz(d)      (Craig, Introduction to Robotics, chapter 3)
 """
 
-from __future__ import annotations
-
 from urdf_ik.kinematics.dh.files import CONVENTIONS
 from urdf_ik.kinematics.dh.table import DHTable
 

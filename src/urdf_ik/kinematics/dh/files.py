@@ -4,8 +4,6 @@ CSV: a header with the columns in any order, one line a joint, and lines such as
 belongs to the whole table. JSON: the same keys in one object, the rows under ``joints``.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Denavit-Hartenberg frames of a chain of lines, in Craig's order, and the table of a chain."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Denavit-Hartenberg tables, standard or modified, to URDF and back from any chain."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -107,7 +105,7 @@ class DHTable(Frozen):
         tool: ArrayLike | None = None,
         name: str = "arm",
         degrees: bool = False,
-    ) -> DHTable:
+    ) -> "DHTable":
         """Make a table from numbers.
 
         Args:
@@ -160,7 +158,7 @@ class DHTable(Frozen):
         )
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], convention: str | None = None, *, degrees: bool = False) -> DHTable:
+    def read(cls, path: str | os.PathLike[str], convention: str | None = None, *, degrees: bool = False) -> "DHTable":
         """Read a table from a CSV or JSON file, in the form that :meth:`to_csv` and :meth:`to_json` write.
 
         Args:
@@ -187,7 +185,7 @@ class DHTable(Frozen):
     @classmethod
     def from_chain(
         cls, chain: Chain, convention: str = "standard", *, snap: float | None = None, name: str = "arm"
-    ) -> DHTable:
+    ) -> "DHTable":
         """The table of a chain: base and tool are left over only where the convention has no room for them.
 
         Args:
@@ -248,7 +246,7 @@ class DHTable(Frozen):
         """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
         return self.chain().fk(q)
 
-    def converted(self, convention: str) -> DHTable:
+    def converted(self, convention: str) -> "DHTable":
         """The same arm in the other convention; what has no room in the table goes to base or tool."""
         check_convention(convention)
         if convention == self.convention:

@@ -5,8 +5,6 @@ that contacts mean something: a leg ends short of the next joint's hub, and of h
 only the last one collides.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr

@@ -8,8 +8,6 @@ The equations are those of src/core/families/general/hidden_joint.hpp. Where the
 continuation from a pose whose solutions are all known takes over (continuation.hpp there).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

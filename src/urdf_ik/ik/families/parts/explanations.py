@@ -1,7 +1,5 @@
 """Explanations of unreachable poses: lengths in words, and the error of the nearest pose."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Families and their members: a record of a family, and one of how an arm of it is solved."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -44,11 +42,11 @@ class Family:
     branches: tuple[str, ...]
     by_quadratics: bool
     matches: Callable[[Structure, Chain], bool]
-    prepare: Callable[[Family, Structure, Chain], FamilyMember | None]
+    prepare: Callable[["Family", Structure, Chain], "FamilyMember | None"]
     variant: str = ""
     by_elimination: bool = False
 
-    def plan(self, structure: Structure, chain: Chain) -> FamilyMember | None:
+    def plan(self, structure: Structure, chain: Chain) -> "FamilyMember | None":
         """The plan of an arm, None for an arm that is not of this family."""
         return self.prepare(self, structure, chain) if self.matches(structure, chain) else None
 

@@ -1,7 +1,5 @@
 """The nearest arm that has its family's structure exactly, and the closed form of six turning joints by it."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """How far an elimination's constant matrices are from those of the arm, by fixed-point arithmetic in integers."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

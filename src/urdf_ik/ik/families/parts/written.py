@@ -1,7 +1,5 @@
 """What compiled solvers are made from: named values, such as an arm as its URDF has it and the ends of its frames."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -23,7 +21,7 @@ class Numbers(SimpleNamespace):
     docs/_static/compiled-arm.schema.json lists those of every kind.
     """
 
-    def but(self, **changed: Any) -> Numbers:
+    def but(self, **changed: Any) -> "Numbers":
         """The same with other values."""
         return Numbers(**{**vars(self), **changed})
 
