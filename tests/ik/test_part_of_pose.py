@@ -7,7 +7,7 @@ import pytest
 from arms_few import case_of
 from cases import Case, from_catalogue
 from command import call
-from hobby import URDF
+from hobby import LIFT, PAN, URDF, urdf_of
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -17,8 +17,9 @@ TASKS = ("position", "position and axis", "level", "orientation", "axis", "look 
 
 
 def arm_of(name: str) -> Case:
-    """The hobby arm, or one of the catalogue."""
-    return case_of(URDF) if name == "hobby" else from_catalogue(name)
+    """The hobby arm, a camera on two joints, or one of the catalogue."""
+    texts = {"hobby": URDF, "camera": urdf_of((PAN, LIFT), "0.03 0.01 0.02")}
+    return case_of(texts[name]) if name in texts else from_catalogue(name)
 
 
 def missed(task: str, axis: Array, T: Array, reached: Array) -> float:
@@ -47,6 +48,31 @@ def test_what_is_asked_is_reached(name: str, task: str) -> None:
     for one in s:
         assert missed(task, axis, T, arm.oracle.pose(one.q)) < 1e-9
     assert max(s.error.position[s.valid].max(), s.error.rotation[s.valid].max()) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "task"),
+    [
+        ("hobby", "position"),
+        ("hobby", "position and axis"),
+        ("hobby", "level"),
+        ("srs_7r", "position and axis"),
+        ("camera", "axis"),
+        ("camera", "look at"),
+    ],
+)
+def test_joints_follow_a_moving_target(name: str, task: str) -> None:
+    """Joints moved by ``dq_dT`` miss a target that moves by 1e-5 m and rad by its square only."""
+    arm, axis = arm_of(name), np.array([1.0, 0.0, 0.0])
+    T = arm.oracle.pose(np.linspace(-0.6, 0.7, arm.arm.dof))
+    T[:3, 3] += [0.3, 0.1, 0.2] if task == "look at" else [0.0, 0.0, 0.0]
+    s = arm.arm.ik(T, task=urdf_ik.Task.read(task, axis if task in ("position and axis", "axis", "look at") else None))
+    rates = s.dq_dT()
+    for twist in 1e-5 * np.random.default_rng(3).normal(size=(3, 6)):
+        moved = urdf_ik.pose(T[:3, 3] + twist[:3], rotvec=twist[3:])
+        moved[:3, :3] = moved[:3, :3] @ T[:3, :3]
+        for one, rate in zip(s, rates[s.valid], strict=True):
+            assert missed(task, axis, moved, arm.oracle.pose(one.q + rate @ twist)) < 1e-7
 
 
 @pytest.mark.parametrize(("name", "free"), [("hobby", 2), ("puma_560", 3), ("scara_rrpr", 1)])

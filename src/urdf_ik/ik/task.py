@@ -18,6 +18,8 @@ from urdf_ik.typing import Array
 NUMBERS = {"pose": 6, "position": 3, "position and axis": 5, "orientation": 3, "axis": 2, "look at": 2}
 """How many numbers each kind of target fixes."""
 LEVEL = "level"
+_AHEAD = 1e-9
+"""m: a point nearer to the tip is in no direction from it."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +159,7 @@ class Task:
         if self.components == "look at":
             along = reached[..., :3, :3] @ np.array(self.axis)
             far = np.einsum("...i,...i", -off, along)
-            return np.linalg.norm(np.cross(off, along), axis=-1), np.where(far > 0.0, 0.0, np.pi)
+            return np.linalg.norm(np.cross(off, along), axis=-1), np.where(far > _AHEAD, 0.0, np.pi)
         angle = zero
         if self.has_turn:
             A, constant = self.matrix(T.reshape(-1, 4, 4))

@@ -68,10 +68,10 @@ def by_geometry(solutions: KeptSolutions, parameters: Sequence[Any] | None = Non
 def second_by_pose(solutions: KeptSolutions, V: ArrayLike, W: ArrayLike | None = None) -> Array:
     """See :meth:`urdf_ik.IKSolutions.d2q_dT2`."""
     solver = solutions.solver
-    if solver.task == "position and axis":
+    if solver.task == "position and axis" or (solver.asked != POSE and solver.asked.components != "position"):
+        task = solver.task if solver.asked == POSE else str(solver.asked)
         raise UnsupportedArm(
-            f"{solver.name}: second derivatives with the task 'position and axis' are not computed; first ones are: "
-            "dq_dT()"
+            f"{solver.name}: second derivatives with the task {task!r} are not computed; first ones are: dq_dT()"
         )
     along = _twists(V, "V", solutions.shape)
     moving = along if W is None else _twists(W, "W", solutions.shape)
@@ -177,6 +177,9 @@ def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | 
     share = np.where(np.arange(6) < 3, 1.0 / chain.size, 1.0)
     own = np.where(chain.prismatic, chain.size, 1.0)
     J = chain.jacobian(q)
+    if solutions.solver.asked.components == "look at":  # what counts is how the tip moves at the target
+        lever = solutions.poses[..., None, :3, 3] - _reached(solutions)[..., :3, 3]
+        J[..., :3, :] += np.cross(J[..., 3:, :], lever[..., None], axis=-2)
     W = np.eye(6) if weights is None else weights
     A = (W @ J) * share[:, None]
     if held:
@@ -206,8 +209,21 @@ def _slopes(solver: Solver, held: list[Any]) -> Array:
 def _controlled(solutions: KeptSolutions) -> Array | None:
     """(6, 6) or (..., B, 6, 6), what of a twist counts to the target; None where all of it does."""
     solver = solutions.solver
-    if solver.asked != POSE:
-        raise UnsupportedArm(f"{solver.name}: derivatives for the task {str(solver.asked)!r} are not computed")
+    asked = solver.asked
+    if asked != POSE:
+        if any(each.kind == FREE_AXIS for each in solver.parameters):
+            return None
+        R = _reached(solutions)[..., :3, :3]
+        parts = np.zeros((*R.shape[:-2], 6, 6))
+        across: Any = np.eye(3)
+        if asked.axis is not None:
+            a = np.broadcast_to(asked.axis, R.shape[:-1]) if asked.frame == "base" else R @ np.array(asked.axis)
+            across = np.eye(3) - a[..., :, None] * a[..., None, :]
+        if asked.has_place:
+            parts[..., :3, :3] = np.eye(3) if asked.has_turn else across
+        if asked.has_turn:
+            parts[..., 3:, 3:] = across
+        return parts
     if solver.task == "pose":
         if solver.free_axis is None or solver.parameters:
             return None
