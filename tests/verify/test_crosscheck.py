@@ -56,7 +56,7 @@ class Damaged:
 def damaged_ik(change: Callable[[np.ndarray, np.ndarray], None], *, where: str = "both") -> Any:
     """An ``ik`` whose joint vectors (m, B, n) and valid flags (m, B) go through ``change``."""
 
-    def ik(T: np.ndarray) -> Any:
+    def ik(T: np.ndarray, redundancy: Any = None) -> Any:
         sound = loaded("zyyzyz_6r").ik(T)
         q, valid = np.array(sound.q), np.array(sound.valid)
         if where == "both" or (where == "batch") == (T.ndim == 3):
@@ -152,7 +152,7 @@ def test_an_arm_without_joints() -> None:
 def test_an_arm_without_a_solver() -> None:
     """Where no solver takes the arm the rest is still checked, and the report says what was not."""
 
-    def ik(T: np.ndarray) -> Any:
+    def ik(T: np.ndarray, redundancy: Any = None) -> Any:
         raise UnsupportedArm("nobody solves this")
 
     report = check(Damaged(ik=ik), FEW)

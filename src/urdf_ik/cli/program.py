@@ -6,7 +6,7 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -86,19 +86,6 @@ def with_commas(args: Sequence[str], lists: Collection[str]) -> list[str]:
     return out
 
 
-class _CommandFiles(Mapping[str, Any]):
-    """The commands by name; reading one imports its file."""
-
-    def __getitem__(self, name: str) -> Any:
-        return _command(name, COMMANDS[name][0])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(COMMANDS)
-
-    def __len__(self) -> int:
-        return len(COMMANDS)
-
-
 @functools.cache
 def _command(name: str, file: str) -> Any:
     function = getattr(import_module(f"urdf_ik.cli.commands.{file}"), name)
@@ -118,7 +105,11 @@ class Commands(TyperGroup):
     """The group of all commands; an error of this package becomes one message on stderr and an exit status."""
 
     def __init__(self, **attributes: Any) -> None:
-        super().__init__(**attributes | {"commands": _CommandFiles()})
+        super().__init__(**attributes | {"commands": dict.fromkeys(COMMANDS)})
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command of a name; its file is imported."""
+        return _command(cmd_name, COMMANDS[cmd_name][0]) if cmd_name in COMMANDS else None
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names of the commands, in the order of the help; no file is imported for them."""

@@ -259,16 +259,9 @@ def _letters(written: str, words: Sequence[tuple[str, str]]) -> list[int | None]
     return out
 
 
-def _quarters(q: Array) -> Array:
-    return np.floor(q * (4.0 / TURN))
-
-
-def _revolutions(q: Array) -> Array:
-    return np.sign(q) * np.floor((np.abs(q) + 0.5 * TURN) / TURN)
-
-
 def _abb_codes(flags: NDArray[np.bool_], q: Array) -> list[Array]:
-    return [*(_quarters(q[..., i]) for i in (0, 3, 5)), flags @ np.array([4, 2, 1])]
+    quarters = np.floor(q[..., (0, 3, 5)] * (4.0 / TURN))
+    return [*np.moveaxis(quarters, -1, 0), flags @ np.array([4, 2, 1])]
 
 
 def _abb_read(written: str) -> list[int | None]:
@@ -281,7 +274,9 @@ def _abb_read(written: str) -> list[int | None]:
 
 
 def _fanuc_codes(flags: NDArray[np.bool_], q: Array) -> list[Array]:
-    return [*np.moveaxis(flags[..., ::-1], -1, 0), *(_revolutions(q[..., i]) for i in (0, 3, 5))]
+    turning = q[..., (0, 3, 5)]
+    turns = np.sign(turning) * np.floor((np.abs(turning) + 0.5 * TURN) / TURN)
+    return [*np.moveaxis(flags[..., ::-1], -1, 0), *np.moveaxis(turns, -1, 0)]
 
 
 def _fanuc_text(numbers: Sequence[int]) -> str:

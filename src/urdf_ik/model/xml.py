@@ -17,7 +17,7 @@ TEXT = "<text>"
 XACRO_HINT = "for a xacro, end the file's name in .xacro, or give xacro_args (--xacro-arg NAME:=VALUE)"
 
 _DECLARED_ENCODING = re.compile(rb"\s*<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)[\"']", re.ASCII)
-_DECLARATION = re.compile(r"\s*<\?xml\s.*?\?>", re.DOTALL)
+_DECLARATION = re.compile(r"\A\s*<\?xml\s.*?\?>", re.DOTALL)
 _PROLOG_PART = re.compile(r"\s+|<\?.*?\?>|<!--.*?-->", re.DOTALL)
 _XACRO_EXPRESSION = re.compile(r"\$[({]")
 
@@ -62,7 +62,8 @@ def open_source(source: Any) -> Source:
 
 def parse(source: Source) -> Any:
     """The ``<robot>`` element of the text, parsed without entities and without the network."""
-    text = _without_declaration(source.text)
+    # The text is decoded already, and its version changes nothing. Lines stay.
+    text = _DECLARATION.sub(lambda found: "\n" * found[0].count("\n"), source.text, count=1)
     data = text.encode(errors="surrogatepass")  # the parser refuses halves of surrogate pairs, and says the line
     root = _tree(data, source.name)
     if root.getroottree().docinfo.internalDTD is not None:
@@ -169,12 +170,6 @@ def _text(content: str | bytes, name: str) -> str:
         ) from None
     except LookupError as error:
         raise UrdfError(f"unusable encoding: {error}", source=name, line=1, hint="save the file as UTF-8") from None
-
-
-def _without_declaration(text: str) -> str:
-    """Blank the XML declaration: the text is decoded already, and its version changes nothing. Lines stay."""
-    found = _DECLARATION.match(text)
-    return "\n" * found[0].count("\n") + text[found.end() :] if found else text
 
 
 def prolog_end(text: str) -> int:

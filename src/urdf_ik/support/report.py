@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from html import escape
 from types import NoneType, UnionType
-from typing import Any, Self, Union, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Self, Union, get_args, get_origin, get_type_hints
 
 from urdf_ik.errors import ArgumentError, escaped, printable
 from urdf_ik.support.text import Section, json_text, plain
@@ -21,11 +21,13 @@ class Report:
     """
 
     unlooked: str = ""
+    JUDGES: ClassVar[bool] = True
+    """Whether its verdict says passed or failed."""
 
     @property
     def faulty(self) -> bool:
         """Whether something that counts was found."""
-        raise NotImplementedError
+        return False
 
     @property
     def passed(self) -> bool:
@@ -52,11 +54,12 @@ class Report:
         """The last line: passed, failed, or no fault so far when the time was over; the counts; what was left out."""
         outcome = "PASSED" if self.passed else "FAILED" if self.faulty else "NOT ENDED"
         parts = "; ".join(part for part in (self.summary(), self.unlooked) if part)
-        return f"{outcome}: {parts}" if parts else outcome
+        return f"{outcome}: {parts}" if parts and self.JUDGES else parts or outcome
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text, ``passed`` first; numbers that are not finite are 'inf', '-inf' or 'nan'."""
-        return {"passed": self.passed, **plain(asdict(self))}  # type: ignore[call-overload]
+        content: dict[str, Any] = plain(asdict(self))  # type: ignore[call-overload]
+        return {"passed": self.passed, **content} if self.JUDGES else content
 
     def to_json(self) -> str:
         """:meth:`to_dict` as strict JSON."""

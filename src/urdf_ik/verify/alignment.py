@@ -83,7 +83,8 @@ def _angles(a: Arm, b: Arm, signs: Array) -> tuple[Array, Array]:
         before = next((normals[i, k] for i in range(k - 1, -1, -1) if (i, k) in normals), None)
         after = next((normals[k, i] for i in range(k + 1, n) if (k, i) in normals), None)
         if before is not None and after is not None:
-            ours, theirs = (_about(u[k], x, y) for u, x, y in zip(axes, before, after, strict=True))
+            normal = zip(axes, before, after, strict=True)
+            ours, theirs = (np.arctan2(u[k] @ np.cross(x, y), x @ y) for u, x, y in normal)
             zeros[k] = shortest(np.array(ours - theirs))
     if first is None:
         return zeros, np.eye(3)
@@ -96,11 +97,6 @@ def _limits_apart(a: Arm, b: Arm, signs: Array, zeros: Array) -> float:
     theirs = np.sort(signs[:, None] * (b.limits - zeros[:, None]), axis=1)
     finite = np.isfinite(a.limits) & np.isfinite(theirs)
     return float(np.abs(np.where(finite, a.limits - theirs, 0.0)).sum())
-
-
-def _about(u: Array, x: Array, y: Array) -> float:
-    """Angle [rad] about a unit direction from x to y, both normal to it."""
-    return float(np.arctan2(u @ np.cross(x, y), x @ y))
 
 
 def _frame(z: Array, x: Array) -> Array:

@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -136,7 +136,10 @@ def compare(
         structure=_structure(a, b),
         axes=axes,
         tip=apart(a.fk(np.zeros(a.dof)), b.fk(np.zeros(b.dof))),
-        limits=() if order is None else _limits(a, b, order),
+        limits=tuple(
+            _LimitChange(a.joint_names[i], b.joint_names[k], tuple(a.limits[i].tolist()), tuple(b.limits[k].tolist()))
+            for i, k in enumerate(order or ())
+        ),
         farthest=(_farthest(a, seed), _farthest(b, seed)),
         reach=tuple(reach),
         branches=answers[0].branches(order, signs) if solved and order is not None else (),
@@ -202,13 +205,6 @@ def _axes(a: Arm, b: Arm, order: list[int]) -> tuple["_AxisChange", ...]:
     return tuple(out)
 
 
-def _limits(a: Arm, b: Arm, order: list[int]) -> tuple["_LimitChange", ...]:
-    return tuple(
-        _LimitChange(a.joint_names[i], b.joint_names[k], tuple(a.limits[i].tolist()), tuple(b.limits[k].tolist()))
-        for i, k in enumerate(order)
-    )
-
-
 def _farthest(arm: Arm, seed: int) -> float:
     """Greatest distance of the tip from the base's origin over sampled joint vectors."""
     Q = _drawn(arm, _SAMPLES, seed)
@@ -263,7 +259,7 @@ class _Answers:
             gaps = self._gap(mine, others[np.arange(len(rows)), column])
             gaps = gaps[~np.isnan(gaps).any(axis=1)]  # where B has that solution
             nothing = np.full((1, len(order)), np.nan)
-            spread = (_floats(of(gaps if len(gaps) else nothing, axis=0)) for of in (np.median, np.max))
+            spread = (tuple(of(gaps if len(gaps) else nothing, axis=0).tolist()) for of in (np.median, np.max))
             out.append(
                 BranchChange(name, "name" if name in theirs else "nearest", len(gaps), len(rows) - len(gaps), *spread)
             )
@@ -314,7 +310,7 @@ def _tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> "Tool
     swapped = np.empty_like(q)
     swapped[:, order] = q
     position, rotation = b.errors(swapped, a.pose(q))
-    return ToolError(len(q), _spread(position), _spread(rotation), _floats(q[int(np.argmax(position))]))
+    return ToolError(len(q), _spread(position), _spread(rotation), tuple(q[int(np.argmax(position))].tolist()))
 
 
 def _same_parameter(a: Arm, b: Arm) -> bool:
@@ -325,10 +321,6 @@ def _same_parameter(a: Arm, b: Arm) -> bool:
 def _spread(values: Array) -> tuple[float, float, float]:
     """Median, 95th percentile, greatest."""
     return float(np.median(values)), float(np.percentile(values, 95.0)), float(values.max())
-
-
-def _floats(values: Array) -> tuple[float, ...]:
-    return tuple(values.tolist())
 
 
 @dataclass(frozen=True)
@@ -482,6 +474,8 @@ class Comparison(Report):
         alignment: what was fitted first; None where nothing was. All else is about B after it.
     """
 
+    JUDGES: ClassVar[bool] = False
+
     differences: tuple[Difference, ...]
     a: _Side
     b: _Side
@@ -511,7 +505,6 @@ class Comparison(Report):
     def to_dict(self) -> dict[str, Any]:
         """The comparison as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'."""
         content = super().to_dict()
-        del content["passed"]
         if self.alignment is None:
             del content["alignment"]
         return {"same": self.same, "units": {"length": "m", "angle": "rad"}, **content}
@@ -545,10 +538,6 @@ class Comparison(Report):
         after = "after aligning, " if self.alignment is not None else ""
         apart = f"{_mm(median)} mm apart in the median, at most {_mm(worst)} mm and {_deg(angle)} deg"
         return f"{after}the tips are {apart}; {words}"
-
-    def verdict(self) -> str:
-        """In a line, whether they differ."""
-        return self.summary()
 
 
 def _alignment_table(comparison: Comparison, found: Alignment) -> Section:

@@ -6,7 +6,6 @@ and Roth, set up at three places of the loop, and Newton's method from many rand
 Each pose comes from a planted joint vector. If neither method finds this vector, the report counts it as missed.
 """
 
-from collections.abc import Iterator
 from dataclasses import astuple, dataclass, field
 
 import numpy as np
@@ -85,20 +84,17 @@ def compare(
             near = _distance_to_singularity(n, index)
             theirs = second_method.solutions(arm.chain, T[i], np.random.default_rng([seed, index, 1]))
             answer = sameness.unmatched(T[i], vectors[index], q[i, valid[i]], theirs)
-            found = list(
-                _records(
-                    sameness,
-                    answer,
-                    T[i],
-                    vectors[index],
-                    index,
-                    near,
-                    [name for name, is_there in zip(mine.branches, valid[i], strict=True) if is_there],
-                )
-            )
+            names = [name for name, is_there in zip(mine.branches, valid[i], strict=True) if is_there]
+            found = [(names[k], SECOND, x) for k, x in answer.only_first]
+            found += [(f"number {k + 1} of the second way", SOLVER, x) for k, x in answer.only_second]
+            found += [("planted", BOTH, vectors[index])] * answer.planted_lost
             numbers = (1, valid[i].sum(), len(theirs), answer.double_roots, answer.continua, len(found))
             counts[near] = counts.get(near, np.zeros(6, np.intp)) + numbers
-            differences += found
+            for branch, missed_by, x in found:
+                pair = tuple(map(float, vectors[index])), tuple(map(float, x))
+                apart, sigma = sameness.to_nearest(x, answer.everything), sameness.sigma_min(x)
+                error = sameness.reference.error(x, T[i])
+                differences.append(Difference(index, near, *pair, missed_by, branch, apart, sigma, *error))
     order = sorted(counts, key=lambda near: -np.inf if near is None else -near)
     import pinocchio as pin
 
@@ -140,25 +136,6 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
     """
     q = _plant(arm.chain, n, seed, index)
     return q, arm.cell.reference.pose(q)
-
-
-def _records(
-    sameness: "Sameness",
-    answer: "Unmatched",
-    T: Array,
-    planted: Array,
-    index: int,
-    near: float | None,
-    names: list[str],
-) -> Iterator["Difference"]:
-    found = [(names[i], SECOND, q) for i, q in answer.only_first]
-    found += [(f"number {i + 1} of the second way", SOLVER, q) for i, q in answer.only_second]
-    found += [("planted", BOTH, planted)] * answer.planted_lost
-    for branch, missed_by, q in found:
-        position, rotation = sameness.reference.error(q, T)
-        vectors = tuple(map(float, planted)), tuple(map(float, q))
-        apart, sigma = sameness.to_nearest(q, answer.everything), sameness.sigma_min(q)
-        yield Difference(index, near, *vectors, missed_by, branch, apart, sigma, position, rotation)
 
 
 def _distance_to_singularity(n: int, index: int) -> float | None:
@@ -431,15 +408,11 @@ class Sameness:
             position, rotation = self.reference.errors(mine, T)
             for i, q in enumerate(mine):
                 # A joint vector that misses the pose is not a solution, even if polishing would make it one.
-                if max(position[i], rotation[i]) > EXACT or not self._has(T, q, theirs, out):
+                if max(position[i], rotation[i]) > EXACT or not self.has(T, q, theirs, out):
                     only.append((i, q))
         answered = np.concatenate([first, second])
-        out.planted_lost = not self._has(T, planted, answered, None)
+        out.planted_lost = not self.has(T, planted, answered)
         return out
-
-    def has(self, T: Array, q: Array, others: Array) -> bool:
-        """Whether q (6,) is one of the others (k, 6), as solutions of the pose T (4, 4)."""
-        return self._has(T, q, others, None)
 
     def sigma_min(self, q: Array) -> float:
         """Smallest singular value of the Jacobian at q (6,)."""
@@ -450,8 +423,11 @@ class Sameness:
         far = largest_apart(others, q)
         return float(far[far > SAME].min(initial=np.inf))
 
-    def _has(self, T: Array, q: Array, others: Array, count: Unmatched | None) -> bool:
-        """Whether q (6,) is one of the others (k, 6); ``count`` counts double roots and continua."""
+    def has(self, T: Array, q: Array, others: Array, count: Unmatched | None = None) -> bool:
+        """Whether q (6,) is one of the others (k, 6), solutions of the pose T (4, 4).
+
+        ``count`` counts double roots and continua.
+        """
         if (largest_apart(others, q) <= SAME).any():
             return True
         q = descend(self._chain, T, q[None], 20, 0.0)[0][0]
@@ -461,7 +437,7 @@ class Sameness:
         if (far <= tolerance).any():
             return True
         near = others[far < NEIGHBOURS]
-        if any(self._error(T, q + 0.5 * shortest(other - q)) <= self._fold for other in near):
+        if (errors(self._chain, T, q + 0.5 * shortest(near - q))[1] <= self._fold).any():
             if count is not None:
                 count.double_roots += 1
             return True
@@ -500,9 +476,6 @@ class Sameness:
             # The correction leaves out the Jacobian's null direction.
             q += np.linalg.pinv(self._jacobian(q), rcond=10.0 * DEFAULT.singular) @ e
         return False
-
-    def _error(self, T: Array, q: Array) -> float:
-        return float(errors(self._chain, T, q[None])[1][0])
 
     def _jacobian(self, q: Array) -> Array:
         J = np.array(self._chain.jacobian(q))

@@ -11,7 +11,6 @@ import numpy as np
 from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm, UrdfError
-from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import difference, shortest
 from urdf_ik.support.report import Report
@@ -409,7 +408,7 @@ class _Tallies:
             return [Q[:0] for _ in indices]
         try:
             own = None if self._arm.redundancy is None else self._arm.redundancy_of(Q)
-            solutions = self._solve(T, own)
+            solutions = self._arm.ik(T, redundancy=own)
         except UnsupportedArm as error:
             self.skipped = [each for each in self.skipped if each[0] not in _INVERSE]
             self._skip(_INVERSE, "inverse kinematics", str(error))
@@ -429,7 +428,7 @@ class _Tallies:
                 far = float(self._apart(mine, Q[i]).min(initial=np.inf))
                 detail = f"{len(mine)} solutions"
                 of["planted joint vector"].add(far, index, Q[i], detail, PLANTED + float(room[i]))
-            alone = self._solve(T[i], None if own is None else own[i])
+            alone = self._arm.ik(T[i], redundancy=None if own is None else own[i])
             single, has = np.asarray(alone.q), np.asarray(alone.valid)
             for b in np.flatnonzero(valid[i] | has).tolist():
                 both = valid[i, b] and has[b]
@@ -465,9 +464,6 @@ class _Tallies:
             differ = hit != felt and not max(ours, theirs) <= CONTACT
             verdict.add(int(differ), index, q, ", ".join(map(" and ".join, shapes.colliding_pairs(q))))
         return len(every)
-
-    def _solve(self, T: Array, own: Array | None) -> IKSolutions:
-        return self._arm.ik(T) if own is None else self._arm.ik(T, redundancy=own)
 
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n)."""

@@ -281,15 +281,11 @@ def pose_of(steps: Sequence[Step]) -> Array:
     """Pose (4, 4) of the last joint's frame in the frame before the first one."""
     T = np.eye(4)
     for step in steps:
-        placed = matrix(step.origin) @ _at_value(step)
+        along = step.held * np.array(step.axis)
+        at_value = pose(along) if step.type == "prismatic" else pose(np.zeros(3), rotvec=along)
+        placed = matrix(step.origin) @ at_value
         T = T @ (np.linalg.inv(placed) if step.backwards else placed)
     return T
-
-
-def _at_value(step: Step) -> Array:
-    """Transform (4, 4) of a locked joint at its value."""
-    along = step.held * np.array(step.axis)
-    return pose(along) if step.type == "prismatic" else pose(np.zeros(3), rotvec=along)
 
 
 def _origin(ours: Sequence[Step], theirs: Sequence[Step]) -> tuple[float, float]:

@@ -4,7 +4,7 @@ import io
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -72,6 +72,8 @@ class ManyArms(Report):
         unit: of ``limit_margin``: 'rad' or 'deg'; 'rad, m' where an arm has a prismatic joint.
     """
 
+    JUDGES: ClassVar[bool] = False
+
     arms: tuple[str, ...]
     poses: int
     rows: tuple[Row, ...]
@@ -101,17 +103,6 @@ class ManyArms(Report):
         except ImportError:
             raise extras.missing("to_frame() needs pandas", "tables") from None
         return pandas.DataFrame([row._asdict() for row in self.rows], columns=list(Row._fields))
-
-    def to_dict(self) -> dict[str, Any]:
-        """The table as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'."""
-        content = super().to_dict()
-        del content["passed"]
-        return content
-
-    @property
-    def faulty(self) -> bool:
-        """False: a table is no check."""
-        return False
 
     def title(self) -> str:
         """The number of arms and poses."""
@@ -166,10 +157,6 @@ class ManyArms(Report):
     def summary(self) -> str:
         """How many poses each arm reaches."""
         return ", ".join(f"{name} reaches {self.reached(name)} of {self.poses}" for name in self.arms)
-
-    def verdict(self) -> str:
-        """How many poses each arm reaches, and what was left out."""
-        return "; ".join(part for part in (self.summary(), self.unlooked) if part)
 
     def _repr_html_(self) -> str:
         with suppress(MissingPackage):

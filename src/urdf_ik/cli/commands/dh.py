@@ -57,10 +57,7 @@ def dh(
     if kind is DHFormat.URDF:
         text = table.to_urdf(base, tip)
     elif kind is DHFormat.TABLE:
-        header, rows = files.cells(table, degrees)
-        title = f"{table.name}: {table.convention} Denavit-Hartenberg table"
-        grid = tables.grid(header, rows, left=["joint", "type"])
-        text = tables.render(title, "", grid, "", files.frames(table, degrees), notes)
+        text = tables.render(files.as_text(table, degrees), notes)
     else:
         text = (table.to_csv if kind is DHFormat.CSV else table.to_json)(degrees=degrees)
     console.write(text, output)

@@ -69,7 +69,9 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     return FamilyMember(
         family=family,
         name=kinds_of(chain) + (" 1x2" if best.is_reversed and turns == 2 else " 4x5" if turns == 2 else ""),
-        reason=_reason(chain, best.is_reversed and turns == 2, turns == 2),
+        reason=f"axes {'1 and 2' if best.is_reversed else '4 and 5'} meet, in a point that three joints place"
+        if turns == 2
+        else "a point of the last axis is placed by three joints at most",
         method="Closed form: "
         + (
             f"a point on {last} is placed by three joints, the turns behind follow"
@@ -82,12 +84,6 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         why=partial(off_by, chain),
         solver=Solver(_arm(chain, Aim(), chosen, _COLUMNS[chain.n])),
     )
-
-
-def _reason(chain: Chain, crosses_first: bool, crosses_last: bool) -> str:
-    if crosses_first or crosses_last:
-        return f"axes {'1 and 2' if crosses_first else '4 and 5'} meet, in a point that three joints place"
-    return "a point of the last axis is placed by three joints at most"
 
 
 FAMILY = Family(

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -282,36 +282,27 @@ COSTS = ("in closed form", "by a quartic", "in closed form nearby, and refined",
 """How six joints are solved, the cheapest first: 0.3, 1, 10 and 60 us a pose, by the tables of docs/speed.md."""
 
 
-class Ways(NamedTuple):
-    """How the joints that are not given may be solved.
-
-    Attributes:
-        seven: takes seven joints by a family of their own.
-        six: each takes six joints, the cheaper ones first; a later one is used if no earlier one takes them.
-    """
-
-    seven: Choose
-    six: Sequence[Choose]
-
-
-def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> FamilyMember | None:
+def prepare(
+    chain: Chain, seven: Choose, six_ways: Sequence[Choose], given: tuple[str, ...] = ()
+) -> FamilyMember | None:
     """The plan that holds all joints but six; None where no six joints have a solver.
 
     Args:
         chain: seven joints or more.
-        ways: how the others are solved.
+        seven: takes seven joints by a family of their own.
+        six_ways: each takes six joints, the cheaper ones first; a later one is used if no earlier one takes them.
         given: names of joints to hold. If too few are named, the end joint whose others have the cheapest solver is
             held too; a joint in the middle only if no end joint is possible.
     """
-    if chain.n == 7 and not given and (in_the_middle := prepare_degenerate(chain, ways.six)) is not None:
+    if chain.n == 7 and not given and (in_the_middle := prepare_degenerate(chain, six_ways)) is not None:
         return in_the_middle
-    for six in ways.six:
-        plan = _prepared(chain, ways.seven, six, given, tuple(range(1, chain.n + 1)))
+    for six in six_ways:
+        plan = _prepared(chain, seven, six, given, tuple(range(1, chain.n + 1)))
         if plan is not None:
             return plan
     if given:
         return None
-    others = (prepare(chain, ways, (name,)) for name in chain.joint_names[1:-1])
+    others = (prepare(chain, seven, six_ways, (name,)) for name in chain.joint_names[1:-1])
     return next((plan for plan in others if plan is not None), None)
 
 

@@ -1,7 +1,5 @@
 """Six revolute joints whose axes 1, 2 and 3 are parallel; seen from the tip, those whose axes 4, 5 and 6 are."""
 
-from typing import Any
-
 import numpy as np
 
 from urdf_ik._core import Solver
@@ -38,10 +36,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     """Parameters of the nearest arm with a parallel shoulder and this wrist."""
     meet = {"4x5": [4], "5x6": [5]}.get(family.variant, [])
 
-    def numbers(ideal: Numbers) -> dict[str, Any]:
-        return {}
-
-    return closed_form(family, structure, chain, "parallel shoulder", (1, "parallel"), meet, numbers, _explain)
+    kind = "parallel shoulder"
+    return closed_form(family, structure, chain, kind, (1, "parallel"), meet, lambda ideal: {}, _explain)
 
 
 _PLANAR = "the rest is a planar arm"

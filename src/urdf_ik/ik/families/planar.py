@@ -68,7 +68,7 @@ def for_points(chain: Chain, plan: FamilyMember) -> FamilyMember:
         method="Closed form: elbow by the law of cosines",
         branches=_ELBOW,
         solver=Solver(arm),
-        why=lambda T: _explain(chain, arm, None, _in_frame(arm.ideal, T[:3, 3])),
+        why=lambda T: _explain(chain, arm, None, arm.ideal.base_rotation @ (T[:3, 3] - arm.ideal.base_origin)),
     )
 
 
@@ -113,10 +113,6 @@ def _plane(chain: Chain) -> dict[str, Any] | None:
         "signs": signs,
         "joints": column,
     }
-
-
-def _in_frame(frame: Numbers, point: Array) -> Array:
-    return np.asarray(frame.base_rotation @ (point - frame.base_origin))
 
 
 def _explain(chain: Chain, arm: Numbers, rotation: Array | None, point: Array) -> str:

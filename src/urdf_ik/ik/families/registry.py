@@ -98,9 +98,7 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> F
     if chain.n > MOST_JOINTS:
         return None
     own = None if given or chain.n > 7 else _of_seven(structure, chain)
-    return own or joint_given.prepare(
-        chain, joint_given.Ways(_of_seven, (_closed_form, _with_slides, _elimination)), given
-    )
+    return own or joint_given.prepare(chain, _of_seven, (_closed_form, _with_slides, _elimination), given)
 
 
 def _of_seven(structure: Structure, chain: Chain) -> FamilyMember | None:

@@ -19,16 +19,6 @@ from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 
-def _has_wrist(structure: Structure) -> bool:
-    """Whether one or two of six joints slide, and the last three axes meet in a point."""
-    return structure.slides in (1, 2) and len(structure.joint_types) == 6 and structure.triple(4, "meet") is not None
-
-
-def _three(structure: Structure) -> bool:
-    """Whether three of six joints slide."""
-    return structure.slides == 3 and len(structure.joint_types) == 6
-
-
 def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm whose wrist meets, exactly or nearly."""
     wrist = structure.triple(4, "meet")
@@ -84,7 +74,12 @@ SPHERICAL_WRIST = Family(
     "as written",
     branches=columns(8),
     by_quadratics=False,
-    matches=lambda structure, chain: _has_wrist(structure) and not is_redundant(chain),
+    matches=lambda structure, chain: (
+        structure.slides in (1, 2)
+        and len(structure.joint_types) == 6
+        and structure.triple(4, "meet") is not None
+        and not is_redundant(chain)
+    ),
     prepare=_prepare_wrist,
 )
 THREE_SLIDES = Family(
@@ -94,7 +89,7 @@ THREE_SLIDES = Family(
     "polished on the URDF as written",
     branches=columns(2),
     by_quadratics=True,
-    matches=lambda structure, chain: _three(structure) and not is_redundant(chain),
+    matches=lambda structure, chain: structure.slides == 3 and chain.n == 6 and not is_redundant(chain),
     prepare=_prepare_three,
 )
 

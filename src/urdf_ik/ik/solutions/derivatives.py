@@ -5,7 +5,6 @@ derivative by the joints is the matrix A, the Jacobian above one row a parameter
 values or the arm by a small amount b, the joints follow it by A^-1 b. Where A loses rank, there is no derivative.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,114 +23,6 @@ from urdf_ik.typing import Array
 AXES = ("base", "tip")
 # Rounding of a Jacobian and of its inverse, in units in the last place of its largest entries, a joint.
 _ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
-
-
-def by_pose(solutions: KeptSolutions, axes: str = "base") -> Array:
-    """See :meth:`urdf_ik.IKSolutions.dq_dT`."""
-    inputs.choice(axes, "axes", AXES)
-    X = inverse(solutions)[..., :6]
-    if solutions.solver.free_axis is not None and solutions.solver.parameters:
-        # The tip is where the turned target is: a rotation of the target moves it by this arm.
-        X = X.copy()
-        X[..., 3:] -= X[..., :3] @ _cross_matrix(_reached(solutions)[..., :3, 3] - _target(solutions)[..., :3, 3])
-    if axes == "base":
-        return X
-    R = _target(solutions)[..., :3, :3]
-    return np.concatenate([X[..., :3] @ R, X[..., 3:] @ R], axis=-1)
-
-
-def by_redundancy(solutions: KeptSolutions) -> Array:
-    """See :meth:`urdf_ik.IKSolutions.dq_dredundancy`."""
-    solver = solutions.solver
-    if not solver.parameters:
-        solver.redundant_member  # noqa: B018  says in words why there is none
-    X = inverse(solutions)
-    if solver.free_axis is None:
-        return X[..., 6:]
-    reached, target = _reached(solutions), _target(solutions)
-    axis = reached[..., :3, :3] @ np.array(solver.free_axis.direction)
-    on_axis = (target @ np.array([*solver.free_axis.at, 1.0]))[..., :3]
-    twist = np.concatenate([np.cross(axis, reached[..., :3, 3] - on_axis), axis], axis=-1)
-    return np.concatenate([X[..., :6] @ twist[..., None], X[..., 6:]], axis=-1)
-
-
-def by_geometry(solutions: KeptSolutions, parameters: Sequence[Any] | None = None) -> Array:
-    """See :meth:`urdf_ik.IKSolutions.dq_dgeometry`."""
-    solver, q = solutions.solver, _finite(solutions)
-    X, rates = inverse(solutions), written(solver.chain).twists(q, parameters=parameters)
-    if (points := swivel_points(solver)) is None:
-        return -(X[..., :6] @ rates)
-    turned = rates_by_geometry(solver.chain, points, q, parameters)
-    return np.asarray(-(X @ np.concatenate([rates, turned[..., None, :]], axis=-2)))
-
-
-def second_by_pose(solutions: KeptSolutions, V: ArrayLike, W: ArrayLike | None = None) -> Array:
-    """See :meth:`urdf_ik.IKSolutions.d2q_dT2`."""
-    solver = solutions.solver
-    if solver.task == "position and axis" or (solver.asked != POSE and solver.asked.components != "position"):
-        task = solver.task if solver.asked == POSE else str(solver.asked)
-        raise UnsupportedArm(
-            f"{solver.name}: second derivatives with the task {task!r} are not computed; first ones are: dq_dT()"
-        )
-    along = _twists(V, "V", solutions.shape)
-    moving = along if W is None else _twists(W, "W", solutions.shape)
-    first = by_pose(solutions)
-    q_along, q_moving = ((first @ each[..., None, :, None])[..., 0] for each in (along, moving))
-    still = np.isnan(q_along)
-    q, q_along, q_moving = _finite(solutions), np.where(still, 0.0, q_along), np.where(still, 0.0, q_moving)
-    bent = -curvature(solver.chain, q, q_along, q_moving)
-    if solver.free_axis is not None and solver.parameters:
-        arm = _reached(solutions)[..., :3, 3] - _target(solutions)[..., :3, 3]
-        bent[..., :3] += np.cross(along[..., None, 3:], np.cross(moving[..., None, 3:], arm))
-    if (points := swivel_points(solver)) is not None:
-        bent = np.concatenate([bent, -second_rate(solver.chain, points, q, q_along, q_moving)[..., None]], axis=-1)
-    return np.asarray((inverse(solutions)[..., : bent.shape[-1]] @ bent[..., None])[..., 0])
-
-
-def error_by_pose(solutions: KeptSolutions) -> Array:
-    """See :meth:`urdf_ik.IKSolutions.dq_dT_error`."""
-    solver, chain = solutions.solver, solutions.solver.chain
-    n, size = chain.n, chain.size
-    X = inverse(solutions) / np.where(chain.prismatic, size, 1.0)[:, None]
-    X[..., :3] *= size
-    length = np.linalg.norm(X, axis=(-2, -1))
-    if any(each.kind == SWIVEL for each in solver.parameters) or chain.axes is not chain:
-        return np.where(np.isnan(length), length, np.inf)
-    reached, target = _reached(solutions), _turned_target(solutions)
-    if target is None:
-        apart = np.full(length.shape, DEFAULT.contract)
-    else:
-        off = reached - target
-        apart = np.hypot(
-            np.linalg.norm(off[..., :3, 3], axis=-1) / size, np.linalg.norm(off[..., :3, :3], axis=(-2, -1))
-        )
-    # The joints are off by at most X times the error of the pose. A column of the Jacobian changes by at most sqrt(5)
-    # times the sum of the joints' changes: its direction turns, its lever of at most 1 turns, and both ends move.
-    change = np.sqrt(5.0) * n * length * (apart + n * _ROUNDING) + n * _ROUNDING
-    with np.errstate(invalid="ignore", divide="ignore"):
-        bound = np.where(length * change < 1.0, length**2 * change / (1.0 - length * change), np.inf)
-    return np.where(np.isnan(length), np.nan, bound)
-
-
-def joint_rates(
-    solutions: KeptSolutions, twists: ArrayLike, rates: ArrayLike | None = None, bent: Array | None = None
-) -> Array:
-    """Joint velocities (..., B, n) for twists (..., 6) of the targets and rates (..., k) of redundancy parameters.
-
-    Args:
-        solutions: the joint vectors.
-        twists: (..., 6) m/s and rad/s in base axes, at the targets' origins.
-        rates: (..., k) of the redundancy parameters; default: they are held.
-        bent: (..., B, n) added: second derivatives, where accelerations are asked for.
-    """
-    out = (by_pose(solutions) @ _twists(twists, "twists", solutions.shape)[..., None, :, None])[..., 0]
-    if rates is not None:
-        count = len(solutions.solver.parameters)
-        given = inputs.real(rates, "rates", f"an array of numbers (..., {count})")
-        if given.ndim == 0 or given.shape[-1] != count:
-            raise ArgumentError(f"rates of shape {given.shape} given; the arm has {count} redundancy parameters")
-        out = out + (by_redundancy(solutions) @ given[..., None, :, None])[..., 0]
-    return np.asarray(out if bent is None else out + bent)
 
 
 def inverse(solutions: KeptSolutions) -> Array:
@@ -282,11 +173,6 @@ def _twists(given: ArrayLike, name: str, batch: tuple[int, ...]) -> Array:
     return V
 
 
-def _cross_matrix(v: Array) -> Array:
-    """(..., 3, 3) the matrix of the product v x."""
-    return np.cross(np.eye(3), v[..., None, :])
-
-
 class DifferentiableSolutions(KeptSolutions):
     """The derivatives of :class:`IKSolutions` by the pose, the redundancy parameters and the URDF's numbers."""
 
@@ -320,7 +206,16 @@ class DifferentiableSolutions(KeptSolutions):
             >>> X.shape, bool(abs(X[0] @ arm.jacobian(s.q[0]) - np.eye(6)).max() < 1e-12)
             ((8, 6, 6), True)
         """
-        return by_pose(self, axes)
+        inputs.choice(axes, "axes", AXES)
+        X = inverse(self)[..., :6]
+        if self.solver.free_axis is not None and self.solver.parameters:
+            # The tip is where the turned target is: a rotation of the target moves it by this arm.
+            X, arm = X.copy(), _reached(self)[..., :3, 3] - _target(self)[..., :3, 3]
+            X[..., 3:] -= X[..., :3] @ np.cross(np.eye(3), arm[..., None, :])
+        if axes == "base":
+            return X
+        R = _target(self)[..., :3, :3]
+        return np.concatenate([X[..., :3] @ R, X[..., 3:] @ R], axis=-1)
 
     def dq_dT_error(self) -> Array:
         """A bound (..., B) on the error of :meth:`dq_dT`, as the Frobenius norm, lengths as shares of the chain's size.
@@ -328,7 +223,28 @@ class DifferentiableSolutions(KeptSolutions):
         It follows from the distance between the tip and its target, from rounding, and from the inverse itself: near a
         singularity all three grow. Infinite where it says nothing: at a swivel angle, with joints that mimic others.
         """
-        return error_by_pose(self)
+        solver, chain = self.solver, self.solver.chain
+        n, size = chain.n, chain.size
+        X = inverse(self) / np.where(chain.prismatic, size, 1.0)[:, None]
+        X[..., :3] *= size
+        length = np.linalg.norm(X, axis=(-2, -1))
+        if any(each.kind == SWIVEL for each in solver.parameters) or chain.axes is not chain:
+            return np.where(np.isnan(length), length, np.inf)
+        reached, target = _reached(self), _turned_target(self)
+        if target is None:
+            apart = np.full(length.shape, DEFAULT.contract)
+        else:
+            off = reached - target
+            apart = np.hypot(
+                np.linalg.norm(off[..., :3, 3], axis=-1) / size, np.linalg.norm(off[..., :3, :3], axis=(-2, -1))
+            )
+        # The joints are off by at most X times the error of the pose. A column of the Jacobian changes by at most
+        # sqrt(5) times the sum of the joints' changes: its direction turns, its lever of at most 1 turns, and both ends
+        # move.
+        change = np.sqrt(5.0) * n * length * (apart + n * _ROUNDING) + n * _ROUNDING
+        with np.errstate(invalid="ignore", divide="ignore"):
+            bound = np.where(length * change < 1.0, length**2 * change / (1.0 - length * change), np.inf)
+        return np.where(np.isnan(length), np.nan, bound)
 
     def dq_dredundancy(self) -> Array:
         """The derivative (..., B, n, k) of every solution by the k redundancy parameters, the pose held.
@@ -336,7 +252,17 @@ class DifferentiableSolutions(KeptSolutions):
         Raises:
             UnsupportedArm: the arm has none, or a swivel angle beside others.
         """
-        return by_redundancy(self)
+        solver = self.solver
+        if not solver.parameters:
+            solver.redundant_member  # noqa: B018  says in words why there is none
+        X = inverse(self)
+        if solver.free_axis is None:
+            return X[..., 6:]
+        reached, target = _reached(self), _target(self)
+        axis = reached[..., :3, :3] @ np.array(solver.free_axis.direction)
+        on_axis = (target @ np.array([*solver.free_axis.at, 1.0]))[..., :3]
+        twist = np.concatenate([np.cross(axis, reached[..., :3, 3] - on_axis), axis], axis=-1)
+        return np.concatenate([X[..., :6] @ twist[..., None], X[..., 6:]], axis=-1)
 
     def dq_dgeometry(self, parameters: Any = None) -> Array:
         """The derivative of every solution by the numbers of the URDF, the pose and the redundancy parameters held.
@@ -356,7 +282,12 @@ class DifferentiableSolutions(KeptSolutions):
             ArgumentError: there is no such parameter.
             UnsupportedArm: a swivel angle beside other redundancy parameters.
         """
-        return by_geometry(self, parameters)
+        solver, q = self.solver, _finite(self)
+        X, rates = inverse(self), written(solver.chain).twists(q, parameters=parameters)
+        if (points := swivel_points(solver)) is None:
+            return -(X[..., :6] @ rates)
+        turned = rates_by_geometry(solver.chain, points, q, parameters)
+        return np.asarray(-(X @ np.concatenate([rates, turned[..., None, :]], axis=-2)))
 
     def d2q_dT2(self, V: ArrayLike, W: ArrayLike | None = None) -> Array:
         """Second directional derivative: the rate of ``dq_dT() @ V`` when the target moves with the twist ``W``.
@@ -373,4 +304,43 @@ class DifferentiableSolutions(KeptSolutions):
             UnsupportedArm: the arm is solved for the task 'position and axis', or a swivel angle stands beside other
                 redundancy parameters.
         """
-        return second_by_pose(self, V, W)
+        solver = self.solver
+        if solver.task == "position and axis" or (solver.asked != POSE and solver.asked.components != "position"):
+            task = solver.task if solver.asked == POSE else str(solver.asked)
+            raise UnsupportedArm(
+                f"{solver.name}: second derivatives with the task {task!r} are not computed; first ones are: dq_dT()"
+            )
+        along = _twists(V, "V", self.shape)
+        moving = along if W is None else _twists(W, "W", self.shape)
+        first = self.dq_dT()
+        q_along, q_moving = ((first @ each[..., None, :, None])[..., 0] for each in (along, moving))
+        still = np.isnan(q_along)
+        q, q_along, q_moving = _finite(self), np.where(still, 0.0, q_along), np.where(still, 0.0, q_moving)
+        bent = -curvature(solver.chain, q, q_along, q_moving)
+        if solver.free_axis is not None and solver.parameters:
+            arm = _reached(self)[..., :3, 3] - _target(self)[..., :3, 3]
+            bent[..., :3] += np.cross(along[..., None, 3:], np.cross(moving[..., None, 3:], arm))
+        if (points := swivel_points(solver)) is not None:
+            bent = np.concatenate([bent, -second_rate(solver.chain, points, q, q_along, q_moving)[..., None]], axis=-1)
+        return np.asarray((inverse(self)[..., : bent.shape[-1]] @ bent[..., None])[..., 0])
+
+
+def joint_rates(
+    solutions: DifferentiableSolutions, twists: ArrayLike, rates: ArrayLike | None = None, bent: Array | None = None
+) -> Array:
+    """Joint velocities (..., B, n) for twists (..., 6) of the targets and rates (..., k) of redundancy parameters.
+
+    Args:
+        solutions: the joint vectors.
+        twists: (..., 6) m/s and rad/s in base axes, at the targets' origins.
+        rates: (..., k) of the redundancy parameters; default: they are held.
+        bent: (..., B, n) added: second derivatives, where accelerations are asked for.
+    """
+    out = (solutions.dq_dT() @ _twists(twists, "twists", solutions.shape)[..., None, :, None])[..., 0]
+    if rates is not None:
+        count = len(solutions.solver.parameters)
+        given = inputs.real(rates, "rates", f"an array of numbers (..., {count})")
+        if given.ndim == 0 or given.shape[-1] != count:
+            raise ArgumentError(f"rates of shape {given.shape} given; the arm has {count} redundancy parameters")
+        out = out + (solutions.dq_dredundancy() @ given[..., None, :, None])[..., 0]
+    return np.asarray(out if bent is None else out + bent)

@@ -129,8 +129,6 @@ def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
     return f"the closest, {list(solutions)[best].branch}, has {' and '.join(parts)}"
 
 
-MOST_ROWS = 32
-"""Solutions that a notebook shows of an answer."""
 _WIDTH, _HEIGHT, _EDGE = 260, 200, 12
 
 
@@ -148,7 +146,8 @@ def to_frame(solutions: Any, contacts: bool = True) -> Any:
         columns |= {f"pose_{k}": places[:, k] for k in range(len(solutions.shape))}
     if (parameters := solutions.redundancy) is not None:
         values = parameters[at[:-1]].reshape(len(q), -1) if solutions.shape else np.tile(parameters, (len(q), 1))
-        columns |= {_numbered("redundancy", k, values.shape[1]): values[:, k] for k in range(values.shape[1])}
+        names = ["redundancy"] if values.shape[1] == 1 else [f"redundancy_{k + 1}" for k in range(values.shape[1])]
+        columns |= dict(zip(names, values.T, strict=True))
     columns["branch"] = solutions.names[at]
     columns |= {f"q{k + 1}": q[:, k] for k in range(solver.dof)}
     columns["within_limits"] = _within(solutions)[at]
@@ -171,10 +170,6 @@ def to_frame(solutions: Any, contacts: bool = True) -> Any:
         "contacts": bodies.unchecked if contacts else "not asked for",
     }
     return frame
-
-
-def _numbered(name: str, k: int, count: int) -> str:
-    return name if count == 1 else f"{name}_{k + 1}"
 
 
 def to_xarray(solutions: Any) -> Any:
@@ -219,14 +214,15 @@ def html(solutions: Any) -> str:
     within, names = _within(solutions), solutions.names
     shades = colours(len(solutions.branches))
     rows = []
-    for k, place in enumerate(places[:MOST_ROWS]):
+    for k, place in enumerate(places[:_MOST_ROWS]):
         singular = solutions.singular[place]
         values = [f"{value:.4f}" for value in solutions.q[place]]
         flags = str(Singular(int(singular)).name or "").lower().replace("|", ", ") if singular else "-"
-        rows.append([_dot(shades[place]), str(k), names[place], *values, "yes" if within[place] else "no", flags])
+        dot = Markup(f'<span style="color:{_css(shades[place])}">&#9679;</span>')
+        rows.append([dot, str(k), names[place], *values, "yes" if within[place] else "no", flags])
     header = ["", "#", "branch", *solver.joint_names, "in limits", "singular"]
-    rest = f"<p>and {len(places) - MOST_ROWS} more</p>" if len(places) > MOST_ROWS else ""
-    drawn = places[:MOST_ROWS]
+    rest = f"<p>and {len(places) - _MOST_ROWS} more</p>" if len(places) > _MOST_ROWS else ""
+    drawn = places[:_MOST_ROWS]
     picture = stick_picture(solver.chain, solutions.q[drawn], [shades[place] for place in drawn])
     count = f"{len(places)} solution{'' if len(places) == 1 else 's'}{escape(parameters_in_words(solutions))}"
     checked = "free of collisions" if "collision" in solutions.filters else "collisions: s.collision_free()"
@@ -256,10 +252,6 @@ def stick(chain: Chain, q: Array) -> Array:
     """(..., k, 3) m, the frames' origins of the chain's links at ``q`` (..., n), base to tip."""
     poses = chain.link_poses(q)
     return np.stack([poses[link][..., :3, 3] for link in chain.links], axis=-2)
-
-
-def _dot(shade: tuple[float, float, float]) -> str:
-    return Markup(f'<span style="color:{_css(shade)}">&#9679;</span>')
 
 
 def _css(shade: tuple[float, float, float]) -> str:

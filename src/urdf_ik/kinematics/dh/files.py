@@ -104,11 +104,12 @@ def as_json(table: Any, degrees: bool) -> str:
     return "\n".join(["{", *whole, '  "joints": [', joints, "  ]", "}", ""])
 
 
-def as_text(table: Any) -> str:
-    """A table for people, in rad and m."""
-    header, rows = cells(table, degrees=False)
-    lines = aligned([header, *rows])
-    return "\n".join([f"{table.name}: {table.convention} Denavit-Hartenberg table", *lines, *frames(table, False)])
+def as_text(table: Any, degrees: bool = False) -> str:
+    """A table for people."""
+    header, rows = cells(table, degrees)
+    lines = aligned([header, *rows], left=(1, 2), rule=True)
+    title = f"{table.name}: {table.convention} Denavit-Hartenberg table"
+    return "\n".join([title, "", *lines, "", *frames(table, degrees)])
 
 
 def cells(table: Any, degrees: bool) -> tuple[list[str], list[list[str]]]:

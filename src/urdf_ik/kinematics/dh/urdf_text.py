@@ -5,7 +5,7 @@ that contacts mean something: a leg ends short of the next joint's hub, and of h
 only the last one collides.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
@@ -57,11 +57,14 @@ def bodies(table: Any) -> list[list[Body]]:
     reach = float(ends.sum() + travel.sum()) or 1.0
     radius = _HUB * reach
     extent = radius * float(np.hypot(1.0, _HALF_HUB))
-    links = [[_plate(radius), *_legs(table, 0, origins[0], radius, extent)]]
+    plate = Body("cylinder", (1.6 * radius, 0.5 * radius), slide_z(-0.25 * radius), "graphite")
+    links = [[plate, *_legs(table, 0, origins[0], radius, extent)]]
     for i in range(table.n):
         last = i == table.n - 1
         alone = last or bool(ends[i + 1] > 2.0 * extent)
-        hub = _hub(bool(table.prismatic[i]), radius, collides=alone)
+        hub = Body("cylinder", (radius, 2.0 * _HALF_HUB * radius), np.eye(4), "orange", collides=alone)
+        if table.prismatic[i]:
+            hub = replace(hub, kind="box", size=(1.6 * radius, 1.6 * radius, 2.0 * radius))
         link = [hub, *_legs(table, i + 1, origins[i + 1], radius, 0.0 if last else extent)]
         if table.prismatic[i]:
             lower, upper = table.limits[i]
@@ -70,16 +73,6 @@ def bodies(table: Any) -> list[list[Body]]:
             link.extend(_leg(far, near, radius, 0.0 if alone else extent))
         links.append(link)
     return links
-
-
-def _plate(radius: float) -> Body:
-    return Body("cylinder", (1.6 * radius, 0.5 * radius), slide_z(-0.25 * radius), "graphite")
-
-
-def _hub(slides: bool, radius: float, collides: bool) -> Body:
-    if slides:
-        return Body("box", (1.6 * radius, 1.6 * radius, 2.0 * radius), np.eye(4), "orange", collides=collides)
-    return Body("cylinder", (radius, 2.0 * _HALF_HUB * radius), np.eye(4), "orange", collides=collides)
 
 
 def _legs(table: Any, link: int, to: Array, radius: float, extent: float) -> list[Body]:

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
 
-import numpy as np
-
 from urdf_ik.errors import ChainError
 from urdf_ik.model.urdf.checks import MOVABLE, Joint
 from urdf_ik.support.text import meant
@@ -362,15 +360,11 @@ class Chains:
                 return ends[0], "the only link at the end of those that are fixed to it"
         if found := [link for link in body.links if _FLANGE.search(link)]:
             return (found[0], "named as a flange") if len(found) == 1 else (None, "several flanges")
-        apart = [link for link in leaves if self._is_apart(link)]
+        origins = {joint.child: joint.origin[:3, 3] for joint in self.joints}
+        apart = [link for link in leaves if origins[link].any()]
         if len(apart) == 1:
             return apart[0], "the only frame away from the last link's own"
         return None, f"{len(body.links)} links, all fixed to {body.links[0]!r}"
-
-    def _is_apart(self, link: str) -> bool:
-        """Whether the origin of a fixed leaf differs from its parent link's."""
-        carrier = next(joint for joint in self.joints if joint.child == link)
-        return bool(np.abs(carrier.origin[:3, 3]).max() > 0.0)
 
 
 def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], chain: str | None) -> ChainError:

@@ -181,12 +181,12 @@ class Graph:
         if self._routes is not None:
             passed, taken = self._routes.traced(state)
             nodes, images = np.divmod(passed, states)
-            return Route(self, nodes, images, taken[:-1], self._routes.cost_of(state))
+            return Route(self, nodes, images, taken[:-1], float(self._routes.value.flat[state]))
         assert self._on_circle is not None  # solve() sets one of both
         node, image = divmod(state, states)
         nodes, taken = self._on_circle.traced(node)
         images = image + self._images_ahead(nodes) @ self.joints.strides
-        return Route(self, nodes, images, taken[:-1], self._on_circle.cost_of(node))
+        return Route(self, nodes, images, taken[:-1], float(self._on_circle.value.flat[node]))
 
     def _images_ahead(self, nodes: Ints) -> Ints:
         """(m, n) by how many images each joint is ahead of its start, along nodes (m,)."""
@@ -281,10 +281,6 @@ class _Routes:
         off = np.abs(layers.q[node] + self.digits * joints.turn - limits.middle(joints.chain.limits)).sum(axis=1)
         equal = value[node] <= value[node].min() * (1.0 + EQUAL_COST) + EQUAL_COST
         return int(node * value.shape[1] + np.argmin(np.where(equal, off, np.inf)))
-
-    def cost_of(self, state: int) -> float:
-        """Cost of the route from a state."""
-        return float(self.value.reshape(-1)[state])
 
     def traced(self, state: int) -> tuple[Ints, Ints]:
         """States (m,) and edges (m,) of the route from a state of the first waypoint."""

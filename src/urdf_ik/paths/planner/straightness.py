@@ -184,7 +184,10 @@ def bisected(
         motion = pieces.motion
         share = 0.5 * (pieces.start + pieces.end)
         middle = interpolated(T0[motion], T1[motion], share, turns[motion])
-        half_value = pieces.value[:, 0] + 0.5 * _value_steps(solver, pieces.value)
+        steps = pieces.value[:, 1] - pieces.value[:, 0]
+        if solver.parameter is not None and solver.parameter.round:
+            steps = shortest(steps)
+        half_value = pieces.value[:, 0] + 0.5 * steps
         wanted = pieces.q + 0.5 * pieces.dq
         values = None if solver.parameter is None else half_value[:, None]
         if len(solver.parameters) > 1:
@@ -218,12 +221,6 @@ class _Pieces(NamedTuple):
     q: Array
     dq: Array
     value: Array
-
-
-def _value_steps(solver: Solver, value: Array) -> Array:
-    """Difference of values (k, 2) of the redundancy parameter; round the circle the shorter one."""
-    steps: Array = value[:, 1] - value[:, 0]
-    return shortest(steps) if solver.parameter is not None and solver.parameter.round else steps
 
 
 def _pieces_straight(

@@ -61,10 +61,6 @@ class Family:
         return _AXES.sub(numbers, self.reason)
 
 
-def _nothing(Q: Array, T: Array) -> Array:
-    return np.empty((len(Q), 0))
-
-
 @dataclass(frozen=True, kw_only=True)
 class FamilyMember:
     """An arm as a member of its family: how it is solved.
@@ -99,7 +95,7 @@ class FamilyMember:
     why: Callable[..., str]
     parameters: tuple[Redundancy, ...] = ()
     self_motion: SelfMotion | None = None
-    value_of: Callable[[Array, Array], Array] = _nothing
+    value_of: Callable[[Array, Array], Array] = lambda Q, T: np.empty((len(Q), 0))
     swivel: Numbers | None = None
 
     @property
@@ -161,11 +157,7 @@ def mirrored(plan: FamilyMember) -> FamilyMember:
         name=f"{plan.name}, reversed",
         reason=why if plan.is_exact else f"{why}, exactly or nearly",
         method=f"{plan.method}; on the chain from tip to base",
-        branches=tuple(_renamed(name) for name in plan.branches),
+        branches=tuple(" ".join(_OTHER_END.get(word, word) for word in name.split(" ")) for name in plan.branches),
         why=lambda T: f"seen from the tip, {plan.why(np.asarray(np.linalg.inv(T), dtype=np.float64))}",
         solver=Solver(Numbers(kind="reversed", solver=plan.solver.arm)),
     )
-
-
-def _renamed(name: str) -> str:
-    return " ".join(_OTHER_END.get(word, word) for word in name.split(" "))
