@@ -31,6 +31,7 @@ _PUBLIC = {
     "ik.redundancy": ("Interval", "Intervals", "Region"),
     "ik.task": ("Task",),
     "ik.solutions": ("IKSolutions", "Singular", "Solution"),
+    "ik.solutions.distances": ("Wish",),
     "kinematics.chain": ("Chain",),
     "kinematics.dh": ("DHTable",),
     "kinematics.structure": ("Structure",),

@@ -31,6 +31,7 @@ from urdf_ik.ik.redundancy import Region as Region
 from urdf_ik.ik.solutions import IKSolutions as IKSolutions
 from urdf_ik.ik.solutions import Singular as Singular
 from urdf_ik.ik.solutions import Solution as Solution
+from urdf_ik.ik.solutions.distances import Wish as Wish
 from urdf_ik.ik.task import Task as Task
 from urdf_ik.kinematics.chain import Chain as Chain
 from urdf_ik.kinematics.dh import DHTable as DHTable

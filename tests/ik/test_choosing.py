@@ -8,10 +8,12 @@ import pytest
 from arms import random_arm
 from cases import from_catalogue, thinned
 from numpy.typing import NDArray
+from oracle import Oracle
 
 import urdf_ik
 from urdf_ik import ArgumentError
 from urdf_ik.cell.pinocchio_reference import Reference
+from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
 
@@ -237,3 +239,26 @@ def test_a_continuum_is_taken_near_each_reference(name: str) -> None:
         np.testing.assert_array_equal(arm.ik_nearest(T[k], q).q, found[k].q)
     with pytest.raises(ArgumentError, match="one a pose"):
         arm.ik_nearest(T, planted[:3])
+
+
+@pytest.mark.parametrize("place", [None, (0.1, -0.3, 0.4)])
+def test_a_wish_for_the_elbow(place: tuple[float, float, float] | None) -> None:
+    """By Pinocchio's heights and distances no value of the redundancy parameter has a better elbow."""
+    case = from_catalogue("srs_7r")
+    arm = case.arm
+    link = arm.chain.links[4]
+    elbow = Oracle(catalogue.resolve("srs_7r").path, arm.base, link)
+
+    def score(q: Array) -> float:
+        at = elbow.pose(q[: elbow.dof])[:3, 3]
+        return float(at[2]) if place is None else -float(np.linalg.norm(at - place))
+
+    T = case.oracle.pose(np.array([0.3, -0.5, 0.8, 1.4, 0.7, -0.2, 0.1]))
+    wish = urdf_ik.Wish(link, place)
+    best = arm.ik(T).best(wish)
+    others = arm.ik(np.tile(T, (400, 1, 1)), redundancy=np.linspace(-np.pi, np.pi, 400)).within_limits()
+    assert len(best.within_limits()) == 1
+    assert best.scores(wish)[0] == pytest.approx(score(best[0].q), abs=1e-9)
+    assert score(best[0].q) > max(score(q) for q in others.q[others.valid]) - 1e-9
+    with pytest.raises(ArgumentError, match="no link is called 'elbow'"):
+        arm.ik(T).best(urdf_ik.Wish("elbow"))

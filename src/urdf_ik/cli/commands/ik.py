@@ -17,6 +17,7 @@ from urdf_ik.cli.console import Angles, Progress, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solutions.distances import Wish, check_quality
 from urdf_ik.ik.task import POSE, Task
 from urdf_ik.typing import Array
 
@@ -37,6 +38,7 @@ class Choice(options.Record):
         metric: Distance of --nearest: all joints, the largest one, or time.
         max_step (V|V1,V2,...): Drop those with a joint further from --nearest.
         best: Keep the one farthest from limits, singularity or contact.
+        wish (LINK|LINK=X,Y,Z): Keep the one with this link highest, or nearest to a place (m, base), inside the limits.
         configuration (MAKER[ TEXT]): Show each as a controller writes it: abb, fanuc, kuka, motoman, staubli; with
             text, as in 'fanuc NUT 0 0 0', keep those.
     """
@@ -49,6 +51,7 @@ class Choice(options.Record):
     metric: Metric = "l2"
     max_step: str | None = None
     best: Quality | None = None
+    wish: str | None = None
     configuration: str | None = None
 
     @property
@@ -63,24 +66,38 @@ class Choice(options.Record):
         return angles.typed(console.numbers(self.nearest, "--nearest", arm.joint_names))
 
     def at_the_nearest(self, arm: Arm, target: Target, angles: Angles) -> Target:
-        """The target with the redundancy parameters at which the solution nearest to --nearest lies, contacts aside.
+        """The target with the redundancy parameters of the solution for --nearest or --wish, contacts aside.
 
         Where values were typed, or poses were given as joint vectors, these stay.
         """
-        reference = self.reference(arm, angles)
-        if reference is None or target.redundancy is not None or not arm.solver.parameters:
+        reference, wish = self.reference(arm, angles), self.wished(arm)
+        if target.redundancy is not None or not arm.solver.parameters:
             return target
-        found = arm.ik_nearest(target.poses, reference, metric=self.metric, within_limits=self.within_limits)
-        note = f"{target.note}; redundancy parameter: all values searched for the solution nearest to --nearest"
+        if wish is not None:
+            found, why = arm.ik(targets.of_task(arm, target.poses)).best(wish), "best by --wish"
+        elif reference is not None:
+            found = arm.ik_nearest(target.poses, reference, metric=self.metric, within_limits=self.within_limits)
+            why = "nearest to --nearest"
+        else:
+            return target
+        note = f"{target.note}; redundancy parameter: all values searched for the solution {why}"
         return replace(target, redundancy=found.redundancy, note=note)
+
+    def wished(self, arm: Arm) -> Wish | None:
+        """The wish of --wish."""
+        if self.wish is None:
+            return None
+        link, _, place = self.wish.partition("=")
+        wish = Wish(link, tuple(console.numbers(place, "--wish", ("X", "Y", "Z"))) if place else None)
+        check_quality(wish, arm.chain)
+        return wish
 
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
         """The function that keeps the chosen solutions."""
-        reference, bounds = self.reference(arm, angles), None
-        if reference is not None:
-            if self.best is not None:
-                raise console.usage("--best and --nearest each keep a solution; give one of them", "--best")
-        elif self.max_step is not None or self.metric != "l2":
+        reference, wish, bounds = self.reference(arm, angles), self.wished(arm), None
+        if (reference is not None) + (self.best is not None) + (self.wish is not None) > 1:
+            raise console.usage("--best, --wish and --nearest each keep a solution; give one of them", "--best")
+        if reference is None and (self.max_step is not None or self.metric != "l2"):
             option = "--metric" if self.max_step is None else "--max-step"
             raise console.usage("it says how near to --nearest; give that, too", option)
         if self.max_step is not None:
@@ -97,6 +114,8 @@ class Choice(options.Record):
             if self.best is not None:
                 around = world if self.best == "clearance" else None
                 solutions = solutions.best(self.best, world=around)
+            if wish is not None:
+                solutions = solutions.best(wish)
             if reference is None:
                 return solutions
             return solutions.nearest(reference, metric=self.metric, within=bounds)
@@ -131,7 +150,8 @@ class Nearest(options.Record):
         if self.asked:
             asked = Task.read(*task)
             found = arm.ik_closest(target.poses, first=self.first, task=asked, within_limits=within_limits)
-            return found, "the nearest postures that a search found, the best first"
+            how = "" if found.certain.all() else " that a search found"
+            return found, f"the nearest postures{how}, the best first"
         wanted = targets.of_task(arm, target.poses)
         found, tolerance = arm.ik(wanted, redundancy=target.redundancy), target.tolerance
         if arm.solver.parameters and target.redundancy is None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from urdf_ik._core import SelfMotion
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.solutions import distances, limits
-from urdf_ik.ik.solutions.distances import Measure, Quality
+from urdf_ik.ik.solutions.distances import Measure, Quality, Wish
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
 from urdf_ik.kinematics.chain.redundancy import Redundancy
@@ -246,8 +246,10 @@ def distance(solver: Solver, q: Array, q_ref: Array, bounds: Array, measure: Mea
     return cost
 
 
-def quality(solver: Solver, q: Array, by: Quality) -> Array:
+def quality(solver: Solver, q: Array, by: Quality | Wish) -> Array:
     """(k,) how good solutions (k, n) are, more is better; see :meth:`urdf_ik.IKSolutions.scores`."""
+    if isinstance(by, Wish):
+        return by.scores(solver.chain, q)
     if by == "manipulability":
         return velocity.manipulability(solver.chain, q, solver.control.part)
     if by == "clearance":

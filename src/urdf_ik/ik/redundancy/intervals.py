@@ -15,11 +15,10 @@ from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import curves
 from urdf_ik.ik.redundancy.curves import Curves, End, Found
 from urdf_ik.ik.solutions import IKSolutions, distances
-from urdf_ik.ik.solutions.distances import QUALITIES, Metric, Quality
+from urdf_ik.ik.solutions.distances import Metric, Quality, Wish, check_quality
 from urdf_ik.ik.solutions.solution import picked, place_of
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import Redundancy
-from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shown, unit_of
 from urdf_ik.support.report import html_of, short
 from urdf_ik.support.text import Section, aligned, quoted
@@ -220,17 +219,17 @@ class Intervals:
 
         return self._least(cost)
 
-    def best(self, by: Quality) -> IKSolutions:
+    def best(self, by: Quality | Wish) -> IKSolutions:
         """The joint vector that is best by a measure of quality, of all in the intervals: one column a pose.
 
         Args:
-            by: 'limits', 'manipulability' or 'clearance'; see :meth:`urdf_ik.IKSolutions.best`.
+            by: 'limits', 'manipulability', 'clearance' or a wish; see :meth:`urdf_ik.IKSolutions.best`.
 
         Raises:
             ArgumentError: there is no such measure.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
         """
-        inputs.choice(by, "by", tuple(QUALITIES))
+        check_quality(by, self.solver.chain)
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
             return -curves.quality(self.solver, q, by)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.ik.solver import Solver
+from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import quoted
@@ -26,6 +27,43 @@ Quality = Literal["limits", "manipulability", "clearance"]
 
 QUALITIES: tuple[Quality, ...] = ("limits", "manipulability", "clearance")
 """Measures of a solution by itself, of which more is better."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Where a link in the middle of an arm should be: a measure of solutions, see :meth:`IKSolutions.best`.
+
+    Attributes:
+        link: its name.
+        place: (3,) m in the base, the point that its origin should be near to; None: it should be high, along z.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 1.4, 0.7, -0.2, 0.1]))
+        >>> high = s.best(urdf_ik.Wish(arm.chain.links[4]))
+        >>> len(high)
+        1
+    """
+
+    link: str
+    place: tuple[float, float, float] | None = None
+
+    def scores(self, chain: Chain, q: Array) -> Array:
+        """(k,) m for joint vectors (k, n): the height, or the negated distance from the place."""
+        at = chain.link_poses(q)[self.link][..., :3, 3]
+        return at[..., 2] if self.place is None else -np.linalg.norm(at - np.array(self.place), axis=-1)
+
+
+def check_quality(by: Quality | Wish, chain: Chain) -> None:
+    """Refuse an unknown measure of solutions, and a link that the arm does not have."""
+    if not isinstance(by, Wish):
+        inputs.choice(by, "by", QUALITIES)
+        return
+    if by.link not in chain.links:
+        raise ArgumentError(f"no link is called {quoted(by.link)}; links: {', '.join(chain.links)}")
+    if by.place is not None:
+        inputs.array(by.place, "place", (3,))
 
 
 @dataclass(frozen=True, eq=False)

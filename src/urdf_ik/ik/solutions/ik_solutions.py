@@ -183,7 +183,7 @@ class IKSolutions(DifferentiableSolutions):
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
         return np.asarray(self._beside(reference) - reference)
 
-    def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> "IKSolutions":
+    def best(self, by: distances.Quality | distances.Wish, n: int = 1, *, world: Any = None) -> "IKSolutions":
         """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
 
         Of equally good solutions, the first branch counts. Where a redundancy parameter was left at its default, poses
@@ -191,8 +191,9 @@ class IKSolutions(DifferentiableSolutions):
 
         Args:
             by: 'limits': farthest from the joint limits. Each solution counts by its image farthest inside them, the
-                best of its ``turns()``; a solution without an image inside is dropped. 'manipulability' and
-                'clearance': see :meth:`scores`.
+                best of its ``turns()``; a solution without an image inside is dropped. 'manipulability',
+                'clearance' and a :class:`urdf_ik.Wish`: see :meth:`scores`; of a wish all values of one redundancy
+                parameter that was left at its default are looked at, inside the joint limits.
             n: number of columns, at most B.
             world: obstacles for 'clearance', a ``urdf_ik.World``.
 
@@ -208,37 +209,43 @@ class IKSolutions(DifferentiableSolutions):
             'elbow right'
         """
         self._require_columns(n, "best")
-        inputs.choice(by, "by", distances.QUALITIES)
+        distances.check_quality(by, self.solver.chain)
         kept: IKSolutions = self
         if self.solver.parameters and self._redundancy is None and self.step is None:
+            if isinstance(by, distances.Wish) and n == len(self.solver.parameters) == 1:
+                wished: IKSolutions = self.arm.intervals(self._poses).best(by)
+                return wished
             kept = self.arm.ik(self._poses, redundancy=self.arm.values_inside(self._poses))
         if by == "limits":
             kept = kept._moved_inside(limits.image_inmost(kept._q, self.solver.limits, self._turning))
         scores = kept.scores(by, world=world)
         return kept._picked(distances.least_columns(np.where(np.isnan(scores), np.inf, -scores), n), "best")
 
-    def scores(self, by: distances.Quality, *, world: Any = None) -> Array:
+    def scores(self, by: distances.Quality | distances.Wish, *, world: Any = None) -> Array:
         """The quality of each solution, (..., B): more is better, NaN where there is no solution.
 
         Args:
             by: 'limits': how far it is from the joint limits, see :func:`urdf_ik.ik.solutions.limits.margin`.
                 'manipulability': Yoshikawa's measure, of the translation for an arm that controls only a position.
-                'clearance': m, how far the arm's links are from touching each other or the world.
+                'clearance': m, how far the arm's links are from touching each other or the world. A wish: m, the
+                link's height, or its distance from the place, negated.
             world: obstacles for 'clearance', a ``urdf_ik.World``.
 
         Raises:
             ArgumentError: ``by`` is unknown, or a world is given to a measure other than 'clearance'.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
         """
-        inputs.choice(by, "by", distances.QUALITIES)
+        distances.check_quality(by, self.solver.chain)
         if world is not None and by != "clearance":
-            raise ArgumentError(f"by={quoted(by)} looks at no world; leave it out, or take by='clearance'")
+            raise ArgumentError(f"by={quoted(str(by))} looks at no world; leave it out, or take by='clearance'")
         if by == "limits":
             return limits.margin(self._q, self.solver.limits)
         places = np.nonzero(self._info & 1)
         vectors = self._q[places]
         scores = np.full(self._info.shape, np.nan)
-        if by == "manipulability":
+        if isinstance(by, distances.Wish):
+            scores[places] = by.scores(self.solver.chain, vectors)
+        elif by == "manipulability":
             scores[places] = velocity.manipulability(self.solver.chain, vectors, self.solver.control.part)
         elif len(vectors):
             scores[places] = self.arm.cell.in_world(world).distance(vectors)
