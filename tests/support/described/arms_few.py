@@ -73,6 +73,8 @@ BUILDS = {
     "5R 1||2||3": Build("RRRRR", "zzzyx", ((3, 4),), "position and axis"),
     "5R any": Build("RRRRR", "?????", (), "position and axis"),
     "PPPRR": Build("PPPRR", "xyzzx", ((3, 4),)),
+    "RRPRR any": Build("RRPRR", "?????"),
+    "PPRRR any": Build("PPRRR", "?????"),
 }
 
 

@@ -28,8 +28,8 @@ _OBLIQUE = 1.05
 
 
 def prepare_completed(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
-    """The plan for poses of five revolute joints, or of two and three slides; None for other arms."""
-    if chain.n != 5 or chain.prismatic.sum() not in (0, 3) or is_redundant(chain):
+    """The plan for poses of five joints with at most three slides; None for other arms."""
+    if chain.n != 5 or chain.prismatic.sum() > 3 or is_redundant(chain):
         return None
     before = structure.triple(1, "parallel") is not None
     crossing = structure.triple(2, "parallel") is not None
