@@ -34,9 +34,13 @@ def is_named_right(arm: urdf_ik.Arm, draws: np.ndarray) -> int:
     return pairs
 
 
-@pytest.mark.parametrize("signs", list(itertools.product((1, -1), repeat=3)), ids=str)
+EIGHT = list(itertools.product((1, -1), repeat=3))
+SIGNS = [(*first, *last) for first, last in zip(EIGHT, EIGHT[::-1], strict=True)]
+
+
+@pytest.mark.parametrize("signs", SIGNS, ids=str)
 def test_up_is_the_higher_elbow_whatever_the_signs_of_the_axes(signs: tuple[int, ...]) -> None:
-    """Negating axes 1, 2 or 3 and the joint's values changes no name."""
+    """Negating axes and the joints' values changes no name."""
     text = catalogue.resolve("zyyzyz_6r").path.read_text()
     for k, sign in enumerate(signs, 1):
         if sign < 0:
@@ -48,11 +52,10 @@ def test_up_is_the_higher_elbow_whatever_the_signs_of_the_axes(signs: tuple[int,
             text = text.replace(joint[0], turned)
     flipped, plain = urdf_ik.load(text), urdf_ik.load("zyyzyz_6r")
     draws = np.random.default_rng(4).uniform(LOW, HIGH, (20, 6))
-    factors = np.array([*signs, 1, 1, 1])
-    assert is_named_right(flipped, draws * factors) > 30
+    assert is_named_right(flipped, draws * signs) > 30
     for q in draws:
-        names = {one.branch[:23]: one.q[:3] for one in plain.ik(plain.fk(q)) if "noflip" in one.branch}
-        others = {one.branch[:23]: one.q[:3] * signs for one in flipped.ik(plain.fk(q)) if "noflip" in one.branch}
+        names = {one.branch: one.q for one in plain.ik(plain.fk(q))}
+        others = {one.branch: one.q * signs for one in flipped.ik(plain.fk(q))}
         assert names.keys() == others.keys()
         for name, vector in names.items():
             turns = (vector - others[name]) / (2.0 * np.pi)
@@ -73,3 +76,37 @@ def test_front_is_where_a_ur_reaches_at_zero() -> None:
     q = np.array([0.4, -0.6, 1.0, -0.8, 0.9, 0.2])
     name = next(one.branch for one in arm.ik(arm.fk(q)) if np.abs(one.q - q).max() < 1e-9)
     assert name.startswith("shoulder front, elbow up")
+
+
+@pytest.mark.parametrize("name", ["puma_560", "zyyzyz_6r"])
+def test_front_and_noflip_are_the_t_and_n_of_a_controller(name: str) -> None:
+    """FANUC's letters, which are tested against Pinocchio's frames, say of each solution what its name says."""
+    arm = from_catalogue(name).arm
+    for q in np.random.default_rng(8).uniform(-2.0, 2.0, (20, 6)):
+        found = arm.ik(arm.fk(q))
+        texts = found.configuration("fanuc")
+        for one, text in zip(found, texts[texts != ""], strict=True):
+            assert (text[0] == "N", text[2] == "T") == ("noflip" in one.branch, "front" in one.branch)
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10", "ur3"])
+def test_a_wrist_that_is_no_flip_points_the_tool_down(name: str) -> None:
+    """Of a UR, with axis 5 leading forward from joint 4: Pinocchio puts the tool below the wrist, or above it."""
+    arm = from_catalogue(name).arm
+    model = arm.cell.reference.pin_model
+    data = model.createData()
+    five, six = (model.getJointId(each) for each in arm.joint_names[4:])
+    tip = model.getFrameId(arm.tip)
+    for q in np.random.default_rng(8).uniform(-2.0, 2.0, (20, 6)):
+        for one in arm.ik(arm.fk(q)):
+            v = one.q.copy()
+            # At joint 1 = 0 a UR faces the side where it lies at zero.
+            v[0] = 0.0
+            ahead = np.sign(arm.fk(np.zeros(6))[0, 3])
+            turns = []
+            for v[3] in np.linspace(-np.pi, np.pi, 73):
+                pin.framesForwardKinematics(model, data, arm.to_pinocchio(v))
+                lead = data.oMi[six].translation - data.oMi[five].translation
+                tool = data.oMf[tip].translation - data.oMi[six].translation
+                turns.append((ahead * lead[0], tool[2]))
+            assert (max(turns)[1] < 0.0) == ("noflip" in one.branch)

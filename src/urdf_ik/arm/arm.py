@@ -212,7 +212,7 @@ class Arm:
             >>> arm = urdf_ik.load("zyyzyz_6r")
             >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
             >>> s.q.shape, s[0].branch
-            ((8, 6), 'shoulder front, elbow up, wrist noflip')
+            ((8, 6), 'shoulder front, elbow up, wrist flip')
         """
         solver = self.solver if task is None else self.for_task(task, axis).solver
         if tolerance is not None:

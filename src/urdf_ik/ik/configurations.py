@@ -32,6 +32,7 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.ik.families.parts.ideal import LITTLE, forward
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh import DHTable
 from urdf_ik.kinematics.structure import analyse
@@ -42,8 +43,6 @@ from urdf_ik.typing import Array
 
 _SQUARE = 1e-2
 """Greatest cosine of axes that count as square to each other: a calibrated arm's flags are those of its nominal one."""
-_SMALL = 3e-3
-"""Share of the arm's size: a shoulder offset or an overhang up to here does not say where the front is."""
 _DIGITS = 13
 """Decimals of parameters that are kept [m, rad]; what follows is rounding."""
 
@@ -111,21 +110,15 @@ class OPW:
                 "branches have names of their own"
             )
         W, size = wrist.point, chain.size
-        z = H[0] if H[0, 2] > -_SQUARE else -H[0]
-        y = H[1] - (H[1] @ z) * z
-        y /= np.linalg.norm(y)
-        x = np.cross(y, z)
-        a1, ahead = (P[1] - P[0]) @ x, (W - P[0]) @ x
-        lean = np.cross(H[1], z) @ x if abs(ahead) <= _SMALL * size else ahead
-        if (a1 if abs(a1) > _SMALL * size else lean) < 0.0:
-            x, y, a1 = -x, -y, -a1
+        z, x = forward(chain, W)
+        y, a1 = np.cross(z, x), (P[1] - P[0]) @ x
         link = P[2] - P[1]
         upper = link - (link @ y) * y
         fore = H[3] if (W - P[2]) @ H[3] > 0.0 else -H[3]
         over = np.cross(y, fore)
         side = H[4] if H[4] @ y >= -1e-9 else -H[4]
         reach = chain.P.sum(axis=0) - W
-        out = H[5] if (reach @ H[5] if abs(reach @ H[5]) > _SMALL * size else fore @ H[5]) > 0.0 else -H[5]
+        out = H[5] if (reach @ H[5] if abs(reach @ H[5]) > LITTLE * size else fore @ H[5]) > 0.0 else -H[5]
 
         def lean_of(v: Array) -> float:
             return math.atan2(v @ x, v @ z)

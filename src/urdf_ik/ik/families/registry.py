@@ -142,7 +142,7 @@ def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:
 
 
 def _named(plan: FamilyMember, chain: Chain) -> FamilyMember:
-    """The plan with the names of shoulder and elbow by geometry, where axes 2 and 3 are parallel."""
+    """The plan with the names of its branches by geometry, where axes 2 and 3 are parallel."""
     wrist = {"6R spherical wrist, 2||3": (3, 4), "6R 2||3||4 and 5x6": (4, 5)}.get(plan.family.name)
     return plan if wrist is None else replace(plan, branches=geometric(plan.branches, plan.solver, chain, wrist))
 

@@ -32,7 +32,7 @@ class IKSolutions(DifferentiableSolutions):
         >>> arm = urdf_ik.load("zyyzyz_6r")
         >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
         >>> len(s), s.q.shape, s[0].branch
-        (8, (8, 6), 'shoulder front, elbow up, wrist noflip')
+        (8, (8, 6), 'shoulder front, elbow up, wrist flip')
     """
 
     __slots__ = ()

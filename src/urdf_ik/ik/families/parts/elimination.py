@@ -27,7 +27,9 @@ _KNOWN = 32
 # With slides the solutions of all poses may form several separate surfaces, each of which needs a known pose.
 _KNOWN_WITH_SLIDES = 128
 # The first poses select a few variants, which are tried on all poses.
-_FIRST, _FEW = 8, 6
+_FIRST, _FEW = 8, 3
+# Poses that choose the counter.
+_SOME = 16
 # Sizes of the core's arrays: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
 # From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
@@ -62,7 +64,7 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
     targets = chain.fk(Q[:_KNOWN])
     every = _all_variants(H, points, chain.prismatic, rng)
     best = _best(setup, _best(setup, every, targets[:_FIRST], _FEW), targets, 1)
-    counter, rest = _counter(setup, every, targets)
+    counter, rest = _counter(setup, every, targets[:_SOME])
     variant = _with_bounds(best, setup)[0]
     return Numbers(kind="elimination", **vars(setup), variant=variant, counter=counter, counter_rest=rest)
 
@@ -84,13 +86,10 @@ def _counter(setup: Numbers, variants: Numbers, targets: Array) -> tuple[Numbers
     if unmoved.slides.any():
         return _with_bounds(_at(unmoved, [0]), setup)
 
-    def proven(of: Numbers) -> NDArray[np.int64]:
-        return np.asarray(np.count_nonzero(_tried(setup, of, targets)[1] & 2, axis=1))
-
     # What these would prove, were they as exact as rounding lets them be.
-    guessed = proven(unmoved.but(inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1))))
-    few = [_with_bounds(_at(unmoved, [k]), setup) for k in np.argsort(guessed, kind="stable")[-2:]]
-    return max(few, key=lambda each: int(proven(each[0])[0]))
+    exact = unmoved.but(inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1)))
+    proven = np.count_nonzero(_tried(setup, exact, targets)[1] & 2, axis=1)
+    return _with_bounds(_at(unmoved, [int(np.argsort(proven, kind="stable")[-1])]), setup)
 
 
 def _best(setup: Numbers, variants: Numbers, targets: Array, count: int) -> Numbers:

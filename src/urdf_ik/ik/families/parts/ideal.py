@@ -264,13 +264,27 @@ _BESIDE = 0.02
 """Share of the arm's size: a wrist that is nearer to the shoulder's axis is neither in front nor behind."""
 
 
-def geometric(branches: tuple[str, ...], solver: Any, chain: Chain, wrist: tuple[int, int]) -> tuple[str, ...]:
-    """The names of an arm's columns, shoulder and elbow by geometry; ``branches`` where a column has no clear side.
+def forward(chain: Chain, wrist: Array) -> tuple[Array, Array]:
+    """Up, along axis 1, and the forward side of link 1, square to axes 1 and 2 at q = 0: unit vectors (3,).
 
-    The forward side of link 1 is where the shoulder's offset puts axis 2; without an offset, where the wrist is at
-    q = 0; if that is above the shoulder, along the base's x or y. *Front*: the wrist is on that
-    side of axis 1. *Up*: the elbow (axis 3) is above the line from the shoulder (axis 2) to the wrist, as long as the
-    wrist is on the side of the shoulder that its name says. Above is along axis 1, upwards in the base.
+    Forward is where the shoulder's offset puts axis 2; without an offset, where the wrist (3,) is at q = 0; if that is
+    above the shoulder, along the base's x or y.
+    """
+    up = chain.H[0] * (1.0 if chain.H[0][2] > -0.1 else -1.0)
+    across = np.cross(chain.H[1], up)
+    across /= np.linalg.norm(across)
+    offset, reach = ((point - chain.points[0]) @ across / chain.size for point in (chain.points[1], wrist))
+    sides = (offset, reach, 0.01 * across[0], 0.01 * across[1])
+    return up, across * next((np.sign(side) for side in sides if abs(side) > LITTLE), 1.0)
+
+
+def geometric(branches: tuple[str, ...], solver: Any, chain: Chain, wrist: tuple[int, int]) -> tuple[str, ...]:
+    """The names of an arm's columns by geometry; ``branches`` where a column has no clear side.
+
+    *Front*: the wrist is on the forward side of axis 1. *Up*: the elbow (axis 3) is above the line from the shoulder
+    (axis 2) to the wrist, as long as the wrist is on the side of the shoulder that its name says. Above is along axis
+    1, upwards in the base. *Flip*: the hand bends up, not down, once joint 4 is turned so that axis 5 is parallel to
+    axes 2 and 3, from its zero by less than a right angle; of a wrist (4, 5): once axis 5 leads forward.
 
     Args:
         branches: the names by the signs of the roots, the first eight ``NAMES``.
@@ -279,16 +293,9 @@ def geometric(branches: tuple[str, ...], solver: Any, chain: Chain, wrist: tuple
         wrist: the two axes, counted from 0, that meet in the point that joint 1 puts in place: (3, 4), or
             (4, 5) where axis 4 is parallel to axes 2 and 3.
     """
-    up = chain.H[0] * (1.0 if chain.H[0][2] > -0.1 else -1.0)
-    across = np.cross(chain.H[1], up)
     home = _axes(chain, np.zeros(6))
-    sides = (
-        (chain.points[1] - chain.points[0]) @ across / chain.size,
-        (_meeting(*home, *wrist) - chain.points[0]) @ across / chain.size,
-        0.01 * across[0],
-        0.01 * across[1],
-    )
-    side = next((np.sign(side) for side in sides if abs(side) > LITTLE), 1.0)
+    up, ahead = forward(chain, _meeting(*home, *wrist))
+    side = np.sign(np.cross(chain.H[1], up) @ ahead)
     T = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, 6)))
     q = np.full((_SAMPLES, len(branches), 6), np.nan)
     solver.solve(T, None, q, np.zeros(q.shape[:2], np.uint8), None, 1)
@@ -300,11 +307,19 @@ def geometric(branches: tuple[str, ...], solver: Any, chain: Chain, wrist: tuple
     x = (to_wrist * ahead).sum(-1)
     above = x * (x * (to_elbow @ up) - (to_wrist @ up) * (to_elbow * ahead).sum(-1))
     above[~((np.abs(x) > _BESIDE * chain.size) & (x * far > 0.0))] = 0.0
-    is_front, is_up = np.nansum(np.sign(far), axis=0) > 0.0, np.nansum(np.sign(above), axis=0) > 0.0
-    named = tuple(
-        f"shoulder {'front' if front else 'back'}, elbow {'up' if raised else 'down'}, {name.rpartition(', ')[2]}"
-        for front, raised, name in zip(is_front, is_up, branches[:8], strict=True)
-    )
+    left = side * H[..., 1, :]
+    if wrist == (4, 5):
+        fore, hinge = left, -_outward(_meeting(*home, 5, 4), *home, 4, chain.size) * H[..., 4, :]
+        straight = 0.0
+    else:
+        outward = _outward(_meeting(*home, *wrist), *home, 3, chain.size)
+        fore, straight = outward * H[..., 3, :], outward * (home[0][3] @ home[0][5])
+        hinge = (-1.0 if side * (home[0][1] @ home[0][4]) < -LITTLE else 1.0) * H[..., 4, :]
+    out = _outward(chain.fk(np.zeros(6))[:3, 3], *home, 5, chain.size, straight) * H[..., 5, :]
+    down = (np.cross(fore, out) * hinge).sum(-1)
+    # 0 where the first of two words is the name, as in NAMES.
+    rows = [np.nansum(np.sign(each), axis=0) <= 0.0 for each in (far, above, down)]
+    named = tuple(NAMES[k] for k in np.array([4, 2, 1]) @ rows)
     return (*named, *branches[8:]) if sorted(named) == sorted(NAMES) else branches
 
 
@@ -313,6 +328,12 @@ def _axes(chain: Chain, q: Array) -> tuple[Array, Array]:
     J = np.moveaxis(chain.jacobian(q), -1, -2)
     H = J[..., 3:]
     return H, chain.fk(q)[..., None, :3, 3] + np.cross(H, J[..., :3])
+
+
+def _outward(far: Array, H: Array, points: Array, k: int, size: float, straight: float = 0.0) -> float:
+    """1 or -1: axis k's sign that leads from axis k - 1 to the point; where it leads neither way, that of straight."""
+    along = (far - _meeting(H, points, k, k - 1)) @ H[k]
+    return -1.0 if (along / size if abs(along) > LITTLE * size else straight) < -LITTLE else 1.0
 
 
 def _meeting(H: Array, points: Array, i: int, j: int) -> Array:
