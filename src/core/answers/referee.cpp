@@ -28,6 +28,8 @@ inline constexpr double BESIDE_A_ZERO = 1e-4;
 // Newton's steps before a certificate, and the size of one [rad] that is not worth taking.
 inline constexpr int CERTIFYING_ROUNDS = 5;
 inline constexpr double SETTLED_ZERO = 1e-20;
+// The square of the share of the step before that a step of Newton's method may have.
+inline constexpr double CONVERGES = 0.0625;
 // Hidden angles of a zero and of a certified solution that are this near to each other, and to no other, are the same [rad].
 inline constexpr double SAME_ANGLE = 1e-10, OTHER_ANGLE = 1e-8;
 
@@ -127,7 +129,7 @@ using Certifying = Wide<CERTIFYING_LIMBS>;
 using WideTurn = Turn<Certifying>;
 STEP WideTurn wide_turn(double q) {
     const Turn<double> t = cos_sin(q);
-    const Certifying c = t.c, s = t.s, over = inverse(sqrt(c * c + s * s));
+    const Certifying c = t.c, s = t.s, over = inverse_root(c * c + s * s);
     return {over * c, over * s};
 }
 // Turned on by 2 atan(step / 2).
@@ -144,9 +146,11 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
     for (int l = 0; l < many; ++l) {
         for (int k = 0; k < 6; ++k) turn[l][k] = wide_turn(zero[l]->solution[k]);
     }
+    LoopAt<Certifying> here;
+    Block last = __builtin_inf();
     for (int round = 0;; ++round) {
         for (int l = 0; l < BLOCK; ++l) {
-            const LoopAt<Certifying> here = loop_at(loop, turn[l < many ? l : 0]);
+            if (l < many) here = loop_at(loop, turn[l]);
             for (int i = 0; i < 6; ++i) {
                 for (int k = 0; k < 6; ++k) at.twist[k][i].set(l, here.twist[k][i].leading());
                 at.error[i].set(l, here.error[i].leading());
@@ -155,7 +159,10 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
         }
         make_orthogonal(at.twist, f);
         const Six<Block> step = newton_step(f, at.error);
-        if (round == CERTIFYING_ROUNDS || !any(square_of(step) > Block(SETTLED_ZERO * SETTLED_ZERO))) break;
+        // At a double root each step is half of the one before.
+        const Block size = square_of(step);
+        if (round == CERTIFYING_ROUNDS || !any((size > Block(SETTLED_ZERO * SETTLED_ZERO)) & (size < CONVERGES * last))) break;
+        last = size;
         for (int l = 0; l < many; ++l) {
             for (int k = 0; k < 6; ++k) turn[l][k] = turned_on(turn[l][k], max(min(step[k][l], 0.1), -0.1));
         }

@@ -29,10 +29,7 @@ template <int L> struct Fixed {
     PART Fixed(const Wide<L>& x, int exponent) : m{} {
         const int shift = WHOLE_BITS - x.exponent + exponent;
         if (x.is_zero() || shift >= 64 * L) return;
-        const int words = shift / 64, rest = shift % 64;
-        std::uint64_t t[2 * L + 1] = {};
-        __builtin_memcpy(t, x.m, sizeof x.m);
-        for (int i = 0; i < L; ++i) m[i] = t[i + words] >> rest | t[i + words + 1] << 1 << (63 - rest);
+        shift_right(x.m, shift, 0, m);
         if (x.negative) *this = -*this;
     }
     PART Wide<L> wide() const {
@@ -43,6 +40,29 @@ template <int L> struct Fixed {
         return out.normalised();
     }
     STEP std::uint64_t sign() const { return 0 - (m[L - 1] >> 63); }
+    // times 2^bits, cut off.
+    STEP Fixed times_power(int bits) const {
+        Fixed out;
+        if (bits < 0) shift_right(m, -bits, sign(), out.m);
+        else shift_left(m, bits, out.m);
+        return out;
+    }
+    // The first digits, to three roundings of doubles.
+    PART double leading() const {
+        const Fixed above = sign() ? -*this : *this;
+        int top = L - 1;
+        while (top > 1 && !above.m[top]) --top;
+        const double x = double(above.m[top]) + 0x1p-64 * double(above.m[top - 1]);
+        return (sign() ? -x : x) * power_of_two(64 * (top + 1 - L) + WHOLE_BITS - 64);
+    }
+    // Whether |a| < |b|, or they are a unit apart.
+    static STEP bool is_less(const Fixed& a, const Fixed& b) {
+        for (int i = L; i-- > 0;) {
+            const std::uint64_t x = a.m[i] ^ a.sign(), y = b.m[i] ^ b.sign();
+            if (x != y) return x < y;
+        }
+        return false;
+    }
     STEP bool is_zero() const {
         std::uint64_t any = 0;
         for (const std::uint64_t each : m) any |= each;
@@ -74,7 +94,7 @@ template <int L> struct Fixed {
         }
         subtract_limbs<L>(p + L, b.m, a.sign()), subtract_limbs<L>(p + L, a.m, b.sign());
         Fixed out;
-        for (int i = 0; i < L; ++i) out.m[i] = p[L + i] << WHOLE_BITS | p[L + i - 1] >> (64 - WHOLE_BITS);
+        for (int i = 0; i < L; ++i) out.m[i] = upper_of(p[L + i], p[L + i - 1], WHOLE_BITS);
         return out;
     }
     friend STEP Fixed operator-(Fixed a, const Fixed& b) { return a -= b; }
@@ -89,8 +109,49 @@ template <int L> struct Fixed {
     }
     friend STEP Fixed operator+(Fixed a, const Fixed& b) { return a += b; }
 };
+
+// ---- quotients and roots: Newton's method doubles the digits of doubles ------------------------------------------------------
+
+// 1 / n for n in [1/2, 1), each step in the limbs that it fills.
+template <int L> PART Fixed<L> inverse(const Fixed<L>& n) {
+    Fixed<L> x;
+    if constexpr (L == 2) {
+        x = {Wide<L>(1.0 / n.leading()), 0};
+    } else {
+        constexpr int K = L / 2 + 1;
+        Fixed<K> first;
+        __builtin_memcpy(first.m, n.m + L - K, sizeof first.m);
+        first = inverse(first), x = {};
+        __builtin_memcpy(x.m + L - K, first.m, sizeof first.m);
+    }
+    Fixed<L> left = {};
+    left.m[L - 1] = std::uint64_t(1) << (64 - WHOLE_BITS), left -= Fixed<L>::product(n, x);
+    return x + Fixed<L>::product(x, left);
+}
+template <int L> PART Wide<L> inverse(const Wide<L>& a) {
+    Fixed<L + 1> n = {};
+    for (int i = 0; i < L; ++i) n.m[i] |= a.m[i] << (64 - WHOLE_BITS), n.m[i + 1] = a.m[i] >> WHOLE_BITS;
+    const Wide<L + 1> x = inverse(n).wide();
+    Wide<L> out;
+    for (int i = 0; i < L; ++i) out.m[i] = x.m[i + 1];
+    out.exponent = x.exponent - a.exponent, out.negative = a.negative;
+    return out;
+}
+template <int L> PART WideComplex<L> inverse(const WideComplex<L>& a) {
+    const Wide<L> w = inverse(a.re * a.re + a.im * a.im);
+    return {a.re * w, -(a.im * w)};
+}
+// One over the root of n > 0.
+template <int L> PART Wide<L> inverse_root(const Wide<L>& n) {
+    Wide<L> x = 1.0 / sqrt(n.leading()), one = 1.0;
+    for (int bits = 50; bits < 64 * L; bits *= 2) x += half(x * (one - n * x * x));
+    return x;
+}
+
+template <int L> STEP int exponent_of(const Fixed<L>& a) { return exponent_of(a.wide()); }
+template <int L> STEP Fixed<L> half(const Fixed<L>& a) { return a.times_power(-1); }
 template <int L> STEP double square_of(const Fixed<L>& a) {
-    const double x = a.wide().leading();
+    const double x = a.leading();
     return x * x;
 }
 

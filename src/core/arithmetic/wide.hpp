@@ -1,8 +1,8 @@
 // Numbers of L 64-bit limbs, where the digits of doubles, or twice as many, do not suffice. Integers only: the same bits
 // everywhere.
 //
-// A number is zero, or +-0.m 2^exponent, with m in [1/2, 1) as limbs, the lowest first. Results are cut off: a product, quotient or
-// root is off by less than WIDE_UNIT<L> of its size, a sum or difference by less than WIDE_UNIT<L> of its larger operand.
+// A number is zero, or +-0.m 2^exponent, with m in [1/2, 1) as limbs, the lowest first. Results are cut off: a product or quotient
+// is off by less than WIDE_UNIT<L> of its size, a sum or difference by less than WIDE_UNIT<L> of its larger operand.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +25,47 @@ STEP Product64 product64(std::uint64_t a, std::uint64_t b, std::uint64_t c, std:
     const std::uint64_t low = (other << 32) | (first & half), more = low + c, most = more + d;
     return {most, ah * bh + (middle >> 32) + (other >> 32) + (more < c) + (most < d)};
 #endif
+}
+
+// The upper limb of two that are shifted to the left by less than a limb. One limb after the other: vectors of limbs would have to
+// wait until the limbs that they are made of have reached memory.
+STEP std::uint64_t upper_of(std::uint64_t high, std::uint64_t low, int shift) {
+#if defined(__SIZEOF_INT128__)
+    return std::uint64_t(((static_cast<unsigned __int128>(high) << 64) | low) >> (64 - shift));
+#else
+    return high << shift | low >> 1 >> (63 - shift);
+#endif
+}
+
+// The lower limb of two that are shifted to the right by less than a limb.
+STEP std::uint64_t lower_of(std::uint64_t high, std::uint64_t low, int shift) {
+#if defined(__SIZEOF_INT128__)
+    return std::uint64_t(((static_cast<unsigned __int128>(high) << 64) | low) >> shift);
+#else
+    return low >> shift | high << 1 << (63 - shift);
+#endif
+}
+
+// Limbs times 2^bits and 2^-bits; `above`: all limbs beyond the last one.
+template <int L> STEP void shift_left(const std::uint64_t (&m)[L], int bits, std::uint64_t (&out)[L]) {
+    const int words = bits / 64, rest = bits % 64;
+    if (words == 0) {
+#pragma GCC unroll 8
+        for (int i = 0; i < L; ++i) out[i] = upper_of(m[i], i ? m[i - 1] : 0, rest);
+        return;
+    }
+    for (int i = 0; i < L; ++i) out[i] = i < words ? 0 : upper_of(m[i - words], i > words ? m[i - words - 1] : 0, rest);
+}
+template <int L> STEP void shift_right(const std::uint64_t (&m)[L], int bits, std::uint64_t above, std::uint64_t (&out)[L]) {
+    const int words = bits / 64, rest = bits % 64;
+    if (words == 0) {
+#pragma GCC unroll 8
+        for (int i = 0; i < L; ++i) out[i] = lower_of(i + 1 < L ? m[i + 1] : above, m[i], rest);
+        return;
+    }
+    for (int i = 0; i < L; ++i) {
+        out[i] = i + words < L ? lower_of(i + words + 1 < L ? m[i + words + 1] : above, m[i + words], rest) : above;
+    }
 }
 
 // 2^exponent, for results that doubles can hold; 0 below.
@@ -91,7 +132,7 @@ template <int L> struct Wide {
         }
         Wide out;
         const bool top = p[2 * L - 1] >> 63;
-        for (int i = 0; i < L; ++i) out.m[i] = top ? p[L + i] : p[L + i] << 1 | p[L + i - 1] >> 63;
+        for (int i = 0; i < L; ++i) out.m[i] = upper_of(p[L + i], p[L + i - 1], !top);
         out.exponent = a.exponent + b.exponent - !top, out.negative = a.negative != b.negative;
         return out;
     }
@@ -121,20 +162,18 @@ template <int L> struct Wide {
         if (small.is_zero() || shift >= 64 * L) return out;
         // The smaller one is added, or its complement.
         const std::uint64_t differ = std::uint64_t(a.negative != sign), mask = 0 - differ;
-        const int words = shift / 64, rest = shift % 64;
-        std::uint64_t t[2 * L + 1] = {}, carry = differ;
-        __builtin_memcpy(t, small.m, sizeof small.m);
+        std::uint64_t t[L], carry = differ;
+        shift_right(small.m, shift, 0, t);
 #pragma GCC unroll 8
         for (int i = 0; i < L; ++i) {
-            const std::uint64_t moved = t[i + words] >> rest | t[i + words + 1] << 1 << (63 - rest);
-            const std::uint64_t x = out.m[i] + (moved ^ mask);
+            const std::uint64_t x = out.m[i] + (t[i] ^ mask);
             const std::uint64_t over = x < out.m[i];
             out.m[i] = x + carry, carry = over | (out.m[i] < x);
         }
         if (differ) return out.m[L - 1] >> 63 ? out : out.normalised();
         for (int i = 0; i < L; ++i) {
             const std::uint64_t next = i + 1 < L ? out.m[i + 1] : carry;
-            out.m[i] = out.m[i] >> carry | (next << 63 & (0 - carry));
+            out.m[i] = lower_of(next, out.m[i], int(carry));
         }
         out.exponent += int(carry);
         return out;
@@ -143,12 +182,10 @@ template <int L> struct Wide {
         int top = L - 1;
         while (top >= 0 && !m[top]) --top;
         if (top < 0) return Wide(0.0);
-        const int zeros = __builtin_clzll(m[top]), words = L - 1 - top;
-        std::uint64_t t[2 * L + 1] = {};
-        __builtin_memcpy(t + L + 1, m, sizeof m);
+        const int zeros = 64 * (L - 1 - top) + __builtin_clzll(m[top]);
         Wide out = *this;
-        for (int i = 0; i < L; ++i) out.m[i] = t[L + 1 + i - words] << zeros | t[L + i - words] >> 1 >> (63 - zeros);
-        out.exponent -= 64 * words + zeros;
+        shift_left(m, zeros, out.m);
+        out.exponent -= zeros;
         return out;
     }
 };
@@ -157,28 +194,6 @@ template <int L> STEP double leading(const Wide<L>& a) { return a.leading(); }
 STEP int larger(int a, int b) { return a > b ? a : b; }
 template <int L> STEP int exponent_of(const Wide<L>& a) { return a.is_zero() ? -1000 : a.exponent; }
 template <int L> STEP Wide<L> half(const Wide<L>& a) { return a.is_zero() ? a : a.times_power(-1); }
-
-// 1 / a for a != 0: Newton's method doubles the digits of the quotient in doubles.
-template <int L> PART Wide<L> inverse(const Wide<L>& a) {
-    Wide<L> n = a, one = 1.0;
-    n.exponent = 0, n.negative = false;
-    Wide<L> x = 1.0 / n.leading();
-    for (int bits = 50; bits < 64 * L; bits *= 2) x += x * (one - n * x);
-    x.exponent -= a.exponent, x.negative = a.negative;
-    return x;
-}
-template <int L> STEP Wide<L> operator/(const Wide<L>& a, const Wide<L>& b) { return a * inverse(b); }
-
-// The root of a > 0.
-template <int L> PART Wide<L> sqrt(const Wide<L>& a) {
-    if (a.is_zero()) return a;
-    const int even = a.exponent - (a.exponent & 1);
-    Wide<L> n = a, one = 1.0;
-    n.exponent -= even;
-    Wide<L> x = 1.0 / sqrt(n.leading());
-    for (int bits = 50; bits < 64 * L; bits *= 2) x += half(x * (one - n * x * x));
-    return (n * x).times_power(even / 2);
-}
 
 template <class T> STEP void exchange(T& a, T& b) {
     const T c = a;
@@ -208,9 +223,5 @@ template <class V, int L> STEP V lifted(const Wide<L>& a) {
 }
 template <int L> STEP WideComplex<L> half(const WideComplex<L>& a) { return {half(a.re), half(a.im)}; }
 template <int L> STEP int exponent_of(const WideComplex<L>& a) { return larger(exponent_of(a.re), exponent_of(a.im)); }
-template <int L> PART WideComplex<L> inverse(const WideComplex<L>& a) {
-    const Wide<L> w = inverse(a.re * a.re + a.im * a.im);
-    return {a.re * w, -(a.im * w)};
-}
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -37,36 +37,36 @@ template <int L> struct Seventeenths {
 
 // The determinant by elimination with row pivots, and a bound on its error: with M^-1 and the change E of M in maximum norms,
 // det(M + E) = det M det(1 + M^-1 E), and |det(1 + X) - 1| <= (1 + |X|)^12 - 1. `off`: of each entry. Infinite where it vanishes.
-// Entries are below 6, and each pivot doubles them at most.
+// Entries are below 6, and each pivot doubles them at most. A factor's rounding, times its pivot, is a few units.
 template <int L> PART Wide<L> determinant(Fixed<L> (&M)[UNKNOWNS][UNKNOWNS], double off, double& error) {
+    using F = Fixed<L>;
     Wide<L> product = 1.0;
     error = __builtin_inf();
     double rounded[UNKNOWNS][UNKNOWNS] = {};
     for (int k = 0; k < UNKNOWNS; ++k) {
         int r = k;
-        Wide<L> column[UNKNOWNS];
-        for (int i = k; i < UNKNOWNS; ++i) {
-            column[i] = M[i][k].wide();
-            if (Wide<L>::is_less(column[r], column[i])) r = i;
+        for (int i = k + 1; i < UNKNOWNS; ++i) {
+            if (F::is_less(M[r][k], M[i][k])) r = i;
         }
-        if (column[r].is_zero()) return 0.0;
+        Wide<L> pivot = M[r][k].wide();
+        if (pivot.is_zero()) return 0.0;
+        product = product * pivot;
         if (r != k) {
             product = -product;
-            exchange(column[k], column[r]);
             for (int j = 0; j < UNKNOWNS; ++j) exchange(M[k][j], M[r][j]), exchange(rounded[k][j], rounded[r][j]);
         }
-        product = product * column[k];
-        const Wide<L> over = inverse(column[k]);
+        for (int j = k; j < UNKNOWNS; ++j) rounded[k][j] = M[k][j].leading();
+        const int exponent = pivot.exponent;
+        pivot.exponent = 0;
+        const F over = inverse(F(pivot, 0));
         for (int i = k + 1; i < UNKNOWNS; ++i) {
-            if (column[i].is_zero()) continue;
-            const Wide<L> share = column[i] * over;
-            const Fixed<L> f = {share, 0};
-            rounded[i][k] = share.leading();
+            if (M[i][k].is_zero()) continue;
+            const F f = over * M[i][k].times_power(-exponent);
+            rounded[i][k] = f.leading();
             for (int j = k + 1; j < UNKNOWNS; ++j) {
                 if (!M[k][j].is_zero()) M[i][j].subtract(f, M[k][j]);
             }
         }
-        for (int j = k; j < UNKNOWNS; ++j) rounded[k][j] = M[k][j].wide().leading();
     }
     const FactorBounds bounds = bounds_of(rounded);
     const double x = bounds.inverse * (UNKNOWNS * off + ROUNDINGS * FIXED_UNIT<L> * (1.0 + bounds.product));
@@ -81,13 +81,24 @@ template <int L> PART bool half_tangent_polynomial(const WideEquations<L>& of, H
     W D[WIDE_SAMPLES], re[HARMONIC + 1], im[HARMONIC + 1];
     int largest = 0;
     double lost = 0.0;
-    for (int k = 0; k < WIDE_SAMPLES; ++k) {
-        Fixed<L> M[UNKNOWNS][UNKNOWNS];
-        double error;
-        matrix_at(of, {Fixed<L>(W(1.0), 0), {wave.at[k].re, 0}, {wave.at[k].im, 0}}, M);
-        D[k] = determinant(M, 3.0 * of.error, error);
-        if (!(error < __builtin_inf())) return false;
-        lost += error;
+    for (int k = 0; k <= HARMONIC; ++k) {
+        // Opposite angles share their products.
+        const Fixed<L> c = {wave.at[k].re, 0}, s = {wave.at[k].im, 0};
+        Fixed<L> even[6][PRODUCTS], odd[6][PRODUCTS];
+        for (int e = 0; e < 6; ++e) {
+            for (int i = 0; i < PRODUCTS; ++i) even[e][i] = of.A[e][0][i] + c * of.A[e][1][i], odd[e][i] = s * of.A[e][2][i];
+        }
+        for (int opposite = 0; opposite < (k ? 2 : 1); ++opposite) {
+            const int sample = opposite ? WIDE_SAMPLES - k : k;
+            Fixed<L> M[UNKNOWNS][UNKNOWNS];
+            double error;
+            fill_matrix([&](int e, int i) { return opposite ? even[e][i] - odd[e][i] : even[e][i] + odd[e][i]; }, M);
+            D[sample] = determinant(M, 3.0 * of.error, error);
+            if (!(error < __builtin_inf())) return false;
+            lost += error;
+        }
+    }
+    for (int k = 1; k < WIDE_SAMPLES; ++k) {
         if (W::is_less(D[largest], D[k])) largest = k;
     }
     // To numbers of order one.
@@ -377,7 +388,7 @@ template <int L, class V> PART bool first_turns(const WideEquations<L>& of, cons
     const Rot<Wide<L>>& R = of.pose.G.R;
     const Frame<V> G = {{lifted<V>(R.x), lifted<V>(R.y), lifted<V>(R.z)}, lifted<V>(of.pose.G.p)};
     V w[NUMBERS], y[PRODUCTS], z[PRODUCTS];
-    numbers_of(of.other_side(lifted_line(of.axis(2)), G, 0, 4,
+    numbers_of(of.other_side(lifted_line(of.axis(2)), G,
                              [&](int k, const WideLine<V>& l) {
                                  return turned_about(l, lifted_line(of.axis(3 + k)), Turn<V>{others[k].c, V(0.0) - others[k].s});
                              }),

@@ -107,7 +107,7 @@ template <int L> PART WidePose<L> wide_pose(const Written<6>& arm, const Frame<d
     for (auto& [p, d] : out.axis) {
         p = p - centre;
         d = moved(d);
-        d = inverse(sqrt(dot(d, d))) * d;
+        d = inverse_root(dot(d, d)) * d;
         p = moved(p - dot(p, d) * d);
     }
     return out;
@@ -170,9 +170,8 @@ template <int L> struct WideEquations {
 
     STEP const WideLine<W>& axis(int k) const { return pose.axis[(first + k) % 6]; }
     // A line after the inverse turns of joints a + 3, a + 4 and a + 5, and G at its place among them.
-    template <class V, class Undo> STEP WideLine<V> other_side(WideLine<V> l, const Frame<V>& G, int from, int to,
-                                                               const Undo& undo) const {
-        for (int k = from; k < to; ++k) {
+    template <class V, class Undo> STEP WideLine<V> other_side(WideLine<V> l, const Frame<V>& G, const Undo& undo) const {
+        for (int k = 0; k < 4; ++k) {
             if (k + first == 3) l = moved_by(l, G);
             if (k < 3) l = undo(k, l);
         }
@@ -180,9 +179,15 @@ template <int L> struct WideEquations {
     }
 };
 
-// Turns by 0, pi and pi / 2.
-template <class V> STEP Turn<V> sample_turn(int i, bool back) {
-    return {V(i == 0 ? 1.0 : i == 1 ? -1.0 : 0.0), V(i == 2 ? (back ? -1.0 : 1.0) : 0.0)};
+// A line turned by 0, pi and pi / 2, or back by these.
+template <class V> PART void sample_turns(const WideLine<V>& l, const WideLine<V>& axis, bool back, WideLine<V> (&out)[3]) {
+    const auto turned = [&](const Vec<V>& v, Vec<V>& half_turn, Vec<V>& quarter) {
+        const Vec<V> along = dot(axis.d, v) * axis.d, side = cross(axis.d, v);
+        half_turn = along + along - v, quarter = back ? along - side : along + side;
+    };
+    out[0] = l;
+    turned(l.d, out[1].d, out[2].d), turned(l.p - axis.p, out[1].p, out[2].p);
+    out[1].p = out[1].p + axis.p, out[2].p = out[2].p + axis.p;
 }
 
 // Complete pivoting: factors are bounded, and the combinations hold to rounding however nearly the products depend on each other.
@@ -212,12 +217,13 @@ template <int L> PART void factorise(WideEquations<L>& of) {
 // The lines that joints a and a + 1 reach, factorised.
 template <int L> PART void set_factor(WideEquations<L>& out) {
     using W = Wide<L>;
-    const WideLine<W> line = out.axis(2);
+    WideLine<W> inner[3], line[3];
     W w[NUMBERS];
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            numbers_of(
-                turned_about(turned_about(line, out.axis(1), sample_turn<W>(j, false)), out.axis(0), sample_turn<W>(i, false)), w);
+    sample_turns(out.axis(2), out.axis(1), false, inner);
+    for (int j = 0; j < 3; ++j) {
+        sample_turns(inner[j], out.axis(0), false, line);
+        for (int i = 0; i < 3; ++i) {
+            numbers_of(line[i], w);
             for (int k = 0; k < NUMBERS; ++k) out.factor[k][3 * i + j] = w[k];
         }
     }
@@ -229,19 +235,46 @@ template <int L> PART void set_factor(WideEquations<L>& out) {
 }
 
 // From the values at turns of the other joints to coefficients; joint a + 4 is measured from its own zero.
-template <int L> PART void to_coefficients(Wide<L> (&A)[6][3][PRODUCTS]) {
-    using W = Wide<L>;
-    const W fifth = inverse(W(5.0)), c = W(TOO_COSINE) * fifth, s = W(TOO_SINE) * fifth;
+template <int L> PART void to_coefficients(Fixed<L> (&A)[6][3][PRODUCTS]) {
+    using F = Fixed<L>;
+    const Wide<L> fifth = inverse(Wide<L>(5.0));
+    const F c = {Wide<L>(TOO_COSINE) * fifth, 0}, s = {Wide<L>(TOO_SINE) * fifth, 0};
     for (auto& a : A) {
         for (auto& b : a) {
             for (int i = 0; i < 3; ++i) to_coefficients(b[3 * i], b[3 * i + 1], b[3 * i + 2]);
             for (int i = 0; i < 3; ++i) {
                 to_coefficients(b[i], b[3 + i], b[6 + i]);
-                const W cosine = b[3 + i], sine = b[6 + i];
+                const F cosine = b[3 + i], sine = b[6 + i];
                 b[3 + i] = c * cosine + s * sine, b[6 + i] = c * sine - s * cosine;
             }
         }
         for (int i = 0; i < PRODUCTS; ++i) to_coefficients(a[0][i], a[1][i], a[2][i]);
+    }
+}
+
+// The exponent of the largest one.
+template <class V> STEP int exponent_of_all(const V* x, int many) {
+    int out = -1000;
+    for (int i = 0; i < many; ++i) out = larger(out, exponent_of(x[i]));
+    return out;
+}
+
+// The numbers of the line after the inverse turns of joints a + 5, a + 4 and a + 3 by 0, pi and pi / 2, in this order.
+template <int L> PART void other_numbers(const WideEquations<L>& of, Wide<L> (&w)[27][NUMBERS]) {
+    using W = Wide<L>;
+    WideLine<W> one[3], two[3], three[3];
+    const auto undone = [&](int k, const WideLine<W>& l, WideLine<W>(&to)[3]) {
+        sample_turns(k + of.first == 3 ? moved_by(l, of.pose.G) : l, of.axis(3 + k), true, to);
+    };
+    undone(0, of.axis(2), one);
+    for (int i = 0; i < 3; ++i) {
+        undone(1, one[i], two);
+        for (int j = 0; j < 3; ++j) {
+            undone(2, two[j], three);
+            for (int k = 0; k < 3; ++k) {
+                numbers_of(of.first == 0 ? moved_by(three[k], of.pose.G) : three[k], w[9 * k + 3 * j + i]);
+            }
+        }
     }
 }
 
@@ -265,56 +298,53 @@ template <int L> PART void set_equations(const WidePose<L>& pose, int first, Wid
         for (int j = 0; j < PRODUCTS; ++j) square[i][j] = out.factor[i][j].leading();
     }
     const FactorBounds bounds = bounds_of(square);
-    const WideLine<W> line = out.axis(2);
-    W w[NUMBERS], A[6][3][PRODUCTS];
-    double longest = 0.0;
-    const auto undo = [&](int i) {
-        return [&out, i](int k, const WideLine<W>& l) { return turned_about(l, out.axis(3 + k), sample_turn<W>(i, true)); };
-    };
-    for (int i = 0; i < 3; ++i) {
-        const WideLine<W> kept = out.other_side(line, pose.G, 0, 1, undo(i));
-        for (int j = 0; j < 3; ++j) {
-            const WideLine<W> too = out.other_side(kept, pose.G, 1, 2, undo(j));
-            for (int k = 0; k < 3; ++k) {
-                numbers_of(out.other_side(too, pose.G, 2, 4, undo(k)), w);
-                for (const W& each : w) longest = max(longest, abs(each.leading()));
-                for (int e = 0; e < 6; ++e) {
-                    W sum = w[out.row[PRODUCTS + e]];
-                    for (int l = 0; l < PRODUCTS; ++l) sum -= C[e][l] * w[out.row[l]];
-                    A[e][k][3 * j + i] = sum;
-                }
-            }
+    W w[27][NUMBERS];
+    other_numbers(out, w);
+    // All below one.
+    const int of_w = larger(exponent_of_all(&w[0][0], 27 * NUMBERS), 0), of_C = larger(exponent_of_all(&C[0][0], 6 * PRODUCTS), 0);
+    Fixed<L> fixed_C[6][PRODUCTS];
+    for (int e = 0; e < 6; ++e) {
+        for (int l = 0; l < PRODUCTS; ++l) fixed_C[e][l] = {C[e][l], of_C};
+    }
+    for (int k = 0; k < 27; ++k) {
+        Fixed<L> v[NUMBERS];
+        for (int i = 0; i < NUMBERS; ++i) v[i] = {w[k][out.row[i]], of_w};
+        for (int e = 0; e < 6; ++e) {
+            Fixed<L>& sum = out.A[e][k / 9][k % 9] = v[PRODUCTS + e].times_power(-of_C);
+            for (int l = 0; l < PRODUCTS; ++l) sum.subtract(fixed_C[e][l], v[l]);
         }
     }
-    to_coefficients(A);
-    int exponent = -1000;
-    const auto each_of = [&](const auto& take) {
-        for (int e = 0; e < 6; ++e) {
-            for (int k = 0; k < 3; ++k) {
-                for (int i = 0; i < PRODUCTS; ++i) take(A[e][k][i], out.A[e][k][i]);
-            }
-        }
-    };
-    each_of([&](const W& a, Fixed<L>&) { exponent = larger(exponent, exponent_of(a)); });
-    each_of([&](const W& a, Fixed<L>& to) { to = {a, exponent}; });
+    to_coefficients(out.A);
+    Fixed<L>* const first_of_A = &out.A[0][0][0];
+    const int exponent = exponent_of_all(first_of_A, 6 * 27);
+    for (int i = 0; i < 6 * 27; ++i) first_of_A[i] = first_of_A[i].times_power(-exponent);
+    // Products are off by two units, and their sum is kept to as many digits.
+    const double longest = power_of_two(of_w);
     const double error = ROUNDINGS * WIDE_UNIT<L> * longest * largest * largest * (1.0 + bounds.inverse * bounds.product);
-    out.error = error * power_of_two(-exponent) + FIXED_UNIT<L>;
+    out.error = (error * power_of_two(-of_w - of_C) + ROUNDINGS * FIXED_UNIT<L>)*power_of_two(-exponent);
 }
 
-// The matrix at the hidden angle, by rows: the equations, polynomials of degree two in t = tan(x / 2), and t times them; columns:
-// 1, t^3, t and t^2, each times (1, cos, sin) of joint a + 3. Each row has zeros in three of the first six. hidden: proportional to
-// (1, cos, sin) of the hidden angle.
-template <int L, class F> PART void matrix_at(const WideEquations<L>& of, const F (&hidden)[3], F (&M)[UNKNOWNS][UNKNOWNS]) {
+// The matrix at a hidden angle, by rows: the equations, polynomials of degree two in t = tan(x / 2), and t times them; columns:
+// 1, t^3, t and t^2, each times (1, cos, sin) of joint a + 3. Each row has zeros in three of the first six. at(equation, i): the
+// i-th coefficient there.
+template <class F, class At> STEP void fill_matrix(const At& at, F (&M)[UNKNOWNS][UNKNOWNS]) {
     constexpr int place[4] = {0, 6, 9, 3};  // of 1, t, t^2, t^3
     for (int e = 0; e < 6; ++e) {
-        const auto& a = of.A[e];
         for (int j = 0; j < 3; ++j) {
-            const auto at = [&](int i) { return hidden[0] * a[0][i] + hidden[1] * a[1][i] + hidden[2] * a[2][i]; };
-            const F f = at(j), g = at(3 + j), h = at(6 + j), part[3] = {f + g, h + h, f - g};
+            const F f = at(e, j), g = at(e, 3 + j), h = at(e, 6 + j), part[3] = {f + g, h + h, f - g};
             M[e][place[3] + j] = M[6 + e][place[0] + j] = F{};
             for (int i = 0; i < 3; ++i) M[e][place[i] + j] = part[i], M[6 + e][place[i + 1] + j] = part[i];
         }
     }
+}
+// hidden: proportional to (1, cos, sin) of the hidden angle.
+template <int L, class F> PART void matrix_at(const WideEquations<L>& of, const F (&hidden)[3], F (&M)[UNKNOWNS][UNKNOWNS]) {
+    fill_matrix(
+        [&](int e, int i) {
+            const auto& a = of.A[e];
+            return hidden[0] * a[0][i] + hidden[1] * a[1][i] + hidden[2] * a[2][i];
+        },
+        M);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,5 +1,5 @@
 // Numbers of many limbs agree with those of python-flint, computed with 2000 bits and cut off.
-#include "arithmetic/wide.hpp"
+#include "arithmetic/fixed.hpp"
 
 #include "facts.hpp"
 
@@ -76,11 +76,11 @@ W computed(const Case& x) {
         case 0:
             return a * b + c;
         case 1:
-            return a / b;
+            return a * inverse(b);
         case 2:
-            return sqrt(c);
+            return c * inverse_root(c);
         default:
-            return (a - b) / (a + b) - sqrt(c) * c;
+            return (a - b) * inverse(a + b) - c * inverse_root(c) * c;
     }
 }
 

@@ -7,8 +7,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // step leaves of a wide box fails to converge and waits for the next pass.
 inline constexpr int STEPS = 1;
 
-// How often boxes are made from smaller sets of displacements before a pose is left open.
-inline constexpr int PASSES = 4;
+// How often boxes are made from smaller sets of displacements before a pose is left open, and the share of its width that a box
+// has to lose to be worth one more.
+inline constexpr int PASSES = 16;
+inline constexpr double WORTH_A_PASS = 0.1;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
 inline constexpr double CORRECTION_ROUNDING = 4.0 * TARGET_ROUNDING;
 
@@ -75,8 +77,8 @@ PART Targets targets_of(const BothArms& arm, const Displacement& apart, const Go
     return {middle, INFLATED * select(crude, turned, turned_once), INFLATED * select(crude, shifted, shifted_once)};
 }
 
-// The next pass for a block of boxes, from the displacements of the joint vectors in each box.
-PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Inclusion& family, int first,
+// The next pass for a block of boxes, from the displacements of the joint vectors in each box. Returns whether one is worth more.
+PART bool narrow(const BothArms& arm, const Displacement& apart, const Goal<Block>& goal, const Inclusion& family, int first,
                  Boxes& boxes, unsigned& open) {
     Turn<Block> turn[6];
     Block chord[6], half[6], total = 0.0;
@@ -102,6 +104,7 @@ PART void narrow(const BothArms& arm, const Displacement& apart, const Goal<Bloc
         for (int j = 0; j < 6; ++j)
             boxes.c[j][b] = next.c[j][b], boxes.s[j][b] = next.s[j][b], boxes.chord[j][b] = next.chord[j][b];
     }
+    return bits(left < (1.0 - WORTH_A_PASS) * total) << first & open;
 }
 
 // A certified root from the middle of each box, for a block of boxes.
@@ -184,7 +187,9 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
     const Loop loop = loop_of(written, goal);
     Boxes boxes;
     double radii[8];
-    for (int pass = 1; pass <= PASSES && known.open; ++pass) {
+    bool narrows = true;
+    for (int pass = 1; pass <= PASSES && known.open && narrows; ++pass) {
+        narrows = pass == 1;
         for (int first = 0; first < 8; first += BLOCK) {
             if (!(known.open >> first & ((1u << BLOCK) - 1))) continue;
             if (pass == 1) {
@@ -192,7 +197,7 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
                                apart.shift[0] + TARGET_ROUNDING * far, first, boxes);
                 known.open &= ~boxes.empty;
             } else {
-                narrow(both, apart, target, family, first, boxes, known.open);
+                narrows |= narrow(both, apart, target, family, first, boxes, known.open);
             }
             certify_boxes(ideal, loop, boxes, first, known, radii);
         }
