@@ -36,12 +36,15 @@ struct InverseScale {
 
 // For joint vectors Q (m, joints) with angles of any size: poses (m, 4, 4) of the tip; Jacobians (m, 6, joints) at the tip, linear
 // rows above angular ones; axes (m, 6, joints), origin above direction.
-// Least-squares inverses X of the Jacobians of at most six joints (m, joints, 6); of seven joints above the derivative of the
-// parameter that they hold (m, 7, 7). NaN where there is none, or where Q is NaN. `columns` joint vectors in turn reach one pose.
 struct ChainFunctions {
     void (*poses)(const ChainArm&, const double* Q, long m, double* T);
     void (*jacobians)(const ChainArm&, const double* Q, long m, double* J);
     void (*axes)(const ChainArm&, const double* Q, long m, double* J);
+};
+
+// Least-squares inverses X of the Jacobians of at most six joints (m, joints, 6); of seven joints above the derivative of the
+// parameter that they hold (m, 7, 7). NaN where there is none, or where Q is NaN. `columns` joint vectors in turn reach one pose.
+struct InverseFunctions {
     void (*inverses)(const ChainArm&, const double* Q, const InverseScale&, long m, int columns, double* X);
 };
 

@@ -37,6 +37,7 @@ set(URDF_IK_UNITS
   families/mimics/coupled.cpp
   families/seven_joints/one_given.cpp
   families/seven_joints/srs.cpp
+  inverses.cpp
   level_table.cpp
   motion/path_graph.cpp
   motion/tracker.cpp
@@ -87,8 +88,24 @@ endforeach()
 # A rounded sum decides whether an image is inside the limits. It is computed again later, so it must not be fused here.
 set_source_files_properties("${URDF_IK_CORE}/library/arm.cpp" PROPERTIES COMPILE_OPTIONS -ffp-contract=off)
 
+# Units that use the same functions are compiled together: each of these is then compiled once.
+function(urdf_ik_together group)
+  list(TRANSFORM ARGN PREPEND "${URDF_IK_CORE}/")
+  set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
+endfunction()
+urdf_ik_together(certified answers/inclusion.cpp answers/referee.cpp families/general/elimination.cpp
+  families/imperfect/certified.cpp)
+urdf_ik_together(shoulder families/closed_forms/parallel_shoulder.cpp families/closed_forms/spherical_middle.cpp
+  families/imperfect/imperfect_too.cpp)
+urdf_ik_together(wrist families/closed_forms/spherical_wrist.cpp families/closed_forms/three_parallel.cpp
+  families/imperfect/imperfect.cpp)
+urdf_ik_together(joints families/few_joints/few_joints.cpp families/mimics/coupled.cpp families/seven_joints/srs.cpp)
+urdf_ik_together(small chain.cpp families/closed_forms/reversed.cpp families/imperfect/starts.cpp
+  families/seven_joints/one_given.cpp inverses.cpp level_table.cpp motion/path_graph.cpp self_motion/on_curve.cpp)
+
 # Set a target's flags for one instruction set, those in URDF_IK_FLAGS among them.
 function(urdf_ik_compile_for level target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   target_compile_definitions(${target} PRIVATE URDF_IK_LEVEL=${level})
   target_include_directories(${target} PRIVATE "${URDF_IK_CORE}")
   target_compile_options(${target} PRIVATE ${URDF_IK_WARNINGS} ${URDF_IK_ARITHMETIC} ${URDF_IK_FLAGS})

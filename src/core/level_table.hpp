@@ -24,6 +24,7 @@ struct LevelTable {
     const CoupledSolvers* coupled;
     const OneGivenSolvers* one_given;
     const ChainFunctions* chain;
+    const InverseFunctions* inverse;
     const GraphFunctions* graph;
     const TrackerFunctions* tracker;
     const SelfMotionFunctions* self_motion;

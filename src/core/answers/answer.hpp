@@ -56,11 +56,22 @@ template <int N> STEP double marked(const Tolerances& tolerances, const Referenc
     return max(tolerances.fold, 10.0 * reference.displaced);
 }
 
+// The error at q.
+template <class Model> SHARED double missed_by(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
+    return error_at(arm, goal, q).size;
+}
+
+// The columns of the Jacobian at q.
+template <class Model> SHARED void derivatives_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                                                  Rows<Model::rows, double> (&J)[Model::joints]) {
+    error_and_jacobian(arm, goal, q, J);
+}
+
 // The smallest singular value of the Jacobian at q, and its direction.
 template <class Model>
 SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
     Rows<Model::rows, double> J[Model::joints];
-    error_and_jacobian(arm, goal, q, J);
+    derivatives_at(arm, goal, q, J);
     return weakest(J);
 }
 
@@ -93,8 +104,8 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
         }
         if (apart <= same) return false;
         if (apart >= BESIDE) continue;
-        if (error_at(arm, goal, middle).size <= arm.tolerances.fold * far) return false;
-        const double left = error_at(arm, goal, q).size + error_at(arm, goal, other).size;
+        if (missed_by(arm, goal, middle) <= arm.tolerances.fold * far) return false;
+        const double left = missed_by(arm, goal, q) + missed_by(arm, goal, other);
         if (left > FINISHED && apart * weakest_at(arm, goal, q).value <= left) return false;
     }
     return true;
@@ -131,7 +142,7 @@ template <class Model>
 SHARED double second_weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
     Rows<Model::rows, double> J[Model::joints];
     Rows<Model::rows + 1, double> held[Model::joints];
-    error_and_jacobian(arm, goal, q, J);
+    derivatives_at(arm, goal, q, J);
     for (int j = 0; j < Model::joints; ++j) {
         for (int i = 0; i < Model::rows; ++i) held[j][i] = J[j][i];
     }
@@ -223,6 +234,8 @@ extern template Polished<Block> polish_block<false>(const Written<6>&, const Goa
                                                     const MaskOf<Block>&);
 extern template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 extern template Polished<double> polish_one<false>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
+extern template void derivatives_at(const Written<6>&, const Goal<double>&, const double (&)[6], Rows<6, double> (&)[6]);
+extern template double missed_by(const Written<6>&, const Goal<double>&, const double (&)[6]);
 extern template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);
 extern template Weakest<6> weakest_at(const Written<6>&, const Goal<double>&, const double (&)[6]);
 

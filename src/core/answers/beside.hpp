@@ -36,7 +36,7 @@ PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const G
             const double away = k + l < 16 ? -BESIDE_FOLD[k + l] : BESIDE_FOLD[k + l - 16];
             for (int j = 0; j < N; ++j) start[j].set(l, advanced(arm, j, q[j], away * fold.direction[j]));
         }
-        const Block error = polish<true>(arm, goals, start, {20, FINISHED, PATIENCE}).error;
+        const Block error = polish_block<true>(arm, goals, start, {20, FINISHED, PATIENCE}).error;
         for (int l = 0; l < BLOCK; ++l) {
             double found[N];
             for (int j = 0; j < N; ++j) found[j] = start[j][l];

@@ -40,7 +40,7 @@ PART double polish_and_keep(const Model& arm, const Goal<double>& goal, double (
                             const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
     const bool computed = origin == Origin::computed;
-    if (computed && !(error_at<N, double>(arm, goal, q).size <= HOPELESS)) return __builtin_inf();
+    if (computed && !(missed_by(arm, goal, q) <= HOPELESS)) return __builtin_inf();
     const Polished<double> found = polish_one<true>(arm, goal, q, {computed ? 15 : 30, FINISHED, LONG_PATIENCE});
     if (!(found.error <= enough)) return __builtin_inf();
     if (found.least > NEAR_FOLD) {

@@ -84,7 +84,7 @@ bool is_settled(const Written<6>& arm, const Goal<double>& goal, const Boxes& bo
         unsigned rest = filled.in[k] & boxes.free & ~settled;
         if (!rest) continue;
         Six<double> J[6];
-        error_and_jacobian(arm, goal, columns.row(k), J);
+        derivatives_at(arm, goal, columns.row(k), J);
         for (; rest; rest &= rest - 1) {
             const int b = __builtin_ctz(rest);
             int first = -1;
@@ -117,7 +117,7 @@ unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const
         const int b = __builtin_ctz(rest);
         double middle[6];
         for (int j = 0; j < 6; ++j) middle[j] = wrap(atan2(folds.s[j][b], folds.c[j][b]) - ideal.offset[j]);
-        const double error = error_at(arm, goal, middle).size;
+        const double error = missed_by(arm, goal, middle);
         kept |= unsigned(error <= FINISHED) << b;
         if ((filled.met | ~merged) >> b & 1u || !(error <= arm.tolerances.reach) || !is_new(arm, goal, columns, middle)) continue;
         keep(columns, b, middle, singular_marks(arm, goal, middle, 0));
@@ -128,7 +128,7 @@ unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const
         if (!columns.valid(k)) continue;
         const unsigned at = held_by(ideal, folds, columns.row(k)) & narrow & ~filled.owned;
         out |= at & (merged | (kept & ~several));
-        if (!(at & ~several & ~out) || !(error_at(arm, goal, columns.row(k)).size <= FINISHED)) continue;
+        if (!(at & ~several & ~out) || !(missed_by(arm, goal, columns.row(k)) <= FINISHED)) continue;
         for (int b = 0; b < 8; ++b) {
             unsigned twins = 255u;
             for (int i = 0; i < 3; ++i) {

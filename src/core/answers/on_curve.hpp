@@ -111,7 +111,7 @@ template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6,
 
 PART CurveDirections curve_directions(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6]) {
     Six<double> twist[6];
-    error_and_jacobian(arm, goal, q, twist);
+    derivatives_at(arm, goal, q, twist);
     double columns[6][6];
     for (int k = 0; k < 6; ++k) {
         for (int i = 0; i < 6; ++i) columns[k][i] = twist[k][i];

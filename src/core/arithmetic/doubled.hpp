@@ -43,18 +43,18 @@ template <class V> struct DoubledOf {
 #endif
     }
 
-    friend STEP DoubledOf operator+(const DoubledOf& a, const DoubledOf& b) {
+    friend PART DoubledOf operator+(const DoubledOf& a, const DoubledOf& b) {
         const DoubledOf s = sum(a.hi, b.hi), t = sum(a.lo, b.lo);
         const DoubledOf u = quick_sum(s.hi, s.lo + t.hi);
         return quick_sum(u.hi, u.lo + t.lo);
     }
     friend STEP DoubledOf operator-(const DoubledOf& a) { return {-a.hi, -a.lo}; }
     friend STEP DoubledOf operator-(const DoubledOf& a, const DoubledOf& b) { return a + -b; }
-    friend STEP DoubledOf operator*(const DoubledOf& a, const DoubledOf& b) {
+    friend PART DoubledOf operator*(const DoubledOf& a, const DoubledOf& b) {
         const DoubledOf p = product(a.hi, b.hi);
         return quick_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
     }
-    friend STEP DoubledOf operator/(const DoubledOf& a, const DoubledOf& b) {
+    friend PART DoubledOf operator/(const DoubledOf& a, const DoubledOf& b) {
         const DoubledOf first = {a.hi / b.hi, V(0.0)}, left = a - first * b, second = {left.hi / b.hi, V(0.0)};
         const DoubledOf rest = left - second * b;
         return first + second + DoubledOf(rest.hi / b.hi, V(0.0));

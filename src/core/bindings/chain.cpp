@@ -154,7 +154,7 @@ struct PyChain {
             const long part = columns * std::max(1L, AT_ONCE / std::max(1L, columns));
             for (long i = 0; i < m && !stop.asked(); i += part) {
                 const long many = std::min(part, m - i);
-                level().chain->inverses(arm, Q + i * n, scale, many, int(columns), to + i * n * shape[dimensions]);
+                level().inverse->inverses(arm, Q + i * n, scale, many, int(columns), to + i * n * shape[dimensions]);
             }
         });
         return made;

@@ -28,10 +28,11 @@ template <int N> struct Box {
 
 template <int N> STEP double unit_of(const Written<N>& arm, int k) { return arm.slides[k] ? arm.size : 1.0; }
 
-template <int N> STEP void place_at(const Written<N>& arm, Stand<N>& s) {
+template <int N> PART void place_at(const Written<N>& arm, Stand<N>& s) {
     double q[N];
     for (int k = 0; k < N; ++k) q[k] = arm.slides[k] ? s.q[k] : s.q[k] - 2.0 * PI * __builtin_floor(s.q[k] / (2.0 * PI) + 0.5);
     s.at = place(arm, q);
+    jacobian_at(arm, s.at, s.J);
 }
 
 // The axis of a half turn to the goal. If the task aims an axis, any axis across it.
@@ -51,7 +52,7 @@ template <int N> PART Vec<double> half_turn_axis(const Written<N>& arm, const Go
 }
 
 // The error to the goal as for Newton's method, but a large rotation enters with its angle instead of its sine.
-template <int N> STEP void face(const Written<N>& arm, const Goal<double>& goal, Stand<N>& s) {
+template <int N> PART void face(const Written<N>& arm, const Goal<double>& goal, Stand<N>& s) {
     const Error<double> e = task_error(arm, goal, s.at.tip);
     const bool obtuse = e.size == 2.0;
     s.twist = e.twist, s.size = e.size;
@@ -66,7 +67,7 @@ template <int N> STEP void face(const Written<N>& arm, const Goal<double>& goal,
 }
 
 // The pose after a share of a twist from the tip.
-template <int N> STEP Goal<double> between(const Written<N>& arm, const Frame<double>& tip, const Six<double>& twist,
+template <int N> PART Goal<double> between(const Written<N>& arm, const Frame<double>& tip, const Six<double>& twist,
                                            double share) {
     const Vec<double> v = {twist[0], twist[1], twist[2]}, w = {twist[3], twist[4], twist[5]};
     const double angle = sqrt(dot(w, w)) + TINY;
@@ -79,7 +80,7 @@ STEP double length(const Six<double>& twist, int part) {
 }
 
 // The joint vector moved by x.
-template <int N> STEP Stand<N> moved(const Written<N>& arm, const Stand<N>& from, const double (&x)[N]) {
+template <int N> PART Stand<N> moved(const Written<N>& arm, const Stand<N>& from, const double (&x)[N]) {
     Stand<N> to;
     for (int k = 0; k < N; ++k) to.q[k] = from.q[k] + unit_of(arm, k) * x[k];
     place_at(arm, to);
@@ -140,7 +141,7 @@ PART BoundedStep<N> bounded_step(const Six<double> (&J)[N], Six<double> e, doubl
 }
 
 // A lower bound on the smallest singular value of J (for seven joints, of its transpose).
-template <int N> STEP double least_gain(const Six<double> (&J)[N]) {
+template <int N> PART double least_gain(const Six<double> (&J)[N]) {
     if constexpr (N <= 6) {
         Six<double> A[N];
         for (int k = 0; k < N; ++k) A[k] = J[k];

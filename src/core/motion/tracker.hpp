@@ -89,7 +89,6 @@ PART Went approach(const Written<N>& arm, const Goal<double>& goal, const Box<N>
         }
         first = false, trust *= 2.0;
         s = next;
-        jacobian_at(arm, s.at, s.J);
     }
     return went;
 }
@@ -97,7 +96,7 @@ PART Went approach(const Written<N>& arm, const Goal<double>& goal, const Box<N>
 // Whether the straight joint motion from a to b meets no singularity: by Weyl's inequality there is none if the Jacobian changes
 // by less than its smallest singular value at a. The change is at most the change from a to b plus an eighth of a bound on the
 // second derivative along the motion. For each column that bound is twice its length times |x|_1^2.
-template <int N> STEP bool regular_between(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, double least) {
+template <int N> PART bool regular_between(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, double least) {
     double square = 0.0, along = 0.0, lengths = 0.0;
     for (int k = 0; k < N; ++k) {
         const Six<double> change = less(b.J[k], 1.0, a.J[k]);
@@ -156,7 +155,6 @@ template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& wea
         double x[N];
         for (int j = 0; j < N; ++j) x[j] = side * step * weak.motion[j];
         Stand<N> beside = moved(arm, s, x);
-        jacobian_at(arm, beside.at, beside.J);
         change += side * gain_at(weak, beside);
     }
     return change / (2.0 * step);
@@ -169,12 +167,10 @@ PART bool passes(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, do
     double x[N];
     for (int k = 0; k < N; ++k) x[k] = share * (b.q[k] - a.q[k]) / unit_of(arm, k);
     Stand<N> there = moved(arm, a, x);
-    jacobian_at(arm, there.at, there.J);
     const Weak<N> weak = weak_at(there);
     for (const double side : {PIECE, -PIECE}) {
         for (int k = 0; k < N; ++k) x[k] = side * weak.motion[k];
         Stand<N> beside = moved(arm, there, x);
-        jacobian_at(arm, beside.at, beside.J);
         if (abs(weak_at(beside).gain - weak.gain) > PASSABLE * abs(side)) return false;
     }
     return true;
@@ -199,14 +195,12 @@ template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& 
             b.q[k] = min(max(crossed.q[k] + unit_of(arm, k) * back * weak.motion[k], box.low[k]), box.high[k]);
         }
         place_at(arm, b);
-        jacobian_at(arm, b.at, b.J);
     }
     // At a passable singularity, or if b is still not on the side of a, the motion from a ends before the singularity.
     if (passable || !(signed_gain(weak, b) > 0.0)) {
         const double share = max(weak.gain - wanted, 0.0) / (weak.gain - gain);
         for (int k = 0; k < N; ++k) b.q[k] = a.q[k] + share * (crossed.q[k] - a.q[k]);
         place_at(arm, b);
-        jacobian_at(arm, b.at, b.J);
     }
     face(arm, goal, b);
     return true;
@@ -294,7 +288,6 @@ PART bool push(const Written<N>& arm, const Goal<double>& goal, const Box<N>& bo
         }
         for (int k = 0; k < N; ++k) next.q[k] += share * unit_of(arm, k) * side * idle.direction[k];
         place_at(arm, next);
-        jacobian_at(arm, next.at, next.J);
         approach(arm, goal, box, drift, next);
         if (next.square < s.square * (1.0 - STILL)) s = next;
     }
@@ -397,7 +390,6 @@ template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state,
     Stand<N> start;
     for (int k = 0; k < N; ++k) start.q[k] = state.q[k];
     place_at(arm.written, start);
-    jacobian_at(arm.written, start.at, start.J);
     face(arm.written, goal, start);
     const Box<N> box = box_of(arm, state);
     double drift[N];

@@ -26,26 +26,31 @@ STEP Vec<double> place_of(const Goal<double>& goal, const double (&in_tip)[3], d
     return goal.R * vec<double>(in_tip) + (1.0 / size) * goal.p;
 }
 
-// A candidate: the arm's joint vector for values of the step's three joints. off: bounds on their errors, replaced by those of q
-// [rad, share of size].
+// The values of a way's joints for values of the step's three; a length is a share of the size. off: bounds on the errors of the
+// step's joints, and of all joints afterwards [rad, share of size].
+PART void add_turns(const FewJointsWay& way, const Goal<double>& seen, double (&turn)[5], double (&off)[5]) {
+    if (!way.turns) return;
+    double turned = PLACE_ERROR;
+    for (int k = 0; k < 3; ++k) turned += way.step.slides[k] ? 0.0 : off[k];
+    Rot<double> rest = behind(way.step, {turn[0], turn[1], turn[2]}, from_home(seen.R, way.home));
+    for (int k = 0; k < way.turns; ++k) {
+        const Vec<double> h = vec<double>(way.axis[k]);
+        // Of the last one any direction across it: the greater one of two that are never both short.
+        const Vec<double> mark = k + 1 < way.turns ? vec<double>(way.axis[k + 1])
+                                 : abs(h.z) > 0.8  ? Vec<double>{0.0, h.z, -h.y}
+                                                   : Vec<double>{h.y, -h.x, 0.0};
+        const TurnAbout t = turn_about(h, mark, rest * mark);
+        turn[3 + k] = t.angle, off[3 + k] = turned / max(0.6 * sqrt(t.square), TINY), turned += off[3 + k];
+        rest = turned_about(rest, h, cos_sin(-turn[3 + k]));
+    }
+}
+
+// A candidate: the arm's joint vector for values of the step's three joints.
 template <int N>
 STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& seen, const double (&placed)[3],
                  double (&q)[N], double (&off)[5]) {
-    double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0}, turned = PLACE_ERROR;
-    for (int k = 0; k < 3; ++k) turned += way.step.slides[k] ? 0.0 : off[k];
-    if (way.turns) {
-        Rot<double> rest = behind(way.step, placed, from_home(seen.R, way.home));
-        for (int k = 0; k < way.turns; ++k) {
-            const Vec<double> h = vec<double>(way.axis[k]);
-            // Of the last one any direction across it: the greater one of two that are never both short.
-            const Vec<double> mark = k + 1 < way.turns ? vec<double>(way.axis[k + 1])
-                                     : abs(h.z) > 0.8  ? Vec<double>{0.0, h.z, -h.y}
-                                                       : Vec<double>{h.y, -h.x, 0.0};
-            const TurnAbout t = turn_about(h, mark, rest * mark);
-            turn[3 + k] = t.angle, off[3 + k] = turned / max(0.6 * sqrt(t.square), TINY), turned += off[3 + k];
-            rest = turned_about(rest, h, cos_sin(-turn[3 + k]));
-        }
-    }
+    double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0};
+    add_turns(way, seen, turn, off);
     for (int k = 0; k < 5; ++k) {
         if (way.joint[k] >= 0) q[way.joint[k]] = k < 3 && way.step.slides[k] ? turn[k] * arm.written.size : wrap(turn[k]);
     }
@@ -71,7 +76,7 @@ STEP bool is_certain(const Written<N>& arm, const Goal<double>& goal, const doub
         square += off[j] * off[j], sum += off[j];
     }
     if (sigma < __builtin_inf()) return near && N * (lever + 2.0) * (sqrt(square) + POSE_MISSED) < sigma;
-    return error_at<N, double>(arm, goal, candidate).size > lever * sum + POSE_MISSED;
+    return missed_by(arm, goal, candidate) > lever * sum + POSE_MISSED;
 }
 
 // What is known after a way has been gone: a joint was nearly free; the solutions are all.

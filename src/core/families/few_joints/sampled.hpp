@@ -56,7 +56,7 @@ struct Sampled {
                     start[j].set(l, k + l ? (arm.slides[j] ? arm.size : PI) * value : reference.q[j]);
                 }
             }
-            const Block error = polish<true>(arm, goals, start, {60, FINISHED, PATIENCE}).error;
+            const Block error = polish_block<true>(arm, goals, start, {60, FINISHED, PATIENCE}).error;
             since += columns.count() ? BLOCK : 0;
             for (int l = 0; l < BLOCK; ++l) {
                 double q[6];

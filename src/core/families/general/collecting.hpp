@@ -115,7 +115,7 @@ PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     }
     // Next to a singularity, keep only the most accurate approximation of the root.
     if (least_gap > arm.written.tolerances.duplicate &&
-        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, columns.row(nearest)).size) {
+        missed_by(arm.written, goal, q) < 0.1 * missed_by(arm.written, goal, columns.row(nearest))) {
         const int marks = columns.flags[nearest] & ~VALID;
         columns.clear(nearest);
         if (!is_new(arm.written, goal, columns, q)) return column_of(arm, goal, search, q, least);

@@ -141,7 +141,7 @@ struct SrsNear {
             for (int j = 0; j < 7; ++j) search.q[j].set(i, search.q[j][0]);
         }
         const Course course = search.wide ? Course{20, CONVERGED, PATIENCE} : Course{12, CONVERGED, 2};
-        const auto out = polish<true>(search.model, spread<Block>(search.goal), search.q, course);
+        const auto out = polish_block<true>(search.model, spread<Block>(search.goal), search.q, course);
         for (int i = 0; i < many; ++i) {
             double q[7];
             for (int j = 0; j < 7; ++j) q[j] = search.q[j][i];
@@ -173,7 +173,7 @@ struct SrsNear {
             if (!(search.columns.flags[b] & OTHER)) continue;
             double middle[7];
             for (int j = 0; j < 7; ++j) middle[j] = wrap(q[j] - 0.5 * wrap(q[j] - search.columns.row(b)[j]));
-            if (error_at(search.model, search.goal, middle).size <= search.model.tolerances.fold) return true;
+            if (missed_by(search.model, search.goal, middle) <= search.model.tolerances.fold) return true;
         }
         return false;
     }

@@ -1,0 +1,162 @@
+// Least-squares inverses of the Jacobians of one to seven joints, in blocks of joint vectors.
+#include "arithmetic/least_squares.hpp"
+#include "chain_frames.hpp"
+#include "families/seven_joints/swivel.hpp"
+#include "kinematics/mirrored.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The derivative of an S-R-S arm's swivel angle by the joints, from axes and Jacobian in the base. Axis 4 turns about the unit
+// vector w from shoulder to wrist, and the normal of the plane of w and axis 1 turns too: the angle's rate is that of the first
+// less that of the second. NaN where the wrist lies on axis 1, where the angle jumps.
+STEP Rows<7, Block> swivel_slopes(const SwivelEnds& ends, const Frame<Block> (&joints)[7], const Frame<Block>& tip) {
+    const Vec<Block> wrist = tip.p + combine(tip.R, ends.wrist[0], ends.wrist[1], ends.wrist[2]);
+    const Vec<Block> up = {ends.up[0], ends.up[1], ends.up[2]}, axis = joints[3].R.z;
+    const Vec<Block> W = wrist - Vec<Block>{ends.shoulder[0], ends.shoulder[1], ends.shoulder[2]};
+    const Block per_length = inverse_sqrt(dot(W, W) + TINY);
+    const Vec<Block> w = per_length * W, across = cross(w, axis), normal = cross(up, W);
+    const Block aside = dot(normal, normal), wide = quotient(Block(1.0), dot(across, across) + TINY);
+    // What the velocity of the wrist, and the turning of axis 4, count.
+    const Vec<Block> by_speed =
+        (dot(axis, w) * per_length * wide) * across + quotient(Block(1.0), aside + TINY) * cross(cross(w, normal), up);
+    const Vec<Block> by_turning = wide * cross(axis, across);
+    const auto off_axis = aside > Block(HALF_OF_THE_DIGITS * HALF_OF_THE_DIGITS) * dot(W, W);
+    Rows<7, Block> slope;
+    for (int k = 0; k < 7; ++k) {
+        Vec<Block> by = cross(Block(-1.0) * (wrist - joints[k].p), by_speed);
+        if (k < 3) by = by + by_turning;
+        slope[k] = select(off_axis, dot(joints[k].R.z, by), __builtin_nan(""));
+    }
+    return slope;
+}
+
+// Joint vectors for one block, one per lane, and where their inverses go. Bit t of the index of `to` says that the solution there
+// is the image in mirror t; where there is none, the place is one that nobody reads.
+struct Lanes {
+    const double* from[BLOCK];
+    double* to[4][BLOCK];
+    int many = 0;
+    unsigned images = 0;  // a bit for each index of `to` with places that are read
+};
+
+// M: how many columns are inverted. Seven joints have six of them where a joint is held, and seven with the swivel angle.
+template <int N, int M> STEP void invert(const ChainArm& arm, const Lanes& lanes, const InverseScale& scale) {
+    constexpr int rows = M == 7 ? 7 : 6, width = N == 7 ? 7 : 6;
+    const double share = 1.0 / scale.size;
+    Frame<Block> joints[N];
+    const Frame<Block> tip = walk<N>(
+        arm, lanes.from, [&](auto k, const Frame<Block>& joint) IN_PLACE { joints[k].p = joint.p, joints[k].R.z = joint.R.z; });
+    Projection<Block> on[2];
+    if constexpr (N > 2) {
+        for (int t = 0; lanes.images && t < scale.mirrors; ++t) {
+            const Frame<Block>* three[3];
+            for (int k = 0; k < 3; ++k) three[k] = joints + scale.mirror[t].first + k;
+            on[t] = projection(scale.mirror[t].parallel, *three[0], *three[1], *three[2]);
+        }
+    }
+    Rows<rows, Block> J[M];
+    Six<Block> held;
+    const auto free = [&](int k) IN_PLACE { return N == M || k < scale.held ? k : k + 1; };
+    in_turn<0, M>([&](auto k) IN_PLACE {
+        const Six<Block> column = jacobian_column(joints[free(k)], arm.slides[free(k)], tip.p, share);
+        in_turn<0, 6>([&](auto r) IN_PLACE { J[k][r] = column[r]; });
+    });
+    if constexpr (M == 7) {
+        const Rows<7, Block> slopes = swivel_slopes(scale.swivel, joints, tip);
+        in_turn<0, 7>([&](auto k) IN_PLACE { J[k][6] = slopes[k]; });
+    }
+    if constexpr (N != M) held = jacobian_column(joints[scale.held], arm.slides[scale.held], tip.p, share);
+    Block own[M * rows], x[N * width];
+    const Block gain = select(inverse(J, own) > Block(scale.singular), Block(1.0), __builtin_nan(""));
+    const auto unit = [&](int k) IN_PLACE { return arm.slides[k] ? scale.size : 1.0; };
+    in_turn<0, M>([&](auto k) IN_PLACE {
+        Block* const row = x + width * free(k);
+        const Block angular = unit(free(k)) * gain, linear = share * angular;
+        in_turn<0, rows>([&](auto c) IN_PLACE { row[c] = own[rows * k + c] * (c < 3 ? linear : angular); });
+        if constexpr (N != M) {
+            Block sum = 0.0;
+            in_turn<0, 6>([&](auto c) IN_PLACE { sum -= own[6 * k + c] * held[c]; });
+            row[6] = sum * (angular * (1.0 / unit(scale.held)));
+        }
+    });
+    if constexpr (N != M) {
+        in_turn<0, 7>([&](auto c) IN_PLACE { x[width * scale.held + c] = (c < 6 ? 0.0 : 1.0) * gain; });
+    }
+    store_rows(x, lanes.to[0]);
+    if constexpr (N > 2) {
+        // Each step passes one mirror: 1, 3, 2.
+        const int steps = lanes.images > 2 ? 3 : lanes.images ? 1 : 0;
+        for (int step = 0; step < steps; ++step) {
+            const int t = step % 2;
+            mirror<width>(x, scale.mirror[t].first, on[t]);
+            store_rows(x, lanes.to[step == 0 ? 1 : 4 - step]);
+        }
+    }
+}
+
+// Joint vectors that are NaN are left out, and those whose inverses follow from another one's, so that all lanes have work.
+template <int N, int M>
+static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, int columns, double* X) {
+    constexpr int numbers = N * (N == 7 ? 7 : 6);
+    constexpr int most = 64;  // columns that are looked at
+    const int mirrors = columns <= most ? scale.mirrors : 0;
+    int sign[2] = {0, 0};  // of a branch: a bit of the column's number; 0: not known yet
+    double unread[numbers];
+    Lanes lanes;
+    const auto solve = [&] {
+        for (int l = lanes.many; l < BLOCK; ++l) {
+            lanes.from[l] = lanes.from[0];
+            for (int with = 0; with < 4; ++with) lanes.to[with][l] = unread;
+        }
+        invert<N, M>(arm, lanes, scale);
+        lanes.many = 0, lanes.images = 0;
+    };
+    for (long start = 0; start < m; start += columns) {
+        std::uint64_t done = 0;
+        const auto at = [&](int column) { return Q + N * (start + column); };
+        // The column of the image in mirror t, or this one. The images of all differ in the same sign of their branches.
+        const auto image_of = [&](int column, int t) {
+            for (int bit = sign[t] ? sign[t] : 1; bit < 8; bit <<= 1) {
+                const int other = column ^ bit;
+                if (other > column && other < columns && are_images<N>(at(column), at(other), scale.mirror[t].first)) {
+                    return sign[t] = bit, other;
+                }
+                if (sign[t]) break;
+            }
+            return column;
+        };
+        for (int column = 0; column < columns; ++column) {
+            if (mirrors && done >> column & 1) continue;
+            double* const to = X + numbers * (start + column);
+            if (!(*at(column) == *at(column))) {
+                for (int k = 0; k < numbers; ++k) to[k] = __builtin_nan("");
+                continue;
+            }
+            const int lane = lanes.many++;
+            lanes.from[lane] = at(column), lanes.to[0][lane] = to;
+            const auto add = [&](int with, int from, int t) {
+                const int image = t < mirrors ? image_of(from, t) : from;
+                lanes.to[with][lane] = image == from ? unread : X + numbers * (start + image);
+                if (image != from) done |= std::uint64_t(1) << image, lanes.images |= 1u << with;
+                return image;
+            };
+            const int first = add(1, column, 0);
+            add(2, column, 1);
+            if (first != column) add(3, first, 1);
+            else lanes.to[3][lane] = unread;
+            if (lanes.many == BLOCK) solve();
+        }
+    }
+    if (lanes.many) solve();
+}
+
+static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, int columns, double* X) {
+    constexpr decltype(&inverses_of<1, 1>) of[] = {inverses_of<1, 1>, inverses_of<2, 2>, inverses_of<3, 3>, inverses_of<4, 4>,
+                                                   inverses_of<5, 5>, inverses_of<6, 6>, inverses_of<7, 6>, inverses_of<7, 7>};
+    of[arm.joints == 7 && scale.held < 0 ? 7 : arm.joints - 1](arm, Q, scale, m, columns, X);
+}
+
+extern const InverseFunctions inverse_functions;
+const InverseFunctions inverse_functions = {inverses};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
