@@ -1,4 +1,4 @@
-"""The arm and its answers in other programs: joint states, pink, viser, rerun."""
+"""The arm and its answers in other programs: joint states and pink."""
 
 import numpy as np
 import pinocchio
@@ -7,7 +7,6 @@ import pytest
 import urdf_ik
 from urdf_ik import interop
 from urdf_ik.errors import ArgumentError
-from urdf_ik.model import link_shapes
 
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 
@@ -59,21 +58,3 @@ def test_a_solution_is_where_a_task_of_pink_is_at_rest(arm: urdf_ik.Arm) -> None
         velocity = pink.solve_ik(near, [task], 0.1, solver="daqp", safety_break=False)
         near.integrate_inplace(velocity, 0.1)
     np.testing.assert_allclose(arm.from_pinocchio(near.q), Q, atol=1e-4)
-
-
-def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each shape has the pose of its link."""
-    import viser
-
-    server, handles = viser.ViserServer(port=0, verbose=False), []
-    add = server.scene.add_mesh_trimesh
-    monkeypatch.setattr(server.scene, "add_mesh_trimesh", lambda *of: handles.append(add(*of)) or handles[-1])
-    try:
-        shown = interop.add_to_viser(server.scene, arm, "/cell/arm")
-        shown.show(Q)
-    finally:
-        server.stop()
-    bodies, poses = link_shapes.read(arm.model)[0], arm.link_poses(Q)
-    assert len(handles) == len(bodies) > 0 and not shown.missing
-    for (link, _), handle in zip(bodies, handles, strict=True):
-        np.testing.assert_allclose(urdf_ik.pose(handle.position, quat_wxyz=handle.wxyz), poses[link], atol=1e-6)

@@ -282,7 +282,7 @@ def test_the_commands_freeze_verify_and_update(tmp_path: Path, monkeypatch: pyte
         done = CliRunner().invoke(app, words, catch_exceptions=False)
         return done.exit_code, done.stdout
 
-    assert run("freeze", "arm.urdf", "-o", "arm.lock.json")[0] == 0
+    assert run("freeze", "arm.urdf", "arm.lock.json")[0] == 0
     assert run("verify", "arm.urdf", "arm.lock.json")[0] == 0
     status, out = run("verify", "bad.urdf", "arm.lock.json")
     assert status == 1 and "joint_2: its axis is negated" in out and "replay" in out

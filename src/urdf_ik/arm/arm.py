@@ -31,10 +31,9 @@ from urdf_ik.kinematics.structure import Structure
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.paths.path_settings import takes_settings
 from urdf_ik.paths.target_tracker import Tracker
-from urdf_ik.support import inputs
 from urdf_ik.support.palette import colours
 from urdf_ik.support.report import table
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 if TYPE_CHECKING:
     from urdf_ik.cell.swept_motions import Motions
@@ -165,7 +164,7 @@ class Arm:
         q_ref: ArrayLike | None = None,
         *,
         redundancy: ArrayLike | None = None,
-        threads: inputs.Threads = 1,
+        threads: Threads = 1,
         task: str | Task | None = None,
         axis: ArrayLike | str | None = None,
         tolerance: ArrayLike | None = None,
@@ -232,7 +231,7 @@ class Arm:
 
         return closest(self.solver, T, weights, first, **options)
 
-    def values_inside(self, T: Any, threads: inputs.Threads = 1) -> Array:
+    def values_inside(self, T: Any, threads: Threads = 1) -> Array:
         """Values of the redundancy parameters, as ``ik`` takes them, at which ``T`` has solutions inside the limits.
 
         Arguments and errors: :func:`urdf_ik.ik.redundancy.elsewhere.values_inside`.
@@ -284,7 +283,7 @@ class Arm:
         within_limits: bool = True,
         world: World | None = None,
         *,
-        threads: inputs.Threads = 1,
+        threads: Threads = 1,
     ) -> Intervals:
         """The intervals of the redundancy parameter in which each branch has solutions, and the cause of each end.
 
@@ -298,7 +297,7 @@ class Arm:
         n: int = 64,
         *,
         within_limits: bool = False,
-        threads: inputs.Threads = 1,
+        threads: Threads = 1,
     ) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and the intervals that hold any.
 

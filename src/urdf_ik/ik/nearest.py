@@ -17,7 +17,7 @@ from urdf_ik.ik.solutions.distances import Metric
 from urdf_ik.ik.solver import Solver
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 
 def _along_parameter(
@@ -29,7 +29,7 @@ def _along_parameter(
     weights: ArrayLike | None,
     within: ArrayLike | None,
     within_limits: bool,
-    threads: inputs.Threads,
+    threads: Threads,
 ) -> IKSolutions:
     """See :meth:`urdf_ik.Arm.ik_nearest`."""
     parameter = solver.redundant_member.parameters[0]
@@ -76,7 +76,7 @@ def nearest(
     within: ArrayLike | None = None,
     within_limits: bool = True,
     region: Region | None = None,
-    threads: inputs.Threads = 1,
+    threads: Threads = 1,
 ) -> IKSolutions:
     """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
 

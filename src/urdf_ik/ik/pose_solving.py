@@ -15,7 +15,7 @@ from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.text import quoted
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 
 def solve(
@@ -23,7 +23,7 @@ def solve(
     T: Any,
     q_ref: ArrayLike | None = None,
     redundancy: ArrayLike | None = None,
-    threads: inputs.Threads = 1,
+    threads: Threads = 1,
     out: IKSolutions | None = None,
 ) -> IKSolutions:
     """Every joint vector that brings the tip to ``T``; see :meth:`urdf_ik.Arm.ik`."""

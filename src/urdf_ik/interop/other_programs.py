@@ -1,9 +1,9 @@
-"""Arms and solutions as the types of other programs: ROS messages, pink, viser and rerun.
+"""Arms and solutions as the types of other programs: ROS messages and pink.
 
 Pinocchio's configurations are methods of the arm: ``arm.to_pinocchio(q)`` and ``arm.from_pinocchio(q_pin)``.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
-from urdf_ik.model import link_shapes
-from urdf_ik.model.poses import to_quat_wxyz
 from urdf_ik.support import extras
 from urdf_ik.typing import Array
 
@@ -89,83 +87,6 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
         raise extras.missing("pink is not installed", "interop") from None
     model = arm.cell.reference.pin_model
     return pink.Configuration(model, model.createData(), arm.to_pinocchio(_one(arm, q)))
-
-
-class ShownArm:
-    """An arm in a scene of another program; :func:`add_to_viser` and :func:`add_to_rerun` make it.
-
-    Attributes:
-        arm: the arm.
-        missing: a sentence for each shape that could not be read.
-    """
-
-    def __init__(self, arm: Arm, missing: tuple[str, ...], place: Callable[[str, Array], None]) -> None:
-        self.arm, self.missing, self._place = arm, missing, place
-
-    def show(self, q: ArrayLike) -> None:
-        """Move the links to where they are at ``q`` (n,) rad or m; in rerun at the recording's present time.
-
-        Raises:
-            ArgumentError: q is not (n,).
-        """
-        for link, pose in self.arm.link_poses(_one(self.arm, q)).items():
-            self._place(link, pose)
-
-
-def add_to_viser(scene: Any, arm: Arm, name: str = "/arm") -> ShownArm:
-    """Add the arm's shapes to a scene of your own, such as ``viser.ViserServer().scene``.
-
-    Args:
-        scene: viser's scene.
-        arm: the arm.
-        name: of the frame that holds its links; move it to move the whole arm.
-
-    Returns:
-        What moves it: ``add_to_viser(...).show(q)``.
-    """
-    scene.add_frame(name, show_axes=False)
-    bodies, missing = link_shapes.read(arm.model)
-    handles: dict[str, list[Any]] = {}
-    for k, (link, mesh) in enumerate(bodies):
-        handles.setdefault(link, []).append(scene.add_mesh_trimesh(f"{name}/{k}", mesh))
-
-    def place(link: str, pose: Array) -> None:
-        for handle in handles.get(link, ()):
-            handle.position, handle.wxyz = pose[:3, 3], to_quat_wxyz(pose)
-
-    shown = ShownArm(arm, missing, place)
-    shown.show(np.clip(np.zeros(arm.dof), *arm.limits.T))
-    return shown
-
-
-def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> ShownArm:
-    """Log the arm's shapes to rerun, one entity a link.
-
-    Args:
-        arm: the arm.
-        path: of the entity that holds its links.
-        recording: rerun's recording; default: the present one.
-
-    Returns:
-        What logs its poses: ``add_to_rerun(...).show(q)``.
-
-    Raises:
-        MissingPackage: rerun is not installed.
-    """
-    try:
-        import rerun
-    except ImportError:
-        raise extras.missing("rerun is not installed", "interop") from None
-    bodies, missing = link_shapes.read(arm.model)
-    for k, (link, mesh) in enumerate(bodies):
-        logged = rerun.Mesh3D(vertex_positions=mesh.vertices, triangle_indices=mesh.faces)
-        rerun.log([path, link, f"shape_{k}"], logged, static=True, recording=recording)
-
-    def place(link: str, pose: Array) -> None:
-        placed = rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3])
-        rerun.log([path, link], placed, recording=recording)
-
-    return ShownArm(arm, missing, place)
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:

@@ -26,9 +26,8 @@ from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.model.poses import as_pose_array, pose
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.inputs import Threads
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 __all__ = ["BASES", "BASES_OF_A_PATH", "SHOWN", "Place", "PlacementMap", "opened", "placement"]
 
@@ -284,7 +283,7 @@ def placement(
     hint = "take a larger step, fewer turns or narrower bounds"
     require_memory(question.size(count), what, hint)  # the map of a store is read when it is complete
     if store is not None:
-        fill(store, question, client, progress, count, what)
+        fill(store, question, client, progress, count)
         return opened(store)
     arrays = question.computed(progress, count)
     return PlacementMap(

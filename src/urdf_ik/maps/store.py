@@ -250,7 +250,7 @@ class BlockStore:
 
 
 def fill(
-    path: str | os.PathLike[str], question: Question, client: Any, progress: Progress | None, units: int, what: str
+    path: str | os.PathLike[str], question: Question, client: Any, progress: Progress | None, units: int
 ) -> BlockStore:
     """Compute all blocks that a store lacks; a missing store is created.
 
@@ -260,7 +260,6 @@ def fill(
         client: a ``distributed.Client`` whose workers compute the blocks; None for this process.
         progress: called with the number of finished units, and of all.
         units: their number.
-        what: the results and their number, in the plural.
 
     Raises:
         JobError: the folder is no store, or one of another question; the blocks do not fit on the disk; or the
@@ -274,8 +273,6 @@ def fill(
     if store is not None:
         _require_same(store, asked)
     pending = list(range(blocks.count)) if store is None else store.pending()
-    size = min(question.size(question.grid.count), question.size(math.prod(blocks.shape)) * len(pending))
-    require_disk(folder, size, what, "take a coarser grid, or narrower bounds")
     if store is None:
         _create(folder, question, asked)
         store = BlockStore(folder, question.FORMAT)
@@ -401,11 +398,6 @@ def available_memory() -> int:
     return max(0, min(free))
 
 
-def free_disk(folder: Path) -> int:
-    """Bytes that the disk of a folder has free."""
-    return shutil.disk_usage(folder).free
-
-
 def require_memory(needed: int, what: str, hint: str) -> None:
     """Refuse a result that does not fit in memory, before any work.
 
@@ -420,21 +412,6 @@ def require_memory(needed: int, what: str, hint: str) -> None:
     free = available_memory()
     if needed > free:
         raise ArgumentError(f"{what} take {size_text(needed)} of memory, and {size_text(free)} are free; {hint}")
-
-
-def require_disk(place: Path, needed: int, what: str, hint: str) -> None:
-    """Refuse a result that does not fit on the disk of the file or folder ``place``, before any work.
-
-    Raises:
-        JobError: it does not fit, with the numbers; or there is no such folder.
-    """
-    folder = Path(os.path.realpath(place)).parent
-    if not folder.is_dir():
-        raise JobError(f"{place}: there is no folder {folder}")
-    free = free_disk(folder)
-    if needed > free:
-        there = f"{folder} has {size_text(free)} free"
-        raise JobError(f"{what} take up to {size_text(needed)} on the disk, and {there}; {hint}")
 
 
 def size_text(count: int) -> str:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import EllipsisType
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,6 @@ from urdf_ik.typing import Array
 
 Error = Callable[[str], UrdfIkError]
 
-Threads = int | Literal["auto"]
-"""How many threads share a piece of work: see :func:`threads`."""
 MOST_THREADS = 1024
 """Greatest number of threads that share a piece of work."""
 MOST_POSES = 10**6

@@ -22,7 +22,6 @@ from urdf_ik.verify.review import VerifiedFile
 def freeze(
     *,
     lock_file: Path | None = None,
-    output: Path | None = None,
     typed: PoseOptions,
     collisions: bool | None = None,
     chosen: ArmOptions,
@@ -39,20 +38,16 @@ def freeze(
     Examples:
         urdf-ik freeze my_arm.urdf
         urdf-ik freeze ur5 ur5.lock.json
-        urdf-ik freeze my_arm.urdf --tip tool0 --poses stations.csv -o my_arm.lock.json
+        urdf-ik freeze my_arm.urdf my_arm.lock.json --tip tool0 --poses stations.csv
 
     Positional:
         lock_file ([LOCK]): The lock file to write, such as arm.lock.json.
 
-    Options:
-        output (-o FILE): The same; commit the file.
     """
     from urdf_ik.cli import targets
 
-    if lock_file is not None and output is not None:
-        raise console.usage("name the lock file once", "LOCK")
-    file = output or lock_file or lock_beside(chosen.robot)
-    if file not in (output, lock_file) and file.exists():
+    file = lock_file or lock_beside(chosen.robot)
+    if lock_file is None and file.exists():
         raise console.usage(f"{file} is there already: name it to write it anew, or urdf-ik verify --update", "LOCK")
     files.writable(file)
     arm, angles = chosen.loaded(False, typed)

@@ -12,14 +12,13 @@ from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.solutions import IKSolutions, limits
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import Task
-from urdf_ik.support import inputs
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 _REACHED = 1e-9
 """m, rad: what a searched joint vector may miss."""
 
 
-def _found(solver: Solver, T: Array, threads: inputs.Threads) -> Array:
+def _found(solver: Solver, T: Array, threads: Threads) -> Array:
     """(m, k) values at which poses (m, 4, 4) have a solution far from the joint limits; NaN where none was found.
 
     One parameter that has intervals: the best value of all of them. Else the best of the joint vectors that a search
@@ -46,7 +45,7 @@ def _found(solver: Solver, T: Array, threads: inputs.Threads) -> Array:
     return out
 
 
-def values_inside(solver: Solver, T: Any, threads: inputs.Threads = 1) -> Array:
+def values_inside(solver: Solver, T: Any, threads: Threads = 1) -> Array:
     """Values at which poses have solutions inside the joint limits: the defaults, or else others.
 
     Args:

@@ -28,7 +28,7 @@ from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest, wrapped
 from urdf_ik.support.read_only import frozen
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 GRID, GRID_GENERAL = 32, 24
 """Values at which everything is solved: where a closed form does that, and where the elimination does."""
@@ -58,7 +58,7 @@ def intervals(
     *,
     within_limits: bool = True,
     world: Any = None,
-    threads: inputs.Threads = 1,
+    threads: Threads = 1,
 ) -> Intervals:
     """Where along the redundancy parameter each branch has solutions, and what ends them.
 

@@ -22,7 +22,7 @@ from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 Range = tuple[float, float]
 
@@ -191,7 +191,7 @@ def nearest_in_region(
     weights: ArrayLike | None,
     within: ArrayLike | None,
     within_limits: bool,
-    threads: inputs.Threads,
+    threads: Threads,
 ) -> IKSolutions:
     """See :meth:`urdf_ik.Arm.ik_nearest`.
 

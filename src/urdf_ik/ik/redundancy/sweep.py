@@ -21,7 +21,7 @@ from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, amount, shown
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 # Values that are tried where no curve can be followed.
 _GRID = 65
@@ -63,7 +63,7 @@ def sweep(
     n: int = 64,
     *,
     within_limits: bool = False,
-    threads: inputs.Threads = 1,
+    threads: Threads = 1,
 ) -> Sweep:
     """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
 

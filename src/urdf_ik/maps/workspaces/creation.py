@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,25 +12,21 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps import store
 from urdf_ik.maps.grid import Grid, Part, checked_bounds
 from urdf_ik.maps.store import Coordinate, Progress, Question, Variable, digest, fill
 from urdf_ik.maps.workspaces.solution_counts import Counting, sum_over_samples
 from urdf_ik.maps.workspaces.workspace_map import (
-    HINT,
     STORE_FORMAT,
     VARIABLES,
     WorkspaceMap,
     opened,
     require_memory,
     sample_coordinates,
-    size_words,
 )
 from urdf_ik.model.poses import pose
-from urdf_ik.support import inputs
-from urdf_ik.support.inputs import Threads
+from urdf_ik.support import files, inputs
 from urdf_ik.support.tolerances import DEFAULT
-from urdf_ik.typing import Array
+from urdf_ik.typing import Array, Threads
 
 CHUNK = 2**14
 """Poses that are solved at a time: so few that their answers stay in the processor's cache."""
@@ -97,7 +92,7 @@ def workspace(
     size = question.size(grid.count)
     require_memory(grid, count, size + question.scratch())
     if output is not None:
-        store.require_disk(Path(output), size, size_words(grid, count), HINT)
+        files.writable(output)
     arrays = question.computed(progress, grid.count * count)
     question.samples.setflags(write=False)
     result = WorkspaceMap(question.described(), grid, question.samples, arrays)
@@ -148,7 +143,7 @@ def stored_workspace(
     question = _question(arm, voxel, orientations, block, **options)
     grid, count = question.grid, len(question.samples)
     require_memory(grid, count, question.size(math.prod(question.blocks.shape)) + question.scratch())
-    fill(store, question, client, progress, grid.count * count, size_words(grid, count))
+    fill(store, question, client, progress, grid.count * count)
     return opened(store)
 
 
