@@ -101,7 +101,7 @@ def test_no_home_and_no_folder_to_be_in(tmp_path: Path) -> None:
 INTERRUPTED = """
 import os, signal
 from urdf_ik.cli import answers
-answers.solve = lambda *_, **__: os.kill(os.getpid(), signal.SIGINT)
+answers.checked = lambda *_, **__: os.kill(os.getpid(), signal.SIGINT)
 """
 
 

@@ -10,7 +10,7 @@ import pytest
 from arms_few import case_of, draw, few
 from cases import Case
 from command import call
-from hobby import URDF, angle_between, least_angle
+from hobby import SPLIT, URDF, angle_between, least_angle
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -145,3 +145,40 @@ def test_three_joints_reach_positions_at_folds(within_limits: bool) -> None:
     s = case.arm.ik_closest(T, within_limits=within_limits)
     reached = np.array([case.oracle.pose(q) for q in s.q[:, 0]])
     assert np.linalg.norm(reached[:, :3, 3] - T[:, :3, 3], axis=1).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", SPLIT)
+def test_minima_in_closed_form(name: str) -> None:
+    """SLSQP finds no smaller angle, from random starts or from near each of the minima."""
+    case = case_of(SPLIT[name])
+    rng = np.random.default_rng(7)
+    for q in drawn(case, 3, seed=5):
+        T = urdf_ik.pose(case.oracle.pose(q)[:3, 3], rotvec=rng.uniform(-2.0, 2.0, 3))
+        s = case.arm.ik_closest(T)
+        assert s.status == "complete"
+        angles = s.error.rotation[s.valid]
+        assert angles.min() < least_angle(case, T, drawn(case, 16, seed=6), None) + 1e-6
+        for one, angle in zip(s, angles, strict=True):
+            reached = case.oracle.pose(one.q)
+            assert np.linalg.norm(reached[:3, 3] - T[:3, 3]) < 1e-9
+            assert angle_between(reached[:3, :3], T[:3, :3]) == pytest.approx(angle, abs=1e-7)
+            assert least_angle(case, T, one.q + rng.normal(size=(1, case.arm.dof)) * 1e-3, None) > angle - 1e-6
+
+
+@pytest.mark.parametrize("name", ["yaw, plane, roll", "wrist"])
+def test_the_nearest_point_of_the_reach(name: str) -> None:
+    """Beyond the reach, and in the hole around the shoulder: no start of least squares gets nearer."""
+    from scipy.optimize import least_squares
+
+    case = case_of(SPLIT[name])
+    rng = np.random.default_rng(1)
+    shoulder = [0.0388, 0.0, 0.1166]
+    for place in (*rng.normal(size=(4, 3)) * 0.5, shoulder + rng.normal(size=3) * 1e-3):
+        T = urdf_ik.pose(place, rotvec=rng.uniform(-2.0, 2.0, 3))
+        s = case.arm.ik_closest(T)
+        assert s.status == "complete"
+        starts = drawn(case, 12, seed=8)
+        least = min(least_squares(lambda q, p: case.oracle.pose(q)[:3, 3] - p, q, args=(place,)).cost for q in starts)
+        off = np.linalg.norm(case.oracle.pose(s[0].q)[:3, 3] - place)
+        assert off == pytest.approx(s.error.position[0], abs=1e-12)
+        assert off < np.sqrt(2.0 * least) + 1e-7

@@ -13,22 +13,36 @@ _JOINTS = (
     ("flex", "0.1349 0 0.0052", "0 1 0", 1.66),
     ("roll", "0.0611 0.0002 0", "1 0 0", 2.74),
 )
-LINKS = ("base", "turret", "upper", "lower", "wrist", "jaw", "tool")
+LINKS = ("base", "turret", "upper", "lower", "wrist", "jaw")
 
 
-def _urdf() -> str:
-    text = "".join(f'<link name="{name}"/>' for name in LINKS)
-    for k, (name, xyz, axis, limit) in enumerate(_JOINTS):
+def urdf_of(joints: tuple[tuple[str, str, str, float], ...], tip: str) -> str:
+    """Arm of joints (name, xyz, axis, limit), and the xyz of its tip, 'tool', behind them."""
+    text = "".join(f'<link name="{name}"/>' for name in (*LINKS[: len(joints) + 1], "tool"))
+    for k, (name, xyz, axis, limit) in enumerate(joints):
         text += (
             f'<joint name="{name}" type="revolute"><parent link="{LINKS[k]}"/><child link="{LINKS[k + 1]}"/>'
             f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>'
             f'<limit lower="{-limit}" upper="{limit}" effort="10" velocity="5"/></joint>'
         )
-    grip = '<parent link="jaw"/><child link="tool"/><origin xyz="0.0981 -0.0002 0" rpy="0 1.5708 0"/>'
+    grip = f'<parent link="{LINKS[len(joints)]}"/><child link="tool"/><origin xyz="{tip}" rpy="0 1.5708 0"/>'
     return f'<robot name="hobby">{text}<joint name="grip" type="fixed">{grip}</joint></robot>'
 
 
-URDF = _urdf()
+URDF = urdf_of(_JOINTS, "0.0981 -0.0002 0")
+
+PAN, LIFT, ELBOW, FLEX, _ = _JOINTS
+SPLIT = {
+    "yaw, plane, roll": urdf_of((PAN, LIFT, ELBOW, FLEX, ("roll", "0.0611 0 0", "1 0 0", 2.74)), "0.0981 0 0"),
+    "plane aside": urdf_of((PAN, ("lift", "0.03 0.012 0.054", "0 1 0", 1.75), ELBOW, FLEX), "0.11 0 0.02"),
+    "wrist": urdf_of(
+        (PAN, LIFT, ELBOW, ("roll", "0.08 0 0", "1 0 0", 2.7), ("bend", "0.06 0 0", "0 1 0", 1.7)), "0 0 0"
+    ),
+    "skew, roll": urdf_of(
+        (PAN, ("lift", "0.03 0.02 0.05", "0.6 0.8 0", 2.0), ("elbow", "0.1 0 0.1", "0 0.28 0.96", 2.0), FLEX), "0 0 0"
+    ),
+}
+"""Arms whose nearest postures have a closed form."""
 
 
 def angle_between(A: Array, B: Array) -> float:

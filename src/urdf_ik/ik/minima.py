@@ -15,7 +15,7 @@ STARTS = 48
 """Joint vectors from which each pose's minima are searched, spread evenly over the ranges of the joints."""
 _SAME = 1e-5
 """rad, share of size: minima that differ by less in every joint are one."""
-_EXACT = 1e-11
+EXACT = 1e-11
 """Share of the size, rad: what is missed by no more is reached."""
 _STAGES = ((30.0, 15), (300.0, 5))
 """Weights of the part that counts first beside the other, with Newton's rounds at each."""
@@ -39,7 +39,7 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
     if first is None:
         q = descended(wanted[owner], q, bounds, place, turn, 60)
         q, owner = _distinct(wanted, q, owner)
-        return _sorted(wanted, q, owner, bounds, lambda off, angle: (np.hypot(place * off, turn * angle),))
+        return ranked(wanted, q, owner, bounds, lambda off, angle: (np.hypot(place * off, turn * angle),))
     for weight, rounds in _STAGES:
         pair = (weight, 1.0) if first == "position" else (1.0, weight)
         q = descended(wanted[owner], q, bounds, *pair, rounds)
@@ -47,21 +47,27 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
     part = 0 if first == "position" else 1
     exact, good = constrained(wanted[owner], q, bounds, first)
     q[good] = exact[good]
+    minimal = good.copy()
     if not good.all():
         # Joints rest at their limits, the Jacobian is nearly singular there, or the first part is out of reach.
         rest = wanted[owner[~good]]
         near = descended(rest, q[~good], bounds, *((_HARD, 1.0) if part == 0 else (1.0, _HARD)), 12)
         again, settled = constrained(rest, near, bounds, first)
         onto = descended(rest, near, bounds, 1.0 - part, float(part), 40)
-        onto = np.where((missed(rest, onto)[part] < _EXACT)[:, None], onto, near)
+        onto = np.where((missed(rest, onto)[part] < EXACT)[:, None], onto, near)
         q[~good] = np.where(settled[:, None], again, onto)
-    off = missed(wanted[owner], q)[part] < _EXACT
+        minimal[~good] = settled
+    miss = missed(wanted[owner], q)
+    off = miss[part] < EXACT
     reached = np.zeros(m, dtype=np.bool_)
     reached[owner[off]] = True
-    keep = off | ~reached[owner]
+    # What Newton's method does not settle at is a minimum at a fold only where it misses least.
+    least = np.full(m, np.inf)
+    np.minimum.at(least, owner[off & minimal], miss[1 - part][off & minimal])
+    keep = off & (minimal | (miss[1 - part] < least[owner])) | ~reached[owner]
     q, owner = q[keep], owner[keep]
     q, owner = _distinct(wanted, q, owner)
-    return _sorted(wanted, q, owner, bounds, lambda off, angle: (off, angle) if first == "position" else (angle, off))
+    return ranked(wanted, q, owner, bounds, lambda off, angle: (off, angle) if first == "position" else (angle, off))
 
 
 def _distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
@@ -84,11 +90,11 @@ def _distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array,
     return q[keep], owner[keep]
 
 
-def _sorted(wanted: Wanted, q: Array, owner: NDArray[np.intp], bounds: Array, keys: _Keys) -> Array:
+def ranked(wanted: Wanted, q: Array, owner: NDArray[np.intp], bounds: Array, keys: _Keys) -> Array:
     """(m, B, n): the joint vectors of each target in columns, the best first."""
     m, n = len(wanted.place), q.shape[1]
     off, angle = missed(wanted[owner], q)
-    ranks = tuple(np.round(np.where(each < _EXACT, 0.0, each), 12) for each in keys(off, angle))
+    ranks = tuple(np.round(np.where(each < EXACT, 0.0, each), 12) for each in keys(off, angle))
     order = np.lexsort(np.stack([*ranks[::-1], owner]))
     owner, q = owner[order], q[order]
     start = np.searchsorted(owner, np.arange(m))

@@ -208,14 +208,14 @@ def _conditioning(way: _Way) -> float:
             moves[:, k] = joint.h
             place = place + by[:, None] / math.pi * joint.h
             continue
-        place = joint.point + _turned(place - joint.point, joint.h, by)
+        place = joint.point + turned(place - joint.point, joint.h, by)
         for later in range(k + 1, 3):
-            moves[:, later] = _turned(moves[:, later], joint.h, by)
+            moves[:, later] = turned(moves[:, later], joint.h, by)
         moves[:, k] = np.cross(joint.h, place - joint.point)
     return float(np.median(np.linalg.svd(moves, compute_uv=False)[:, -1]))
 
 
-def _turned(v: Array, h: Array, angles: Array) -> Array:
+def turned(v: Array, h: Array, angles: Array) -> Array:
     """Vectors (m, 3), each turned about unit ``h`` (3,) by an angle of (m,)."""
     c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
     return c * v + s * np.cross(h, v) + (1.0 - c) * (v @ h)[:, None] * h
