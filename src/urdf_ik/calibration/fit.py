@@ -1,6 +1,6 @@
 """The fit of a URDF's numbers to measurements by robust least squares, and the poses to measure next."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -213,17 +213,19 @@ def _directions(eq: Equations, given: Measurements, x: Array, scale: Array) -> t
 
 def _scales(r: Array, kind: str) -> Array:
     """Standard deviations of the residuals by their median, one a column: of positions and of rotations."""
-    parts = (r[:, :3], r[:, 3:]) if kind == "pose" else (r,)
-    spread = [max(1.4826 * float(np.median(np.abs(part))), _LEAST) for part in parts]
-    return np.repeat(spread, [part.shape[1] for part in parts])
+    return _by_part(r, kind, lambda part: 1.4826 * np.median(np.abs(part)))
 
 
 def _deviations(r: Array, kind: str, fitted: int) -> Array:
     """Standard deviations by the mean square; the fitted parameters reduce the degrees of freedom."""
-    parts = (r[:, :3], r[:, 3:]) if kind == "pose" else (r,)
     free = max(r.size - fitted, 1) / r.size
-    spread = [max(float(np.sqrt((part**2).mean() / free)), _LEAST) for part in parts]
-    return np.repeat(spread, [part.shape[1] for part in parts])
+    return _by_part(r, kind, lambda part: np.sqrt((part**2).mean() / free))
+
+
+def _by_part(r: Array, kind: str, spread: Callable[[Array], Any]) -> Array:
+    """A measure of the positions and of the rotations, one number a column."""
+    parts = (r[:, :3], r[:, 3:]) if kind == "pose" else (r,)
+    return np.repeat([max(float(spread(part)), _LEAST) for part in parts], [part.shape[1] for part in parts])
 
 
 def _errors(r: Array, kind: str) -> Errors:
@@ -378,7 +380,8 @@ def best_poses(
         raise ArgumentError(f"candidates of shape {q.shape} given; at least {wanted} joint vectors are needed")
     eq, x = calibration.equations, calibration.x
     noise = np.repeat(calibration.noise, [3, 3] if given.kind == "pose" else [given.numbers])
-    directions = _basis(calibration.covariance)
+    variances, vectors = np.linalg.eigh(calibration.covariance)
+    directions = vectors[:, variances > 1e-14 * variances.max(initial=0.0)]
     poses = eq.chain.fk(q, eq.values(x))
     values = {"pose": poses, "position": poses[:, :3, 3], "distance": np.zeros(len(q))}.get(
         given.kind, np.zeros((len(q), 0))
@@ -397,12 +400,6 @@ def best_poses(
         K = P @ G[best].T
         P = P - K @ np.linalg.solve(S[best], K.T)
     return q[chosen], np.array(gains), unchecked
-
-
-def _basis(covariance: Array) -> Array:
-    """The directions (k, r) along which a covariance is not zero."""
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors[:, values > 1e-14 * values.max(initial=0.0)])
 
 
 def _drawn(calibration: Calibration, count: int, rng: np.random.Generator) -> tuple[Array, str]:

@@ -1,12 +1,11 @@
 """``Calibration``, the result of a fit: the new arm, the changes, the unobservable parameters, the errors."""
 
-import io
 import os
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from urdf_ik.kinematics.derivatives import Parameter
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.edits import text_of, with_numbers
 from urdf_ik.support import files
-from urdf_ik.support.report import Report
+from urdf_ik.support.report import Report, svg_of
 from urdf_ik.support.text import Section, plain
 from urdf_ik.typing import Array
 
@@ -110,6 +109,8 @@ class Calibration(Report):
         >>> [round(each.change, 6) for each in found.changes]
         [0.001, 0.001]
     """
+
+    JUDGES: ClassVar[bool] = False
 
     nominal: Arm
     given: Measurements
@@ -244,10 +245,6 @@ class Calibration(Report):
         unseen = "" if self.validated is None else f"; of measurements that it did not see {self.validated}"
         return f"errors fall from {self.before} to {self.after}{unseen}"
 
-    def verdict(self) -> str:
-        """The errors before and after, and what was left out."""
-        return "; ".join(part for part in (self.summary(), self.unlooked) if part)
-
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text."""
         parameters = [
@@ -301,6 +298,4 @@ class Calibration(Report):
             for name, residuals in (("before", self.residuals_before), ("after", self.residuals_after)):
                 axes.plot(np.linalg.norm(residuals[:, columns], axis=1) * unit, ".", label=name)
             axes.legend()
-        text = io.StringIO()
-        figure.savefig(text, format="svg")
-        return text.getvalue()[text.getvalue().index("<svg") :]
+        return svg_of(figure)

@@ -126,7 +126,8 @@ class ObstacleIndex:
                 present[first:end] = False
         if not stay:
             return ObstacleIndex(self._tree, self._fixed, present, _part(now))
-        kept = self._loose.holds[[name not in names for name in self._names_of_loose()]]
+        loose = self._loose.holds
+        kept = loose[[self._loose.entries[e].name not in names for e in loose["entry"].tolist()]]
         old = _numbered(stay, kept)
         new = _part(now)
         return ObstacleIndex(self._tree, self._fixed, present, _joined(old, new))
@@ -236,9 +237,6 @@ class ObstacleIndex:
     def _at(self, slot: int) -> tuple[_Part, int]:
         fixed = len(self._fixed.holds)
         return (self._fixed, slot) if slot < fixed else (self._loose, slot - fixed)
-
-    def _names_of_loose(self) -> list[str]:
-        return [self._loose.entries[e].name for e in self._loose.holds["entry"].tolist()]
 
 
 def index_of(every: Iterable[Standing]) -> ObstacleIndex:

@@ -19,7 +19,7 @@ from urdf_ik import errors
 from urdf_ik.cell import missing_pinocchio
 from urdf_ik.cli import options
 from urdf_ik.cli.commands import COMMANDS, GROUPS
-from urdf_ik.cli.console import Status
+from urdf_ik.cli.console import Status, say
 from urdf_ik.errors import message
 from urdf_ik.version import __version__
 
@@ -125,7 +125,7 @@ class Commands(TyperGroup):
         """Run the command."""
         try:
             with warnings.catch_warnings():
-                warnings.showwarning = _warn  # type: ignore[assignment]
+                warnings.showwarning = lambda text, *_: say(f"warning: {text}")
                 return super().invoke(ctx)
         except KeyboardInterrupt as error:
             if str(error):  # long work says how much of it is kept
@@ -169,11 +169,6 @@ def _not_written(error: OSError) -> Status:
     with suppress(OSError):  # standard error cannot be written, either
         typer.echo(message(f"Error: {problem}"), err=True)
     return Status.USAGE
-
-
-def _warn(text: Warning | str, *_: Any) -> None:
-    """Say a warning in a line, without the place in the source that it came from."""
-    typer.echo(errors.escaped(f"warning: {text}"), err=True)
 
 
 app = typer.Typer(

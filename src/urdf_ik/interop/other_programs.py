@@ -86,15 +86,7 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
     except ImportError:
         raise extras.missing("pink is not installed", "interop") from None
     model = arm.cell.reference.pin_model
-    return pink.Configuration(model, model.createData(), arm.to_pinocchio(_one(arm, q)))
-
-
-def _one(arm: Arm, q: ArrayLike) -> Array:
-    """One joint vector (n,)."""
-    Q = arm.chain.check(q)
-    if Q.ndim != 1:
-        raise ArgumentError(f"joint vectors of shape {Q.shape} given; one, ({arm.dof},), is needed")
-    return Q
+    return pink.Configuration(model, model.createData(), arm.to_pinocchio(arm.chain.check(q)))
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:

@@ -25,13 +25,12 @@ from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
-from urdf_ik.errors import ArgumentError, JobError
+from urdf_ik.errors import ArgumentError, JobError, printable
 from urdf_ik.maps import cluster
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
 
 VERSION = 2
 _LEVEL = 1  # of Zstandard: a higher one takes longer than solving and saves little
-_CHECKED_LENGTH = 72  # characters of a value in a message
 
 STORE_KEYS = ("format", "version", "block", "complete")
 """What a store's attributes hold besides the question."""
@@ -127,7 +126,7 @@ class Question:
         """The question in JSON, for a store."""
         return {
             "robot": self.arm.name,
-            "urdf_sha256": urdf_digest(self.arm),
+            "urdf_sha256": digest(self.arm.model.xml),
             "base": self.arm.base,
             "tip": self.arm.tip,
             "locked": dict(self.arm.chain.locked),
@@ -159,11 +158,6 @@ class Question:
         if self.pairs is not None:
             cell = self.arm.cell
             self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(self.pairs)))
-
-
-def urdf_digest(arm: Arm) -> str:
-    """SHA-256 of the URDF that an arm was read from, as it was read, in hexadecimal."""
-    return digest(arm.model.xml)
 
 
 def digest(data: bytes) -> str:
@@ -359,9 +353,10 @@ def _create(folder: Path, question: Question, asked: dict[str, Any]) -> None:
 def _require_same(store: BlockStore, asked: dict[str, Any]) -> None:
     """Refuse a store of another question, with the differences."""
     stored = {name: value for name, value in store.question.items() if name != "complete"}
-    one, other = _flat(stored), _flat(asked)
+    one, other, unset = _flat(stored), _flat(asked), "not set"
+    both = ((one, "in the store"), (other, "now"))
     differing = [
-        f"{name} is {_short(one.get(name, 'not set'))} in the store and {_short(other.get(name, 'not set'))} now"
+        f"{name} is {' and '.join(f'{printable(each.get(name, unset), 72)} {where}' for each, where in both)}"
         for name in {**other, **one}
         if one.get(name) != other.get(name)
     ]
@@ -370,10 +365,6 @@ def _require_same(store: BlockStore, asked: dict[str, Any]) -> None:
         raise JobError(
             f"{store.path} contains another map: {'; '.join(differing[:4])}{more}; give another path, or ask as before"
         )
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= _CHECKED_LENGTH else f"{text[: _CHECKED_LENGTH - 4]} ..."
 
 
 def _flat(value: Any, name: str = "") -> dict[str, str]:

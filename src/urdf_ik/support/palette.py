@@ -18,7 +18,7 @@ def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
     ``dark``: for a black background; instead of darker the second eight are lighter.
     """
     codes = [_ON_BLACK.get(code, code) if dark else code for code in _EIGHT]
-    eight = [tuple(part / 255.0 for part in _parts(code)) for code in codes]
+    eight = [tuple(part / 255.0 for part in bytes.fromhex(code)) for code in codes]
     white = 1.0 - _DARKER if dark else 0.0
     many = [(r, g, b) for r, g, b in eight]
     many += [(white + _DARKER * r, white + _DARKER * g, white + _DARKER * b) for r, g, b in eight]
@@ -27,8 +27,3 @@ def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
     # Neighbours differ in lightness, and all are dark enough for letters; on black, light enough to be seen.
     lightness = (0.5, 0.7) if dark else (0.3, 0.5)
     return tuple(colorsys.hls_to_rgb(k / count, lightness[k % 2], 0.8) for k in range(count))
-
-
-def _parts(code: str) -> tuple[int, int, int]:
-    """Red, green and blue of '0072b2'."""
-    return int(code[:2], 16), int(code[2:4], 16), int(code[4:], 16)

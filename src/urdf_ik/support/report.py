@@ -1,5 +1,6 @@
 """Report: the result of a check as text, JSON and HTML, and the way back from JSON."""
 
+import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
@@ -173,3 +174,10 @@ class Markup(str):
 
 def _cell(text: str) -> str:
     return text if isinstance(text, Markup) else escape(printable(text, 1000))
+
+
+def svg_of(figure: Any) -> str:
+    """A picture of matplotlib as SVG, without the XML declaration."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    return text.getvalue()[text.getvalue().index("<svg") :]

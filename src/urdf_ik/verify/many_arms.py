@@ -1,6 +1,5 @@
 """Solutions of many arms for the same poses: one tidy table, and one picture of the reached poses."""
 
-import io
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -13,7 +12,7 @@ from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import extras
-from urdf_ik.support.report import Report
+from urdf_ik.support.report import Report, svg_of
 from urdf_ik.support.text import Section
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
@@ -190,9 +189,7 @@ class ManyArms(Report):
         axes.invert_yaxis()
         handles = [Patch(color=shade, label=state) for state, shade in SHADES.items()]
         figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=8)
-        text = io.StringIO()
-        figure.savefig(text, format="svg")
-        return text.getvalue()[text.getvalue().index("<svg") :]  # without the XML declaration
+        return svg_of(figure)
 
 
 def compare_many(

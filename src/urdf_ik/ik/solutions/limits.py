@@ -266,7 +266,8 @@ def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TO
     lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
     upwards = turning & (np.maximum(lower - high, high - upper) < np.maximum(lower - low, low - upper))
     nearest = np.where(upwards, high, low)
-    image = np.where(inside, q + _fewest(first, last) * turn, nearest)
+    fewest = np.where(inside, np.clip(0.0, first, np.maximum(first, last)), 0.0)
+    image = np.where(inside, q + fewest * turn, nearest)
     # Of limits that a negative tolerance has turned round, an image may be beyond both.
     signed = np.where(nearest - upper >= lower - nearest, nearest - upper, nearest - lower)
     signed = np.where(inside, 0.0, signed)
@@ -283,11 +284,6 @@ def _bounds(limits: Array, turning: Mask | Array, tol: float) -> tuple[Array, Ar
 def _turns(turning: Mask | Array) -> tuple[Mask, Array]:
     """Which joints have images, and how far [rad] these are apart."""
     return np.asarray(turning, dtype=np.bool_), TURN * np.where(turning, turning, 1.0)
-
-
-def _fewest(first: Array, last: Array) -> Array:
-    """The whole number nearest to zero of first..last; 0 where the range is empty."""
-    return np.where(first <= last, np.clip(0.0, first, np.maximum(first, last)), 0.0)
 
 
 def _combinations(q: Array, first: Array, last: Array) -> Iterator[tuple[float, ...]]:

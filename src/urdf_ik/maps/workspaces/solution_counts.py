@@ -56,7 +56,9 @@ class Counting:
     def keep_free(self, world: World | None, margin: float = 0.0) -> None:
         """Drop solutions in which links come within ``margin`` [m] of each other, or of the obstacles of a world."""
         model = self._arm.cell.collisions.in_world(world)
-        self._keep(~np.asarray(model.in_collision(self.vectors, margin), dtype=np.bool_))
+        kept = self.kept.copy()
+        kept[self.kept] = ~np.asarray(model.in_collision(self.vectors, margin), dtype=np.bool_)
+        self.kept, self._q = kept, None
 
     def clearance(self, world: World | None) -> Array:
         """(k,) m, of the remaining solutions: see ``arm.clearance``."""
@@ -77,8 +79,3 @@ class Counting:
         spread[self.kept] = values
         best = spread.max(axis=-1)
         return np.where(np.isneginf(best), np.nan, best)
-
-    def _keep(self, good: Mask) -> None:
-        kept = self.kept.copy()
-        kept[self.kept] = good
-        self.kept, self._q = kept, None

@@ -14,7 +14,7 @@ from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps import cluster, store
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
-from urdf_ik.maps.store import STORE_KEYS, BlockStore, Coordinate, Variable, urdf_digest
+from urdf_ik.maps.store import STORE_KEYS, BlockStore, Coordinate, Variable, digest
 from urdf_ik.support import files
 from urdf_ik.typing import Array
 
@@ -375,7 +375,7 @@ def require_map_of(about: Mapping[str, Any], arm: Arm) -> None:
             f"the map is one of {about['robot']!r} from {about['base']} to {about['tip']}, and the arm is one from "
             f"{arm.base} to {arm.tip}; give the same base and tip"
         )
-    if about["urdf_sha256"] != urdf_digest(arm) or about["locked"] != dict(arm.chain.locked):
+    if about["urdf_sha256"] != digest(arm.model.xml) or about["locked"] != dict(arm.chain.locked):
         raise ArgumentError(
             f"the map is one of another URDF of {about['robot']!r}, or with other locked joints, than the arm "
             f"{arm.name!r}; compute it anew: urdf-ik workspace"

@@ -150,7 +150,8 @@ class Viewer:
         return self
 
     def _repr_html_(self) -> str:
-        return embedded(self.url, self._height, picture(self.state))
+        size = f'width="100%" height="{self._height}" style="border:0"'
+        return f'<object type="text/html" data="{escape(self.url)}" {size}>{picture(self.state)}</object>'
 
     def wait(self) -> None:
         """Wait until the program is interrupted (Ctrl-C), then stop the server."""
@@ -385,16 +386,6 @@ _LEGEND = (
     "position:fixed;left:1em;bottom:1em;z-index:9;margin:0;padding:.6em .9em;border-radius:.4em;list-style:none;"
     "font:13px/1.5 sans-serif;pointer-events:none;"
 )
-
-
-def embedded(url: str, height: int, picture: str) -> str:
-    """The page at ``url`` as an element of another page; the picture is shown where the address does not answer.
-
-    A browser shows what an <object> holds where it cannot load the object itself: in an exported notebook, or one whose
-    kernel has ended.
-    """
-    size = f'width="100%" height="{height}" style="border:0"'
-    return f'<object type="text/html" data="{escape(url)}" {size}>{picture}</object>'
 
 
 def picture(state: State) -> str:
