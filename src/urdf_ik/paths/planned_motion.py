@@ -19,7 +19,7 @@ from urdf_ik.paths.path_settings import Obstacles
 from urdf_ik.paths.timing import Timed, timed, write_rows
 from urdf_ik.support import files
 from urdf_ik.support.report import Report
-from urdf_ik.support.text import Section, json_text
+from urdf_ik.support.text import Section
 from urdf_ik.typing import Array
 
 
@@ -255,17 +255,6 @@ class Plan(Report):
             "contacts": f"not checked: {self.unchecked}" if self.unchecked else "checked",
             "search": self.unlooked or "complete",
         }
-
-    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The plan as JSON, written to a file where one is given; also of a path without a plan.
-
-        Raises:
-            ArgumentError: the file cannot be written.
-        """
-        text = json_text(self.to_dict())
-        if path is not None:
-            files.write(path, text.encode())
-        return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
         """Write q, poses, branches, joints, motion and place as NumPy arrays.

@@ -57,17 +57,9 @@ class Timed:
         header = ["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)]
         write_rows(path, header, np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist())
 
-    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
-        """As JSON: joints, t, q, qd, qdd; written to a file where one is given.
-
-        Raises:
-            ArgumentError: the file cannot be written.
-        """
-        arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
-        text = json_text({"joints": self.joints, **arrays})
-        if path is not None:
-            files.write(path, text.encode())
-        return text
+    def to_json(self) -> str:
+        """As JSON: joints, t, q, qd, qdd."""
+        return json_text({"joints": self.joints, "t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd})
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
         """Write joints, t, q, qd and qdd as NumPy arrays.

@@ -163,7 +163,11 @@ def path(
     console.emit(printed_as, data, lambda: _text(found, angles, in_time, others))
     for file, content in ((output, plan), (timed, in_time)):
         if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
-            getattr(content, f"to_{file.suffix.lower()[1:]}")(file)
+            kind = file.suffix.lower()[1:]
+            if kind == "json":
+                files.write(file, content.to_json().encode())
+            else:
+                getattr(content, f"to_{kind}")(file)
             rows = len(plan.motion) if content is plan else len(in_time.t) if in_time is not None else 0
             console.say(f"{file}: {rows} joint vectors; {'rad' if content is plan else 's, rad'}, m")
         elif file is not None:

@@ -1,15 +1,9 @@
 """Six revolute joints whose axes 1, 2 and 3 are parallel; seen from the tip, those whose axes 4, 5 and 6 are."""
 
-import numpy as np
-
-from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import distances_of, links_beyond_reach, outside
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import POSITIONS, Variant, closed_form, eight, families
-from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.structure import Structure
-from urdf_ik.typing import Array
 
 # Distance of axes 4 and 5 [of the arm's size] that can be divided by.
 _CLEAR = 1e-4
@@ -37,7 +31,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     meet = {"4x5": [4], "5x6": [5]}.get(family.variant, [])
 
     kind = "parallel shoulder"
-    return closed_form(family, structure, chain, kind, (1, "parallel"), meet, lambda ideal: {}, _explain)
+    return closed_form(family, structure, chain, kind, (1, "parallel"), meet, lambda ideal: {})
 
 
 _PLANAR = "the rest is a planar arm"
@@ -91,25 +85,3 @@ FAMILIES = families(
         ),
     ],
 )
-
-
-def _explain(arm: Numbers, solver: Solver, rotation: Array, point: Array) -> str:
-    ideal = arm.ideal
-    a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
-    shortest, longest = abs(a[0] - a[1]), a[0] + a[1]
-    # Height of the last axis above axis 4's foot, along axis 3.
-    level = ca[0] * ca[1] * point[2] - d[1] - ca[2] * d[2]
-    across = float(np.hypot(rotation[2, 0], rotation[2, 1]))
-    far = (
-        "along axes 1 to 3, axis 6 would have to be {at} m from axis 4, and the links between them reach no further "
-        "than {high} m in the wanted direction"
-    )
-    if why := outside(far, abs(level), -np.inf, abs(a[3] * sa[2]) + abs(d[3]) + a[4] * across):
-        return why
-    distances = distances_of(solver, rotation, point)
-    if not len(distances):
-        return ""
-    return links_beyond_reach("axis 3", "axis 1", distances, shortest, longest) or (
-        f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "
-        f"reach {shortest:.6g} to {longest:.6g} m"
-    )

@@ -1,18 +1,14 @@
 """Six revolute joints whose axes 2, 3 and 4 meet in a point; seen from the tip, those whose axes 3, 4 and 5 do."""
 
-import math
 from typing import Any
 
 import numpy as np
 
-from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import beyond_links, outside
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import Variant, closed_form, eight, families
 from urdf_ik.ik.families.parts.written import Numbers
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.structure import Structure
-from urdf_ik.typing import Array
 
 
 def _matches(structure: Structure) -> bool:
@@ -37,7 +33,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
             "centre_5": np.array([-a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]]),
         }
 
-    return closed_form(family, structure, chain, "spherical middle", (2, "meet"), meet, numbers, _explain)
+    return closed_form(family, structure, chain, "spherical middle", (2, "meet"), meet, numbers)
 
 
 _NAMES = eight("shoulder {}, wrist {}, {}")
@@ -75,22 +71,3 @@ FAMILIES = families(
         ),
     ],
 )
-
-
-def _explain(arm: Numbers, solver: Solver, rotation: Array, point: Array) -> str:
-    centre, centre_5, size = arm.centre, arm.centre_5, arm.ideal.size
-    name = "the point where axes 2 to 4 meet"
-    radius, up = math.hypot(centre[0], centre[1]), centre[2] - point[2]
-    why = ""
-    if arm.variant == "5x6":
-        across = math.hypot(point[0], point[1])
-        low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
-        text = "is {at} m from where axes 5 and 6 meet, and joint 1 can bring it {low} to {high} m near"
-        why = outside(f"{name} {text}", float(np.linalg.norm(centre_5)), low, high)
-    elif arm.variant == "5||6":
-        axis = rotation[:, 2]
-        level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
-        text = "is {at} m along axis 6 from the origin of its frame, and joint 1 can bring it to {low} to {high} m"
-        why = outside(f"{name} {text}", arm.ideal.cos_alpha[4] * centre_5[2], level - swing, level + swing)
-    far = float(np.linalg.norm(point))
-    return why or (beyond_links("axis 6", far, size) if far > 2.0 * size else "")

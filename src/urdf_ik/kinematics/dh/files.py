@@ -7,6 +7,7 @@ belongs to the whole table. JSON: the same keys in one object, the rows under ``
 import csv
 import io
 import json
+import math
 import os
 from collections.abc import Callable
 from functools import reduce
@@ -234,15 +235,15 @@ def _step(joint: dict[str, Any], row: int, convention: str, degrees: bool) -> Ar
 
 
 def _number(joint: dict[str, Any], key: str, row: int, default: float | None = None) -> float:
-    value = joint.get(key, default)
-    if value is None:
-        raise table_error("the value is missing", row=row, column=key)
+    if key not in joint and default is not None:
+        return default
     try:
-        if isinstance(value, bool):
-            raise ValueError
-        return float(value)
+        if key in joint and not isinstance(joint[key], bool) and math.isfinite(number := float(joint[key])):
+            return number
     except (TypeError, ValueError):
-        raise table_error(f"{value!r} is no number", row=row, column=key) from None
+        pass
+    problem = f"{joint[key]!r} is no finite number" if key in joint else "the value is missing"
+    raise table_error(problem, row=row, column=key)
 
 
 def _frame(value: Any, name: str, degrees: bool) -> Array:

@@ -4,7 +4,6 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -130,12 +129,12 @@ class DHTable(Frozen):
             >>> table.joint_names, table.a.tolist()
             (('joint_1', 'joint_2', 'joint_3'), [0.325, 0.275, 0.0])
         """
-        table = _table_array(rows, COLUMNS)
+        table = inputs.array(rows, "rows", (None, 4), UrdfError).copy()
         n = len(table)
         kinds = _joint_types(joint_types, n)
-        bounds = np.tile([-np.inf, np.inf], (n, 1)) if limits is None else _table_array(limits, ("lower", "upper"))
-        if len(bounds) != n:
-            raise table_error(f"{len(bounds)} limits for {n} joints; one row (lower, upper) a joint is needed")
+        bounds = np.tile([-np.inf, np.inf], (n, 1)) if limits is None else np.array(limits, dtype=np.float64)
+        if bounds.shape != (n, 2):
+            raise table_error(f"limits of shape {bounds.shape} given; ({n}, 2) is needed, lower and upper")
         turning = np.array([kind != "prismatic" for kind in kinds], dtype=np.bool_)
         if degrees:
             table[:, [0, 3]] = np.deg2rad(table[:, [0, 3]])
@@ -320,12 +319,11 @@ def _check(table: DHTable) -> None:
             problem = "is no finite number" if not np.isfinite(values[bad]) else f"given; {inputs.why_bad(values[bad])}"
             raise table_error(f"{values[bad]} {problem}", row=bad[0] + 1, column=column)
     _joint_types(table.joint_types, n)
-    _check_names(table.joint_names, n)
+    if len(set(table.joint_names)) != n or not all(str(name).strip() for name in table.joint_names):
+        raise table_error(f"joint names {', '.join(map(repr, table.joint_names))}; {n} different ones are needed")
     _check_limits(table)
     for name in ("base", "tool"):
         _transform(getattr(table, name), name)
-    if not isinstance(table.name, str) or not table.name.strip():
-        raise table_error(f"{table.name!r} is no name of a robot")
 
 
 def _joint_types(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
@@ -347,21 +345,6 @@ def _joint_types(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _table_array(rows: Any, columns: Sequence[str]) -> Array:
-    """A writable array (n, number of columns) of numbers."""
-    out = np.empty((len(rows), len(columns)))
-    for i, row in enumerate(rows):
-        values = np.atleast_1d(np.asarray(row))
-        if values.shape != (len(columns),):
-            needed = f"{len(columns)} are needed: {', '.join(columns)}"
-            raise table_error(f"{values.size} columns given, {needed}", row=i + 1)
-        for k, value in enumerate(row):
-            if not inputs.is_real(value):
-                raise table_error(f"{value!r} is no number", row=i + 1, column=columns[k])
-            out[i, k] = value
-    return out
-
-
 def _transform(value: ArrayLike | None, name: str) -> Array:
     """One pose (4, 4) of its own; the identity for None."""
     try:
@@ -373,23 +356,10 @@ def _transform(value: ArrayLike | None, name: str) -> Array:
     return T
 
 
-def _check_names(names: Sequence[str], n: int) -> None:
-    if len(names) != n:
-        raise table_error(f"{len(names)} joint names for {n} rows; one a row is needed")
-    for row, name in enumerate(names, start=1):
-        if not str(name).strip():
-            raise table_error(f"{name!r} is no name of a joint", row=row, column="name")
-        if name in names[: row - 1]:
-            raise table_error(f"{name!r} is the name of row {names.index(name) + 1}, too", row=row, column="name")
-
-
 def _check_limits(table: DHTable) -> None:
     if table.limits.shape != (len(table.alpha), 2):
         raise table_error(f"limits of shape {table.limits.shape} given; ({len(table.alpha)}, 2) is needed")
     for row, (kind, (lower, upper)) in enumerate(zip(table.joint_types, table.limits, strict=True), start=1):
-        for column, value in (("lower", lower), ("upper", upper)):
-            if kind != "continuous" and not np.isfinite(value):
-                needs = "give both" if kind == "prismatic" else "give both, or neither for a continuous joint"
-                raise table_error(f"a {kind} joint needs a finite limit, not {value}; {needs}", row=row, column=column)
-        if lower > upper:
-            raise table_error(f"lower limit {lower} is above the upper one, {upper}", row=row, column="lower")
+        if kind != "continuous" and not (np.isfinite([lower, upper]).all() and lower <= upper):
+            needed = f"two finite limits of a {kind} joint are needed, the lower one first"
+            raise table_error(f"{needed}, not {lower} and {upper}", row=row, column="lower")

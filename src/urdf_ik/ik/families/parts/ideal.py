@@ -3,12 +3,13 @@
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import seen_in_frame_1
+from urdf_ik.ik.families.parts.explanations import off_by, seen_in_frame_1
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
@@ -195,7 +196,7 @@ def closed_form(
     triple: tuple[int, str],
     meet: Sequence[int],
     numbers: Callable[[Numbers], dict[str, Any] | None],
-    explain: Callable[[Numbers, Solver, Array, Array], str],
+    explain: Callable[[Numbers, Solver, Array, Array], str] | None = None,
 ) -> FamilyMember | None:
     """The member of a family of six turning joints that is solved in closed form.
 
@@ -209,7 +210,8 @@ def closed_form(
         triple: first axis, from 1, and relation of the three axes that the family rests on.
         meet: first axes of pairs that meet too.
         numbers: the ideal arm -> what its solver takes beside it; None where the arm has no such solution.
-        explain: (arm, solver, rotation (3, 3) and solved point (3,) in the ideal frame 1) -> which length does not fit.
+        explain: (arm, solver, rotation (3, 3) and solved point (3,) in the ideal frame 1) -> which length does not fit;
+            None: the nearest pose explains.
     """
     first, relation = triple
     three = structure.triple(first, relation)
@@ -238,7 +240,9 @@ def closed_form(
         imperfection=(max(angles, default=0.0), max(distances, default=0.0)),
         error=error,
         solver=solver,
-        why=seen_in_frame_1(chain, ideal, lambda rotation, point: explain(arm, solver, rotation, point)),
+        why=partial(off_by, chain)
+        if explain is None
+        else seen_in_frame_1(chain, ideal, lambda rotation, point: explain(arm, solver, rotation, point)),
     )
 
 
