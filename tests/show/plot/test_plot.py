@@ -276,7 +276,6 @@ def is_svg(data: bytes) -> bool:
         ("zyyzyz_6r", "overlay", "--shapes", "--q", ",".join(map(str, Q))),
         ("dh_6r", "limits", "--xyz", "0.5,0.11,0.26", "--quat-xyzw", "0,0,0.8,0.6"),
         ("planar_2r", "workspace", "--q", "30,-40", "--degrees"),
-        ("planar_2r", "sliders"),
     ],
 )
 def test_the_command_writes_every_picture(arguments: tuple[str, ...], tmp_path: Path) -> None:

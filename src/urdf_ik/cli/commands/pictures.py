@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.show.viewer import Viewer
 
-Picture = StrEnum("Picture", ["ARM", "BRANCHES", "OVERLAY", "LIMITS", "WORKSPACE", "SLIDERS", "PATH", "INTERVALS"])
+Picture = StrEnum("Picture", ["ARM", "BRANCHES", "OVERLAY", "LIMITS", "WORKSPACE", "PATH", "INTERVALS"])
 _Value = StrEnum("_Value", ["REACH", "SOLUTIONS", "MANIPULABILITY", "MARGIN", "CLEARANCE"])
 
 
@@ -72,7 +72,7 @@ def plot(
         urdf-ik plot srs_7r intervals -o intervals.png
 
     Positional:
-        picture ([WHAT]): arm, branches, overlay, limits, workspace, sliders, path or intervals.
+        picture ([WHAT]): arm, branches, overlay, limits, workspace, path or intervals.
 
     Options:
         shapes: The shapes of the links, too, meshes among them.
@@ -86,7 +86,6 @@ def plot(
         require_display()
     elif output.suffix.lower() not in pictures.SUFFIXES:
         raise ArgumentError(f"{output}: pictures are written as {', '.join(pictures.SUFFIXES)}; name the file so")
-    panel = None
     if picture is Picture.PATH:
         figure = pictures.path(followed(arm, angles, typed, path, chosen).plan)
     else:
@@ -95,11 +94,7 @@ def plot(
             way = "'plot {ROBOT} path' draws a way through them"
             raise usage(f"{picture.value} shows one pose, and {count} are given; {way}", "--poses")
         q = angles.typed(console.joint_vectors(typed.q, "--q", arm.joint_names)[0]) if typed.q else None
-        if picture is Picture.SLIDERS:
-            # The object that the sliders belong to must live as long as the window.
-            panel = pictures.sliders(arm, q, window=output is None)
-            figure = panel.figure
-        elif picture is Picture.ARM:
+        if picture is Picture.ARM:
             figure = pictures.arm(arm, q, shapes=shapes)
         elif picture is Picture.WORKSPACE:
             figure = _workspace(arm, q, layer)

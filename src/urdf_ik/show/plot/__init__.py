@@ -7,8 +7,8 @@
 >>> plot.save(figure, "all_branches.png")
 
 ``plot.path(arm.follow(T))`` draws a path, found or not. Every function returns a ``matplotlib.figure.Figure`` that no
-window knows of: it is drawn without a display, and a notebook shows it. ``sliders`` opens a window; see
-:mod:`urdf_ik.show.plot.slider_panel`.
+window knows of: it is drawn without a display, and a notebook shows it. ``show`` opens a
+window, ``interact`` has sliders in a notebook.
 """
 
 from urdf_ik.errors import ArgumentError
@@ -32,12 +32,11 @@ from urdf_ik.show.plot.pictures import (
     save,
     workspace_slice,
 )
-from urdf_ik.show.plot.slider_panel import Sliders, interact, show, sliders
+from urdf_ik.show.plot.slider_panel import interact, show
 from urdf_ik.show.plot.waypoints import path
 
 __all__ = [
     "SUFFIXES",
-    "Sliders",
     "arm",
     "branches",
     "interact",
@@ -48,6 +47,5 @@ __all__ = [
     "planar_workspace",
     "save",
     "show",
-    "sliders",
     "workspace_slice",
 ]

@@ -1,4 +1,4 @@
-"""Sliders for the joints, in a window of matplotlib or, with ipywidgets, in a notebook."""
+"""Windows of pictures, and sliders for the joints in a notebook."""
 
 from __future__ import annotations
 
@@ -22,10 +22,8 @@ from urdf_ik.typing import Array
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Inches: the picture, a slider, and what is left around them.
-_WIDE, _HIGH, _ROW, _EDGE = 6.4, 5.6, 0.34, 0.3
-_LETTERS = 20
-"""Of a joint's name that have room beside a slider; longer ones are written smaller."""
+_WIDE, _HIGH = 6.4, 5.6
+"""The picture [inches]."""
 _INSTEAD = "write a file instead, with --output or plot.save"
 _LEAST = 1e-3
 """Range [deg or m] of a slider whose joint has none."""
@@ -61,74 +59,6 @@ class _Stage:
             self._line.set_data(*draw.links(self._region, q))
         else:
             self._line.set_data_3d(*looks.stick(self._arm.chain, q).T)
-
-
-class Sliders:
-    """The arm with a slider for each joint; of two turning joints in a plane, the workspace with the arm in it.
-
-    Attributes:
-        figure: the picture; on a window's canvas where one was asked for.
-        sliders: one a joint, in degrees for joints that turn, else in m. Keep this object as long as they are used.
-        q: (n,) rad or m, where they stand.
-
-    Example:
-        >>> import urdf_ik
-        >>> panel = urdf_ik.show.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.2], window=False)
-        >>> panel.sliders[0].set_val(30.0)
-        >>> panel.q.round(4).tolist()
-        [0.5236, 0.2]
-    """
-
-    def __init__(self, arm: Arm, figure: Figure, q: ArrayLike | None = None) -> None:
-        """Draw the arm and its sliders into ``figure``."""
-        from matplotlib.widgets import Slider
-
-        self.figure = figure
-        self.q: Array = start(arm, q).copy()
-        self._scale = scales(arm)
-        width, height = size(arm)
-        figure.set_size_inches(width, height)
-        below = (_ROW * arm.dof + _EDGE) / height
-        room = (0.62, 0.6) if is_two_links(arm) else (0.1, 0.4)  # inches that the axes' numbers take
-        place = (room[0] / width, below + room[1] / height)
-        self.stage = _Stage(arm, figure, (*place, 0.96 - place[0], 1.0 - 0.3 / height - place[1]), self.q)
-        self.sliders = []
-        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, self.q), strict=True)):
-            row = figure.add_axes((0.28, below - _ROW * (i + 0.8) / height, 0.56, 0.5 * _ROW / height))
-            shown, at = f"%.3g {unit(arm, i)}", self._scale[i] * self.q[i]
-            slider = Slider(row, draw.words(name), lower, upper, valinit=at, valfmt=shown)
-            slider.label.set_fontsize(min(10.0, 10.0 * _LETTERS / max(len(name), 1)))
-            slider.on_changed(self._changed)
-            self.sliders.append(slider)
-
-    def _changed(self, _: float) -> None:
-        self.q = np.array([slider.val for slider in self.sliders]) / self._scale
-        self.stage.move(self.q)
-        self.figure.canvas.draw_idle()
-
-
-def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sliders:
-    """The arm with a slider for each joint, in a window that stays open until ``matplotlib.pyplot.show`` returns.
-
-    Args:
-        arm: the arm.
-        q: (n,) rad or m within the limits, where the sliders begin; default: zero, or the nearest to it.
-        window: open one; else a figure to be saved.
-
-    Raises:
-        ArgumentError: ``q`` does not fit the arm, or is outside the limits.
-        ArgumentError: there is no display to open a window on.
-
-    Example:
-        >>> import urdf_ik
-        >>> panel = urdf_ik.show.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.2], window=False)
-        >>> len(panel.sliders), panel.q.round(6).tolist()
-        (2, [0.3, 0.2])
-    """
-    figure = draw.Picture(figsize=size(arm))
-    if window:  # before the sliders, which listen to the canvas that they find
-        _open(figure, arm.name)
-    return Sliders(arm, figure, q)
 
 
 def show(figure: Figure) -> None:
@@ -215,11 +145,6 @@ def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
         for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, first), strict=True))
     }
     return ipywidgets.interactive(picture, **controls)
-
-
-def size(arm: Arm) -> tuple[float, float]:
-    """Width and height [inches] of the picture with its sliders."""
-    return _WIDE, _HIGH + _ROW * arm.dof
 
 
 def scales(arm: Arm) -> Array:
