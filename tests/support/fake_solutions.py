@@ -30,6 +30,7 @@ class FakeArm:
 
     def __init__(self) -> None:
         self.cell = Hits()
+        self.redundancy = None
 
     def explain(self, T: Array, redundancy: float | None = None) -> str:
         """The fake arm's reason for a pose without solutions."""

@@ -36,8 +36,8 @@ EXACT = 1e-9
 """m, rad: a tip this near to a target is at it."""
 _HARD = 100.0
 """Weight of the part that counts first where it is out of reach."""
-_ROUNDS = 30
-"""Newton's rounds of a cycle to the nearest posture."""
+_ROUNDS = 6
+"""Newton's rounds of a cycle to the nearest posture; the next cycle goes on from where it led."""
 
 _KINDS = {
     "pose": task.POSE,
@@ -274,7 +274,7 @@ class Tracker:
         if self._first == "both":
             found = descended(wanted, start, seen.limits, float(asked.has_place), float(asked.has_turn), _ROUNDS)
         else:
-            found, good = constrained(wanted, start, seen.limits, self._first)
+            found, good = constrained(wanted, start, seen.limits, self._first, _ROUNDS)
             if not good[0]:
                 pair = (_HARD, 1.0) if self._first == "position" else (1.0, _HARD)
                 found = descended(wanted, start, seen.limits, *pair, _ROUNDS)
