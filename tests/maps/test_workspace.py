@@ -285,7 +285,7 @@ def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
     arm = urdf_ik.load("zyyzyz_6r")
     path = tmp_path / "map.npz"
     found = workspaces.workspace(arm, 0.8, 7, manipulability=True, margin=True, output=path)
-    again = workspaces.read(path)
+    again = workspaces.opened(path)
     assert again.about == found.about and again.grid.shape == found.grid.shape
     for name in ("samples", "solutions", "within", "branch_poses", "manipulability", "margin"):
         np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
@@ -314,7 +314,7 @@ def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "shape.npz", **{**arrays, "solutions": arrays["solutions"][1:]})
     for name in ("text", "cut", "other", "version", "shape", "missing"):
         with pytest.raises(urdf_ik.ArgumentError, match=f"{name}.npz"):
-            workspaces.read(tmp_path / f"{name}.npz")
+            workspaces.opened(tmp_path / f"{name}.npz")
 
 
 def test_questions_to_a_map() -> None:
@@ -368,7 +368,7 @@ def test_the_command_prints_regions_and_maps(tmp_path: Path) -> None:
     assert data["regions"]["elbow right"]["area"] == pytest.approx(0.0029759, rel=1e-4)
     path = tmp_path / "map.npz"
     text = succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-o", str(path))
-    found = workspaces.read(path)
+    found = workspaces.opened(path)
     assert f" {found.solutions.sum()}\n" in text and "shoulder front" in text
     data = json.loads(succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-f", "json"))
     assert data["poses"]["reached"] == (found.counts > 0).sum()

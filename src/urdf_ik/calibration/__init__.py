@@ -7,7 +7,6 @@ _MODULE = {
     "Change": "report",
     "Errors": "report",
     "Measurements": "measurements",
-    "UrKinematics": "universal_robots",
     "best_poses": "fit",
     "calibrate": "fit",
     "measured": "measurements",

@@ -6,7 +6,7 @@ description package writes into the URDF as they stand.
 
 import math
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import IO, Any
 
 import numpy as np
@@ -33,29 +33,8 @@ _LARGEST_CHANGE = 0.05  # m: no calibration moves a joint so far; other frames d
 _TURNED = 0.1  # rad: the same of an axis
 
 
-@dataclass(frozen=True)
-class UrKinematics:
-    """The origins of a Universal Robots arm's joints.
-
-    Attributes:
-        origins: link ('shoulder', 'upper_arm', ...) -> (x, y, z [m], roll, pitch, yaw [rad]).
-        hash: the controller's mark of this calibration, such as 'calib_123'; '' without one.
-    """
-
-    origins: dict[str, tuple[float, ...]]
-    hash: str = ""
-
-    def to_yaml(self) -> str:
-        """The file's text."""
-        lines = ["kinematics:"]
-        for link in JOINTS:
-            lines.append(f"  {link}:")
-            lines += [f"    {name}: {value!r}" for name, value in zip(NUMBERS, self.origins[link], strict=True)]
-        return "\n".join([*lines, *([f"  hash: {self.hash}"] if self.hash else [])]) + "\n"
-
-
-def read_ur_kinematics(source: str | os.PathLike[str] | IO[bytes]) -> UrKinematics:
-    r"""Read a kinematics YAML.
+def read_ur_kinematics(source: str | os.PathLike[str] | IO[bytes]) -> dict[str, tuple[float, ...]]:
+    """A kinematics YAML's origins: link ('shoulder', 'upper_arm', ...) -> (x, y, z [m], roll, pitch, yaw [rad]).
 
     Raises:
         ArgumentError: the file cannot be read, or lacks a link or a number; the message names it.
@@ -75,8 +54,7 @@ def read_ur_kinematics(source: str | os.PathLike[str] | IO[bytes]) -> UrKinemati
     kinematics = held.get("kinematics") if isinstance(held, dict) else None
     if not isinstance(kinematics, dict):
         raise ArgumentError(f"{name}: no 'kinematics' in it; {wanted}")
-    origins = {link: _origin(name, link, kinematics.get(link), wanted) for link in JOINTS}
-    return UrKinematics(origins, str(kinematics.get("hash", "")))
+    return {link: _origin(name, link, kinematics.get(link), wanted) for link in JOINTS}
 
 
 def _origin(name: str, link: str, numbers: Any, wanted: str) -> tuple[float, ...]:
@@ -96,7 +74,7 @@ def _origin(name: str, link: str, numbers: Any, wanted: str) -> tuple[float, ...
     return tuple(out)
 
 
-def with_ur_kinematics(arm: Arm, kinematics: UrKinematics) -> bytes:
+def with_ur_kinematics(arm: Arm, kinematics: Mapping[str, tuple[float, ...]]) -> bytes:
     """The URDF of a Universal Robots arm with the origins of a calibration, all else as it was written.
 
     Raises:
@@ -106,7 +84,7 @@ def with_ur_kinematics(arm: Arm, kinematics: UrKinematics) -> bytes:
     joints = _joints(arm)
     changes = {}
     for link, joint in joints.items():
-        numbers = kinematics.origins[link]
+        numbers = kinematics[link]
         moved = float(np.linalg.norm(np.array(numbers[:3]) - joint.origin[:3, 3]))
         turned = float(
             np.linalg.norm(to_rotvec(np.linalg.inv(joint.origin) @ pose(joint.origin[:3, 3], rpy=numbers[3:])))
@@ -123,14 +101,17 @@ def with_ur_kinematics(arm: Arm, kinematics: UrKinematics) -> bytes:
     return with_numbers(text_of(arm.model), changes)
 
 
-def ur_kinematics(arm: Arm, calibration_hash: str = "") -> UrKinematics:
-    """The joints' origins of a Universal Robots arm, to be written as YAML: :meth:`UrKinematics.to_yaml`.
+def ur_kinematics(arm: Arm) -> str:
+    """The kinematics YAML of a Universal Robots arm.
 
     Raises:
         UrdfError: the URDF lacks one of the joints, or its axes are not the z axes of their frames.
     """
-    origins = {link: (*map(float, joint.origin[:3, 3]), *map(float, joint.rpy)) for link, joint in _joints(arm).items()}
-    return UrKinematics(origins, calibration_hash)
+    import yaml
+
+    origins = {link: [*joint.origin[:3, 3], *joint.rpy] for link, joint in _joints(arm).items()}
+    tables = {link: dict(zip(NUMBERS, map(float, origin), strict=True)) for link, origin in origins.items()}
+    return str(yaml.safe_dump({"kinematics": tables}, sort_keys=False))
 
 
 def _joints(arm: Arm) -> dict[str, Joint]:

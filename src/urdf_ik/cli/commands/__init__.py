@@ -6,10 +6,10 @@
 GROUPS = {
     "Ask an arm": {
         "ik": ("ik", "Inverse kinematics: every solution of a pose, with its branch, checks and error"),
-        "fk": ("fk", "Forward kinematics: the tip's pose in the base, for each joint vector"),
+        "fk": ("kinematics", "Forward kinematics: the tip's pose in the base, for each joint vector"),
         "info": ("info", "Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved"),
         "explain": ("explain", "Explain the answer to a pose: what stands in the way of each solution"),
-        "dh": ("dh", "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON)"),
+        "dh": ("kinematics", "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON)"),
         "workspace": ("regions", "The region that the tip reaches: exact for a planar arm, a map for any other"),
     },
     "Hold it to account": {

@@ -95,7 +95,7 @@ def calibrate(
     if report is not None:
         files.write(report, found.to_html().encode())
     if write_ur_kinematics is not None:
-        files.write(write_ur_kinematics, calibration.ur_kinematics(found.arm).to_yaml().encode())
+        files.write(write_ur_kinematics, calibration.ur_kinematics(found.arm).encode())
     data, text = found.to_dict(), f"{found}\n"
     if next_poses:
         best, gains, unchecked = calibration.best_poses(found, next_poses, seed=seed)

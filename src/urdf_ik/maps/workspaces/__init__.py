@@ -22,7 +22,6 @@ from urdf_ik.maps.workspaces.workspace_map import (
     MapSlice,
     WorkspaceMap,
     opened,
-    read,
     require_map_of,
 )
 
@@ -40,7 +39,6 @@ __all__ = [
     "grid_of",
     "opened",
     "planar",
-    "read",
     "require_map_of",
     "stored_workspace",
     "workspace",

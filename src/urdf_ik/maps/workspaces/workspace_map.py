@@ -292,18 +292,22 @@ class WorkspaceMap:
         files.write(path, lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
 
 
-def read(path: str | os.PathLike[str]) -> WorkspaceMap:
-    """Read a map that :meth:`WorkspaceMap.save` wrote.
+def opened(path: str | os.PathLike[str]) -> WorkspaceMap:
+    """A map in a store, or in a file that :meth:`WorkspaceMap.save` wrote.
 
     Raises:
-        ArgumentError: the file cannot be read, or is no such map; the message says why.
+        JobError: the folder is no store of a map.
+        ArgumentError: the file cannot be read, or is no map; the message says why.
 
     Example:
         >>> import urdf_ik
-        >>> urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4).save("map.npz")
-        >>> urdf_ik.maps.workspaces.read("map.npz").grid.shape
-        (8, 8, 1)
+        >>> _ = urdf_ik.maps.stored_workspace(urdf_ik.load("planar_2r"), "map.zarr", 0.05, 4)
+        >>> opened("map.zarr").complete
+        True
     """
+    if os.path.isdir(path):
+        store = BlockStore(path, STORE_FORMAT)
+        return WorkspaceMap(store.about, store.grid, np.asarray(store.group["samples"][...]), store=store)
     try:
         with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
@@ -323,25 +327,6 @@ def read(path: str | os.PathLike[str]) -> WorkspaceMap:
     except Exception as error:  # zip, zlib, NumPy and JSON each have their own errors for damaged bytes
         raise ArgumentError(f"{path} is no workspace map, or a damaged one: {type(error).__name__} {error}") from None
     return WorkspaceMap(about, grid, samples, {name: arrays[name] for name in VARIABLES if name in arrays})
-
-
-def opened(path: str | os.PathLike[str]) -> WorkspaceMap:
-    """A map in a store, or in a file that :meth:`WorkspaceMap.save` wrote.
-
-    Raises:
-        JobError: the folder is no store of a map.
-        ArgumentError: the file cannot be read, or is no map.
-
-    Example:
-        >>> import urdf_ik
-        >>> _ = urdf_ik.maps.stored_workspace(urdf_ik.load("planar_2r"), "map.zarr", 0.05, 4)
-        >>> opened("map.zarr").complete
-        True
-    """
-    if not os.path.isdir(path):
-        return read(path)
-    store = BlockStore(path, STORE_FORMAT)
-    return WorkspaceMap(store.about, store.grid, np.asarray(store.group["samples"][...]), store=store)
 
 
 def sample_coordinates(about: Mapping[str, Any], samples: Array) -> dict[str, Coordinate]:
