@@ -85,3 +85,20 @@ def test_an_interval_that_is_printed_can_be_typed_back(tmp_path: Path) -> None:
     for low, high in found:
         middle = (float(low) + float(high)) / 2
         assert CliRunner().invoke(app, [*ask, f"--redundancy={middle}"]).exit_code == 0
+
+
+def test_a_pendant_measures_joint_3_against_the_horizon() -> None:
+    """The hand keeps its orientation while joint 2 alone moves, and what ik shows is typed back."""
+    vectors = [f"0.2,{second},0.4,0.3,0.5,0.1" for second in (-0.6, 0.2, 1.0)]
+    typed = [f"--q={each}" for each in vectors]
+    found = json.loads(CliRunner().invoke(app, ["fk", "puma_560", "--pendant", "--json", *typed]).stdout)
+    reference = urdf_ik.load("puma_560").cell.reference
+    poses = [np.array(each["pose"]) for each in found["poses"]]
+    np.testing.assert_allclose([each["q"][2] for each in found["poses"]], 0.4, atol=1e-15)
+    for pose in poses:
+        np.testing.assert_allclose(pose[:3, :3], poses[0][:3, :3], atol=1e-12)
+    whole = np.array([0.2, 1.0, 0.4 - 1.0, 0.3, 0.5, 0.1])
+    np.testing.assert_allclose(reference.pose(whole), poses[2], atol=1e-12)
+    answer = json.loads(CliRunner().invoke(app, ["ik", "puma_560", "--pendant", "--json", f"--q={vectors[2]}"]).stdout)
+    shown = np.array([each["q"] for each in answer["poses"][0]["solutions"]])
+    assert np.abs(shown - [0.2, 1.0, 0.4, 0.3, 0.5, 0.1]).max(axis=1).min() < 1e-9

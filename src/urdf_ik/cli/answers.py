@@ -124,7 +124,7 @@ class CheckedSolutions:
         checks = {name: values[i, b] for name, values in self.columns.items()}
         out: dict[str, Any] = {
             "branch": self.solutions.names[i, b],
-            "q": self.angles.shown(self.solutions.q[i, b]),
+            "q": self.angles.vectors(self.solutions.q[i, b]),
             "singular": flags(self.solutions.singular[i, b]),
             "within_limits": checks["within_limits"],
         }
@@ -145,7 +145,7 @@ class CheckedSolutions:
         parameters = ["redundancy"] * count if count < 2 else [f"redundancy_{k}" for k in range(1, count + 1)]
         last = ["singular", "branch", *(["configuration"] if self.configurations is not None else [])]
         yield ["pose", *self.arm.joint_names, within, *parameters, *checks, *last]
-        q, values = self.angles.shown(self.solutions.q), self.redundancy
+        q, values = self.angles.vectors(self.solutions.q), self.redundancy
         for i, b in np.argwhere(self.solutions.valid).tolist():
             found = [column[i, b].item() for column in self.columns.values()]
             own = [] if values is None else np.atleast_1d(values[i]).tolist()
@@ -158,7 +158,7 @@ class CheckedSolutions:
         """The arrays as the package lays them out: NaN rows of ``q`` where a branch has no solution."""
         out = {
             "poses": self.poses,
-            "q": self.angles.shown(self.solutions.q),
+            "q": self.angles.vectors(self.solutions.q),
             "valid": self.solutions.valid,
             "singular": self.solutions.singular,
             "branches": np.array(self.solutions.names, dtype=np.str_),
@@ -254,7 +254,7 @@ def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
     places = np.flatnonzero(answer.solutions.valid[pose]).tolist()
     if not places:
         return ["", answer.explanation(pose)]
-    q, branches = angles.shown(answer.solutions.q[pose]), _branch_columns([names[b] for b in places])
+    q, branches = angles.vectors(answer.solutions.q[pose]), _branch_columns([names[b] for b in places])
     digits = 2 if angles.degrees else 4
     values = [
         {"#": k, **branches[k - 1], **{f"q{i}": tables.number(x, digits) for i, x in enumerate(q[b], 1)}}

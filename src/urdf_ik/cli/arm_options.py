@@ -6,7 +6,7 @@ import re
 import string
 import sys
 from collections.abc import Collection
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Self, get_args, get_origin, get_type_hints
 
@@ -70,7 +70,9 @@ class ArmOptions(Record):
     free_axis: str | None = None
     free_at: str | None = None
 
-    def loaded(self, degrees: bool = False, typed: PoseOptions | None = None) -> tuple[Arm, Angles]:
+    def loaded(
+        self, degrees: bool = False, typed: PoseOptions | None = None, pendant: bool = False
+    ) -> tuple[Arm, Angles]:
         """The arm, and how its joint values are typed and shown; see :meth:`load`.
 
         ``typed``: the poses of the command, which cannot come from standard input if the robot does.
@@ -78,7 +80,12 @@ class ArmOptions(Record):
         if typed is not None:
             self.apart_from(typed)
         arm = self.load(degrees)
-        return arm, angles_of(arm, degrees)
+        if not pendant:
+            return arm, angles_of(arm, degrees)
+        from urdf_ik.ik.configurations import OPW
+
+        _, second, third, *_ = OPW.from_chain(arm.chain).signs
+        return arm, replace(angles_of(arm, degrees), horizon=float(second * third))
 
     def load(self, degrees: bool = False) -> Arm:
         """The arm; ``degrees``: whether the tool's orientation is in degrees."""

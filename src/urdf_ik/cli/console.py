@@ -47,10 +47,13 @@ class Angles:
     Attributes:
         degrees: angles are shown and typed in degrees.
         turning: (n,) true for joints whose value is an angle (not prismatic).
+        horizon: share of joint 2 that joint 3 holds in joint vectors as shown and typed: 0, or 1 or -1 where it is
+            against the horizon.
     """
 
     degrees: bool
     turning: NDArray[np.bool_]
+    horizon: float = 0.0
 
     @property
     def unit(self) -> str:
@@ -67,12 +70,23 @@ class Angles:
         return np.rad2deg(value) if self.degrees else value
 
     def shown(self, q: Array) -> Array:
-        """Joint vectors (..., n) in rad or m, as shown."""
+        """Joint values, limits or differences (..., n) in rad or m, as shown."""
         return np.where(self.turning, np.rad2deg(q), q) if self.degrees else q
 
     def typed(self, q: Array) -> Array:
-        """Joint vectors (..., n) as typed, in rad or m."""
+        """Joint values (..., n) as typed, in rad or m."""
         return np.where(self.turning, np.deg2rad(q), q) if self.degrees else q
+
+    def vectors(self, q: Array) -> Array:
+        """Joint vectors (..., n) in rad or m, as shown."""
+        return self.shown(self._coupled(q, self.horizon))
+
+    def typed_vectors(self, q: Array) -> Array:
+        """Joint vectors (..., n) as typed, in rad or m."""
+        return self._coupled(self.typed(q), -self.horizon)
+
+    def _coupled(self, q: Array, share: float) -> Array:
+        return q + share * q[..., 1:2] * (np.arange(len(self.turning)) == 2) if share else q
 
 
 def usage(message: str, option: str | None = None) -> typer.BadParameter:

@@ -67,6 +67,7 @@ class Shared:
     Options (Output):
         time_limit (S): Longest work; then what it has so far.
         degrees: All angles in degrees, typed and shown, those of --rpy and --rotvec too.
+        pendant: Joint 3 against the horizon, as a FANUC pendant shows it; typed and shown.
         printed_as (--format -f): How to print it. Default: by the name of --output, else table.
         as_json (--json): The same as --format json.
         output (-o FILE): Write here instead of stdout.

@@ -76,7 +76,7 @@ def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> T
     if len(there) > 1:
         raise console.usage(f"{' and '.join(there)} exclude each other; give one kind of target")
     if typed.q:
-        q = angles.typed(console.joint_vectors(typed.q, "--q", arm.joint_names))
+        q = angles.typed_vectors(console.joint_vectors(typed.q, "--q", arm.joint_names))
         return replace(_of_vectors(arm, q, "target: the tip at the joint vector that was given"), source="--q")
     if typed.poses is not None:
         poses = read_poses(console.opened(typed.poses, "--poses"), degrees=angles.degrees)
@@ -218,7 +218,7 @@ def _example(arm: Arm, angles: Angles, seed: int) -> Target:
     regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
     inside = solutions.within_limits().valid.sum(axis=-1)
     best = int(np.lexsort((-inside, -regular))[0])
-    shown = ",".join(f"{x:.6g}" for x in angles.shown(q[best]))
+    shown = ",".join(f"{x:.6g}" for x in angles.vectors(q[best]))
     return _of_vectors(arm, q[best : best + 1], f"target: this arm's example, the tip at q = {shown}")
 
 

@@ -63,7 +63,7 @@ class Choice(options.Record):
         """(n,) rad or m, the joint vector of --nearest."""
         if self.nearest is None:
             return None
-        return angles.typed(console.numbers(self.nearest, "--nearest", arm.joint_names))
+        return angles.typed_vectors(console.numbers(self.nearest, "--nearest", arm.joint_names))
 
     def at_the_nearest(self, arm: Arm, target: Target, angles: Angles) -> Target:
         """The target with the redundancy parameters of the solution for --nearest or --wish, contacts aside.
@@ -206,6 +206,7 @@ def ik(
     check: bool | None = None,
     chosen: ArmOptions,
     degrees: bool = False,
+    pendant: bool = False,
     printed_as: Format | None = None,
     output: Path | None = None,
 ) -> None:
@@ -238,7 +239,7 @@ def ik(
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     obstacles = read_world(world, chosen)
-    arm, angles = chosen.loaded(degrees, typed)
+    arm, angles = chosen.loaded(degrees, typed, pendant)
     keep = choice.filter_for(arm, angles, obstacles)
     with Progress("checking solutions") as progress:
         asked, direction = targets.task_of(task, axis)

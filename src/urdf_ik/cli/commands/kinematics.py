@@ -19,6 +19,7 @@ def fk(
     q: list[str],
     chosen: ArmOptions,
     degrees: bool = False,
+    pendant: bool = False,
     printed_as: Format | None = None,
     output: Path | None = None,
 ) -> None:
@@ -36,9 +37,9 @@ def fk(
     from urdf_ik.paths.waypoints import POSE_COLUMNS
 
     chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
-    arm, angles = chosen.loaded(degrees, options.PoseOptions(q=q))
-    vectors = angles.typed(console.joint_vectors(q, "--q", arm.joint_names))
-    poses, shown = arm.fk(vectors), angles.shown(vectors)
+    arm, angles = chosen.loaded(degrees, options.PoseOptions(q=q), pendant)
+    vectors = angles.typed_vectors(console.joint_vectors(q, "--q", arm.joint_names))
+    poses, shown = arm.fk(vectors), angles.vectors(vectors)
     quats, rpy = to_quat_xyzw(poses), angles.angle(to_rpy(poses))
     places = poses[:, :3, 3]
     parts = (
