@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import urdf_ik
 from urdf_ik.show import plot
@@ -93,7 +94,7 @@ def write(folder: Path) -> None:
     fold(folder / "fold.svg")
 
 
-def axes_of(arm: urdf_ik.Arm, q: np.ndarray, marked: tuple[int, ...]) -> plot.Picture:
+def axes_of(arm: urdf_ik.Arm, q: np.ndarray, marked: tuple[int, ...]) -> Figure:
     """The stick figure of an arm with its joint axes, those that make its family in blue and thick."""
     figure = plot.arm(arm, q, shapes=False)
     (axes,) = figure.axes
