@@ -198,6 +198,121 @@ template <int L> PART void start_roots(const HalfTangent<L>& p, WideRoot<L> (&ro
     }
 }
 
+// Roots that lie within this share of each other's unit are told apart in a smaller unit, up to so many times.
+inline constexpr double BESIDE_IN_DOUBLES = 0.01;
+inline constexpr int SMALLER_UNITS = 6, ROUNDS_IN_DOUBLES = 24;
+
+// The `many` roots y of sum c_k y^k that are not far beyond 1: Aberth's iteration.
+PART void roots_in_doubles(const Complex (&c)[ROOTS + 1], int many, Complex* y) {
+    for (int i = 0; i < many; ++i) {
+        const Turn<double> t = cos_sin(0.4 + 2.0 * PI * i / many - PI);
+        y[i] = {0.8 * t.c, 0.8 * t.s};
+    }
+    bool moves = true;
+    for (int round = 0; round < ROUNDS_IN_DOUBLES && moves; ++round) {
+        moves = false;
+        for (int i = 0; i < many; ++i) {
+            Complex value = c[ROOTS], slope = 0.0, sum = 0.0;
+            for (int k = ROOTS - 1; k >= 0; --k) slope = slope * y[i] + value, value = value * y[i] + c[k];
+            if (value.re == 0.0 && value.im == 0.0) continue;
+            for (int j = 0; j < many; ++j) {
+                if (j != i) sum += quotient(Complex(1.0), y[i] - y[j]);
+            }
+            const Complex step = quotient(value, slope - value * sum);
+            if (!(size_of(step) < 10.0)) continue;
+            y[i] = y[i] - step, moves |= size_of(step) > 1e-12;
+        }
+    }
+}
+
+template <int L>
+void separate_all(const HalfTangent<L>& p, WideRoot<L>* const* at, const Complex* y, int many, bool far, double unit, int times);
+
+// Roots that doubles do not tell apart: those of the polynomial about their middle, in a unit in which they are of size one.
+// far: all in 1 / x. unit: of the roots before.
+template <int L> PART void separate(const HalfTangent<L>& p, WideRoot<L>* const* at, int many, bool far, double unit, int times) {
+    WideComplex<L> middle = 0.0;
+    double spread = 0.0;
+    for (int i = 0; i < many; ++i) middle += at[i]->x;
+    middle = inverse(Wide<L>(double(many))) * middle;
+    for (int i = 0; i < many; ++i) spread = max(spread, size_of(leading(at[i]->x - middle)));
+    Complex t[ROOTS + 1];
+    const auto shift = [&](auto& b, const auto& c) {
+        for (int j = 0; j <= ROOTS; ++j) {
+            for (int k = ROOTS - 1; k >= j; --k) b[k] = b[k] + c * b[k + 1];
+        }
+    };
+    // Among real roots and pairs the middle is real.
+    if (abs(middle.im.leading()) < spread) {
+        Fixed<L> b[ROOTS + 1];
+        middle.im = 0.0;
+        for (int k = 0; k <= ROOTS; ++k) b[k] = p.a[far ? ROOTS - k : k];
+        shift(b, Fixed<L>(middle.re, 0));
+        for (int k = 0; k <= ROOTS; ++k) t[k] = b[k].leading();
+    } else {
+        FixedComplex<L> b[ROOTS + 1];
+        for (int k = 0; k <= ROOTS; ++k) b[k].re = p.a[far ? ROOTS - k : k], b[k].im = Fixed<L>{};
+        shift(b, FixedComplex<L>(middle, 0));
+        for (int k = 0; k <= ROOTS; ++k) t[k] = {b[k].re.leading(), b[k].im.leading()};
+    }
+    double own = 0.0;
+    // The largest root is at most about twice as large (Fujiwara 1916).
+    for (int j = 0; j < many; ++j) {
+        const double share = size_of(t[j]) / size_of(t[many]);
+        if (share > 0.0) own = max(own, exponential(logarithm(share) / (many - j)));
+    }
+    if (!(own > 0.0 && own < unit)) return;
+    double power = 1.0 / size_of(t[many]);
+    for (int j = many; j > 0; --j) power /= own;
+    for (int j = 0; j <= ROOTS; ++j, power *= own) t[j] = {power * t[j].re, power * t[j].im};
+    Complex y[ROOTS];
+    roots_in_doubles(t, many, y);
+    for (int i = 0; i < many; ++i) at[i]->x = middle + WideComplex<L>(own * y[i].re, own * y[i].im);
+    if (times) separate_all(p, at, y, many, far, own, times - 1);
+}
+
+STEP bool are_beside(const Complex& a, const Complex& b) {
+    const auto length = [](const Complex& x) { return 1.0 + x.re * x.re + x.im * x.im; };
+    const double apart = size_of(a - b);
+    return apart * apart < BESIDE_IN_DOUBLES * BESIDE_IN_DOUBLES * length(a) * length(b);
+}
+
+// The same for each group among roots y times a unit; unit 0: the first one.
+template <int L> PART void separate_all(const HalfTangent<L>& p, WideRoot<L>* const* at, const Complex* y, int many, bool far,
+                                        double unit, int times) {
+    unsigned left = (1u << many) - 1;
+    while (left) {
+        unsigned group = left & -left;
+        for (bool grows = true; grows;) {
+            grows = false;
+            for (int j = 0; j < many; ++j) {
+                for (int i = 0; i < many && (left & ~group) >> j & 1; ++i) {
+                    if (group >> i & 1 && are_beside(y[i], y[j])) group |= 1u << j, grows = true;
+                }
+            }
+        }
+        left &= ~group;
+        WideRoot<L>* together[ROOTS];
+        int n = 0;
+        for (int i = 0; i < many; ++i) {
+            if (group >> i & 1) together[n++] = at[i];
+        }
+        if (n == 1) continue;
+        const bool first = unit == 0.0, turned = first && size_of(leading(together[0]->x)) > 1.0;
+        for (int i = 0; i < n && turned; ++i) together[i]->x = inverse(together[i]->x);
+        separate(p, together, n, first ? turned : far, first ? 1.0 : unit, times);
+        for (int i = 0; i < n && turned; ++i) together[i]->x = inverse(together[i]->x);
+    }
+}
+
+// The roots that doubles do not tell apart.
+template <int L> PART void separate_roots(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
+    WideRoot<L>* at[ROOTS];
+    Complex y[ROOTS];
+    for (int i = 0; i < ROOTS; ++i) at[i] = root + i, y[i] = leading(root[i].x);
+    separate_all(p, at, y, ROOTS, false, 0.0, SMALLER_UNITS);
+}
+
 template <int L> PART void improve_roots(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
     unsigned moves = (1u << ROOTS) - 1;
     for (int round = 0; round < ROUNDS_TO_ROOTS && moves; ++round) {
@@ -246,6 +361,7 @@ STEP double power_16(double x) {
 // All roots, with discs that hold them (Smith 1970, see root_discs).
 template <int L> PART void roots_of(const HalfTangent<L>& p, WideRoot<L> (&root)[ROOTS]) {
     start_roots(p, root);
+    separate_roots(p, root);
     improve_roots(p, root);
     int group[ROOTS];
     Complex at[ROOTS];
