@@ -9,28 +9,26 @@
 //   |t| = along:   m along^2 > |g_t| + |A_tt| along + |A_ty| across + |H_t,ty| along across + |H_t,yy| across^2 / 2 + third
 //   third = |T_ttt| along^3 + s across x^2 e^x / 2 + (s_t along)^4 e^x / 24,  x = s_t along + s across >= sum_k |d_k| |zeta_k|,
 //   s^2 = sum_k |zeta_k|^2,  s_t^2 = sum_t (sum_k |V_kt| |zeta_k|)^2,  |zeta_k|^2 = |v_k|^2 + 2 |w_k|^2
-// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2. With one t, y is counted from the curve y(t) of valley.hpp:
-// the terms in t alone are known up to a higher order, and terms of y(t) join s_t along and |H_yy|.
+// since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2.
 // If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
 // right side is convex in |y|: the larger region has no further root.
-// With one t there may be three, where the term of third order exceeds the others on the curve y(t). T_ttt are the terms of third
-// order in t alone, of the output at hand: the coefficients of the product of exponentials. m is the smallest singular value of
-// Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted by the root of the multinomial
-// coefficient so that a unit vector's have length one, and whose rows are each quadric times each monomial of degree r - 1: the
-// product with a unit vector's monomials has the length of the quadrics there. It is zero exactly where they have a common zero.
+// T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials. m is the
+// smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted by the
+// root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each monomial
+// of degree r - 1: the product with a unit vector's monomials has the length of the quadrics there. It is zero exactly where they
+// have a common zero.
 #pragma once
 
 #include "certificate/account.hpp"
-#include "certificate/valley.hpp"
+#include "certificate/series.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // Radii `along` that are tried, from the largest: quarter decades.
 inline constexpr double LARGEST_CLUSTER = 0.1, QUARTER_DECADE = 0.5623413251903491;
 inline constexpr int RADII = 27;
-// Ranks that may be lost, and roots that a ball may hold where one is lost: two folds in a row, the second where the first one has
-// just lost half of the digits, have four.
-inline constexpr int MOST_LOST = 3, MOST_IN_A_ROW = 4;
+// Ranks that may be lost.
+inline constexpr int MOST_LOST = 3;
 // A quadric's coefficients below this share of the largest are left out when the centre is improved; the centre moves by at most
 // LONGEST_MOVE in each of CENTRINGS rounds, and by FARTHEST_CENTRE in all [rad]. None of these decides what is proven.
 inline constexpr double WEAKEST_QUADRIC = 1e-6, LONGEST_MOVE = 0.05, FARTHEST_CENTRE = 0.3;
@@ -45,6 +43,9 @@ inline constexpr double ALMOST_REAL = 1e-3;
 // The roots of a cluster stand as one if its centre keeps the pose to this many times the rounding of the loop: where they are
 // farther apart, each has a certificate of its own, or has to be found.
 inline constexpr double BLURRED = 16.0;
+// A joint vector that keeps the pose to this without being a solution may stand for one.
+inline constexpr double NEARLY_KEPT = 1e-10;
+
 // A step of Newton's method in the directions of the 6 - lost large singular values. Returns its length.
 STEP double step_across(const LoopAt<Number>& at, const Svd<6, 6>& J, int lost, Number (&q)[6]) {
     Number x[6] = {};
@@ -107,7 +108,6 @@ PART double least_of_quadrics(const Local& at, int lost) {
 // The smallest ball that is proven to hold so many roots; along is 0 if none is. largest: the largest one.
 struct Region {
     double across, along, largest_across, largest_along, m;
-    double height, largest_height;  // of the curve that `across` is counted from, in the smallest and the largest ball
     double rest;  // what g_t may differ from its terms up to the second order in t by in the smallest ball
     bool blurred;  // the roots are nearer to each other than rounding
 };
@@ -131,57 +131,35 @@ PART Norms norms_of(const Local& at, int lost) {
             norm_of(at, n, 6, 0, n, 0, n),
             min(SLACK_OF_SUMS * sqrt(sum_t), at.spread)};
 }
-// Bounds on the terms in t alone, by order, of the first outputs and of the others.
+// Bounds on the terms in t alone, by order, of the first outputs and of the others; the quadrics are not among these.
 struct TermsInT {
-    double y[HIGHEST + 1], t[HIGHEST + 1];
+    double y[4], t[4];
 };
-PART TermsInT terms_in_t(const Local& at, int lost, const Valley* valley) {
-    TermsInT out = {};
-    if (valley) {
-        for (int k = 1; k <= HIGHEST; ++k) out.y[k] = valley->y[k], out.t[k] = valley->t[k];
-        return out;
-    }
+PART TermsInT terms_in_t(const Local& at, int lost) {
     const int n = 6 - lost;
     const ThirdOrder third = third_order(at, lost);
-    out.y[1] = norm_of(at, n, 6, 0, n), out.y[2] = 0.5 * norm_of(at, 0, n, n, 6, n, 6), out.y[3] = third.y;
-    out.t[1] = norm_of(at, n, 6, n, 6), out.t[3] = third.t;
-    return out;
+    return {{0.0, norm_of(at, n, 6, 0, n), 0.5 * norm_of(at, 0, n, n, 6, n, 6), third.y},
+            {0.0, norm_of(at, n, 6, n, 6), 0.0, third.t}};
 }
-// Their sum at |t| = R, from the order `from` on.
-STEP double in_t_alone(const double (&terms)[HIGHEST + 1], double R, int from) {
-    double sum = 0.0, power = 1.0;
-    for (int k = 1; k <= HIGHEST; ++k) power *= R, sum += k < from ? 0.0 : terms[k] * power;
-    return sum;
-}
-// valley: with one rank lost; many is then 2 to MOST_IN_A_ROW, else 2^lost.
-PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley* valley, int many) {
-    const int n = 6 - lost, order = lost == 1 ? many : 2;
+// Their sum at |t| = R.
+STEP double in_t_alone(const double (&terms)[4], double R) { return R * (terms[1] + R * (terms[2] + R * terms[3])); }
+
+PART Region ball_of(const Local& at, int lost, const Norms& norms) {
+    const int n = 6 - lost;
     double f_y = 0.0, f_t = 0.0;
     for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
-    const double size = sqrt(f_y + f_t);
-    const double m = lost > 1 ? least_of_quadrics(at, lost) : valley->least[order];
+    const double size = sqrt(f_y + f_t), s = at.spread;
     Region out = {};
-    out.m = m;
+    out.m = least_of_quadrics(at, lost);
     if (!at.near || !(out.m > 0.0)) return out;
     f_y = sqrt(f_y) + at.rounding, f_t = sqrt(f_t) + at.rounding;
     const auto& [least, A_ty, y_ty, y_yy, t_ty, t_yy, s_t] = norms;
-    const auto [y, t] = terms_in_t(at, lost, valley);
-    double others[HIGHEST + 1];
-    for (int k = 0; k <= HIGHEST; ++k) others[k] = k == order ? 0.0 : t[k];
-    const double s = at.spread;
-    double R = LARGEST_CLUSTER, beyond = __builtin_inf();
+    const auto [y, t] = terms_in_t(at, lost);
+    double R = LARGEST_CLUSTER;
     for (int k = 0; k < RADII; ++k, R *= QUARTER_DECADE) {
-        // The curve's height, and the norm of its joint values; terms in t alone of higher order than is known.
-        const double height = valley ? valley->height(R) : 0.0, a = s_t * R + s * height;
+        const double a = s_t * R, beyond = GROWTH * a * a * a * a / 24.0;
         if (!(a < LARGEST_BALL)) continue;
-        if (valley) {
-            double shrunk = beyond;  // each of these terms is of higher order than HIGHEST
-            for (int i = 0; i <= HIGHEST; ++i) shrunk *= QUARTER_DECADE;
-            beyond = min(valley->beyond(R), shrunk);
-        } else {
-            beyond = GROWTH * a * a * a * a / 24.0;
-        }
-        const double base = f_y + in_t_alone(y, R, 1) + beyond, slope = least - y_ty * R - y_yy * height;
+        const double base = f_y + in_t_alone(y, R) + beyond, slope = least - y_ty * R;
         if (!(slope > 0.0)) continue;
         // Terms from the third order on that are not in t alone.
         const auto higher = [&](double rho) { return 0.5 * GROWTH * s * rho * square(a + s * rho); };
@@ -191,13 +169,10 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
             return a + s * rho < LARGEST_BALL && slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + higher(rho));
         };
         if (!outside(rho)) continue;
-        double model = out.m;
-        for (int i = 0; i < order; ++i) model *= R;
-        const double left = (A_ty + t_ty * R + t_yy * height) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond;
-        const double in_t = in_t_alone(others, R, 1) + f_t;
-        if (!(model > SLACK_OF_SUMS * (in_t + left))) continue;
+        const double left = (A_ty + t_ty * R) * rho + 0.5 * t_yy * rho * rho + higher(rho) + beyond;
+        if (!(out.m * R * R > SLACK_OF_SUMS * (in_t_alone(t, R) + f_t + left))) continue;
         if (out.along == 0.0) {
-            out.largest_across = rho, out.largest_along = R, out.largest_height = height;
+            out.largest_across = rho, out.largest_along = R;
             // By halving: any larger one that holds may be taken.
             double wide = LARGEST_CLUSTER;
             for (int halving = 0; halving < 6; ++halving) {
@@ -205,12 +180,10 @@ PART Region ball_of(const Local& at, int lost, const Norms& norms, const Valley*
                 (outside(between) ? out.largest_across : wide) = between;
             }
         }
-        out.across = rho, out.along = R, out.height = height;
-        out.rest = SLACK_OF_SUMS * (left + in_t_alone(t, R, 3) + at.rounding + ROUNDING_OF_FORMS * s * R * (1.0 + s * R));
+        out.across = rho, out.along = R;
+        out.rest = SLACK_OF_SUMS * (left + t[3] * R * R * R + at.rounding + ROUNDING_OF_FORMS * s * R * (1.0 + s * R));
     }
-    double largest = size, power = out.along;
-    for (int i = 1; i < order; ++i, power *= out.along) largest = max(largest, t[i] * power);
-    out.blurred = largest <= BLURRED * at.rounding;
+    out.blurred = max(size, t[1] * out.along) <= BLURRED * at.rounding;
     return out;
 }
 
@@ -240,35 +213,20 @@ template <int r> PART double recentred(const Local& at, Number (&q)[6]) {
     return size;
 }
 
-// The same for more roots where one rank is lost: to where the curve's term of the order before theirs vanishes.
-PART double recentred(const Local& at, const Valley& valley, int many, Number (&q)[6]) {
-    double y[5], t = -valley.value[many - 1] / (many * valley.value[many]);
-    const double size = abs(t);
-    if (!(size < __builtin_inf())) return size;
-    t = copysign(min(size, LONGEST_MOVE), t);
-    valley.at(t, y);
-    for (int j = 0; j < 6; ++j) {
-        Number d = t * at.J.right[5][j];
-        for (int k = 0; k < 5; ++k) d += y[k] * at.J.right[k][j];
-        q[j] = q[j] + d;
-    }
-    return size;
-}
-
 // The two roots of g_t + A_tt t + H_t,tt t^2 / 2 = 0 lead to two real members.
-PART void set_members(const Local& at, const Region& ball, int many, Cluster& out) {
+PART void set_members(const Local& at, const Region& ball, Cluster& out) {
     const double A = at.A[5][5].re, H = at.H[5][5][5].re, square_root = A * A - 2.0 * H * at.g[5].re;
-    out.starts = many == 2 && square_root > 0.0 ? 2 : 0;
+    out.starts = out.lost == 1 && square_root > 0.0 ? 2 : 0;
     // On the real line the quadratic stays -square_root / (2 H) away from zero.
-    out.apart = many == 2 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
+    out.apart = out.lost == 1 && is_real(at.q) && -square_root > 2.0 * abs(H) * (ball.rest + NEARLY_KEPT);
     for (int i = 0; i < out.starts; ++i) {
         const double t = ((i ? -1.0 : 1.0) * sqrt(square_root) - A) / H;
         for (int k = 0; k < 6; ++k) out.start[i][k] = wrap(wrap(at.q[k].re) + t * at.J.right[5][k].re);
     }
 }
 
-// A cluster of 2^lost roots near the candidate q, or of more where one rank is lost and q is real. Returns whether one is proven.
-PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int many, Cluster& out) {
+// A cluster of 2^lost roots near the candidate q. Returns whether one is proven.
+PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Cluster& out) {
     Number q[6];
     for (int k = 0; k < 6; ++k) q[k] = from[k];
     const auto moved = [&] {
@@ -295,14 +253,9 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int 
             continue;
         }
         localise(loop, loop_here, q, at);
-        Valley line;
-        if (lost == 1) follow_valley(at, many > 2, line);
-        const double size = lost == 1 && many > 2 ? recentred(at, line, many, next)
-                            : lost == 1           ? recentred<1>(at, next)
-                            : lost == 2           ? recentred<2>(at, next)
-                                                  : recentred<3>(at, next);
+        const double size = lost == 1 ? recentred<1>(at, next) : lost == 2 ? recentred<2>(at, next) : recentred<3>(at, next);
         ball = {};
-        if (size < LARGEST_CLUSTER) { ball = ball_of(at, lost, norms_of(at, lost), lost == 1 ? &line : nullptr, many); }
+        if (size < LARGEST_CLUSTER) ball = ball_of(at, lost, norms_of(at, lost));
         if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;
         // Rounding leaves no better centre.
         if (size > last && size < LARGEST_CLUSTER) break;
@@ -312,16 +265,15 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, int 
         for (int k = 0; k < 6; ++k) q[k] = next[k];
         near = false;
     }
-    // Counted from the line, the smaller ball holds the one that is counted from the curve, and lies in the larger one.
-    out.across = ball.across + ball.height, out.larger_across = ball.largest_across - ball.largest_height;
+    out.across = ball.across, out.larger_across = ball.largest_across;
     if (!(ball.along > 0.0 && out.across <= out.larger_across)) return false;
     for (int k = 0; k < 6; ++k) {
         out.q[k] = at.q[k];
         for (int j = 0; j < 6; ++j) out.direction[k][j] = at.J.right[k][j];
     }
-    set_members(at, ball, many, out);
     out.along = ball.along, out.larger_along = ball.largest_along;
-    out.lost = lost, out.many = many, out.blurred = ball.blurred;
+    out.lost = lost, out.many = 1 << lost, out.blurred = ball.blurred;
+    set_members(at, ball, out);
     return true;
 }
 
@@ -337,16 +289,7 @@ PART bool add_cluster_near(const Loop& loop, Account& account, const Number (&fr
     }
     for (int lost = 1; lost <= MOST_LOST; ++lost) {
         Cluster found;
-        const auto is_found = [&] {
-            if (cluster_near(loop, q, lost, 1 << lost, found)) return true;
-            if (lost > 1 || !is_real(q)) return false;
-            // More roots that are farther apart have certificates of their own.
-            for (int many = 3; many <= MOST_IN_A_ROW; ++many) {
-                if (cluster_near(loop, q, 1, many, found) && found.blurred) return true;
-            }
-            return false;
-        };
-        if (!is_found()) continue;
+        if (!cluster_near(loop, q, lost, found)) continue;
         if (!add_cluster(account, found)) return false;
         Cluster other = found;
         for (int k = 0; k < 6; ++k) {

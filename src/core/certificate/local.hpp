@@ -17,7 +17,6 @@ struct Local {
     Number H[6][6][6];          // second derivatives: output, input, input
     Six<Number> twist[6];
     double rounding, spread;    // of f; s of the third derivatives
-    double blur;                // rounding of a twist, relative to its norm
     double length[6];           // of the twists: sqrt(|v|^2 + 2 |w|^2)
     bool near;                  // whether X's trace is near 3
 };
@@ -110,7 +109,6 @@ PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)
     const double M = exponential(growth), m = exponential(max(side[0], side[1])), l = loop.length;
     out.rounding = M * sqrt(ROUNDING_OF_ROTATION * ROUNDING_OF_ROTATION + loop.rounding * loop.rounding);
     const double of_twist = ROUNDING_OF_TWIST * m * m * (2.0 * l + 1.0);
-    out.blur = 2.0 * of_twist;  // a twist's norm is at least sqrt(2)
     out.near = square(at.off) < SAME_BRANCH;
     out.spread = 0.0;
     for (int j = 0; j < 6; ++j) {

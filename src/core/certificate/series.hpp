@@ -1,4 +1,4 @@
-// Terms of higher order of the loop equation at one complex joint vector, in the directions of the small singular values: the
+// Terms of third order of the loop equation at one complex joint vector, in the directions of the small singular values: the
 // coefficients of the product of exponentials.
 #pragma once
 
@@ -7,44 +7,36 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // A product of matrices of twists, without its last row, which is zero.
-template <class V> struct TwistProduct {
-    V R[3][3], p[3];
+struct TwistProduct {
+    Number R[3][3], p[3];
 };
-template <class V> STEP TwistProduct<V> matrix_of(const Six<V>& zeta) {
-    const V &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
+STEP TwistProduct matrix_of(const Six<Number>& zeta) {
+    const Number &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
     return {{{none, -z, y}, {z, none, -x}, {-y, x, none}}, {zeta[0], zeta[1], zeta[2]}};
 }
-template <class V> PART TwistProduct<V> times(const TwistProduct<V>& a, const TwistProduct<V>& b, double f) {
-    TwistProduct<V> out;
+PART TwistProduct times(const TwistProduct& a, const TwistProduct& b, double f) {
+    TwistProduct out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) out.R[i][j] = f * (a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j]);
         out.p[i] = f * (a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2]);
     }
     return out;
 }
-template <class V> PART void add_scaled(TwistProduct<V>& to, const V& f, const TwistProduct<V>& a) {
+PART void add_scaled(TwistProduct& to, const Number& f, const TwistProduct& a) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) to.R[i][j] += f * a.R[i][j];
         to.p[i] += f * a.p[i];
     }
 }
 
-// to += a b.
-template <class V> PART void add_product(TwistProduct<V>& to, const TwistProduct<V>& a, const TwistProduct<V>& b) {
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) to.R[i][j] += a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j];
-        to.p[i] += a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2];
-    }
-}
-
 // V of a product: position, and vector of the skew part.
-template <class V> STEP Six<V> vector_of_product(const TwistProduct<V>& c) {
+STEP Six<Number> vector_of_product(const TwistProduct& c) {
     return {{c.p[0], c.p[1], c.p[2], 0.5 * (c.R[2][1] - c.R[1][2]), 0.5 * (c.R[0][2] - c.R[2][0]), 0.5 * (c.R[1][0] - c.R[0][1])}};
 }
 
 // a* b.
-template <class V> STEP V along(const V (&a)[6], const Six<V>& b) {
-    V sum = 0.0;
+STEP Number along(const Number (&a)[6], const Six<Number>& b) {
+    Number sum = 0.0;
     for (int i = 0; i < 6; ++i) sum += conj(a[i]) * b[i];
     return sum;
 }
@@ -59,10 +51,10 @@ struct ThirdOrder {
     double y, t;
 };
 PART ThirdOrder third_order(const Local& at, int r) {
-    TwistProduct<Number> P[4][10] = {};  // of the product so far: degree, monomial
+    TwistProduct P[4][10] = {};  // of the product so far: degree, monomial
     const int n = 6 - r;
     for (int k = 0; k < 6; ++k) {
-        const TwistProduct<Number> one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
+        const TwistProduct one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
         // The powers of the linear form, by its coefficients.
         Number L[4][10] = {};
         L[0][0] = 1.0;
@@ -84,7 +76,7 @@ PART ThirdOrder third_order(const Local& at, int r) {
         by_form(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
         for (int i = 0; i < COUNT[r - 1][1]; ++i) {
             // P_1's monomial i times L^2.
-            const TwistProduct<Number> each = times(P[1][i], two, 1.0);
+            const TwistProduct each = times(P[1][i], two, 1.0);
             for (int a = 0; a <= 2; ++a) {
                 for (int b = 0; b <= (r == 1 ? 0 : 2 - a); ++b) {
                     if ((r == 1 && a != 2) || (r == 2 && a + b != 2)) continue;
@@ -103,7 +95,7 @@ PART ThirdOrder third_order(const Local& at, int r) {
             if ((r == 1 && a != 3) || (r == 2 && a + b != 3)) continue;
             constexpr double factorial[4] = {1.0, 1.0, 2.0, 6.0};
             const double many = 6.0 / (factorial[a] * factorial[b] * factorial[3 - a - b]);
-            const TwistProduct<Number>& c = P[3][place_of(r, 3, a, b)];
+            const TwistProduct& c = P[3][place_of(r, 3, a, b)];
             const Six<Number> V = vector_of_product(c);
             for (int o = 0; o < 6; ++o) sum[o >= n] += square(along(at.J.left[o], V)) / many;
         }

@@ -34,7 +34,7 @@ class Cluster:
         across: rad.
         along: rad.
         lost: ranks that the Jacobian all but loses there.
-        count: the solutions in it, counted by multiplicity: 2 ** lost, or 3 where one rank is lost.
+        count: the solutions in it, counted by multiplicity: 2 ** lost.
     """
 
     centre: Complex

@@ -201,8 +201,6 @@ def _by_account(loop: Loop, answer: _Answer, proof: Proof, rng: np.random.Genera
         singles.append(found)
     clusters: list[ClusterEnclosure] = []
     for k, each in enumerate(proof.clusters):
-        if each.count != 1 << each.lost:
-            return None, f"cluster {k}: {each.count} solutions in one ball are not counted in ball arithmetic"
         counted = cluster(loop, each.centre, each.lost, each.along, each.across)
         if not isinstance(counted, str):
             clusters.append(counted)
