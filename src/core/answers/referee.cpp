@@ -113,7 +113,7 @@ PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& 
             return false;
         }
         CircleZero& to = out.at[out.many++];
-        for (int k = 0; k < 6; ++k) to.q[out.joint(k)] = atan2(z[k].im, z[k].re);
+        for (int k = 0; k < 6; ++k) to.q[out.joint(k)] = wrap(atan2(z[k].im, z[k].re));
         to.real = real, to.certified = false;
         to.own = error_at<6, double>(arm, goal, to.q).size;
         if (real && !(to.own < MISREAD)) return false;
@@ -178,7 +178,7 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
     for (int l = 0; l < many; ++l) {
         double q[6], moved = 0.0, from_zero = 0.0;
         for (int k = 0; k < 6; ++k) {
-            q[k] = angle(Turn<double>{turn[l][k].c.leading(), turn[l][k].s.leading()});
+            q[k] = wrap(angle(Turn<double>{turn[l][k].c.leading(), turn[l][k].s.leading()}));
             moved = max(moved, abs(wrap(q[k] - zero[l]->solution[k]))), from_zero = max(from_zero, abs(wrap(q[k] - zero[l]->q[k])));
         }
         zero[l]->certified = (bits(c.holds) >> l & 1) && from_zero + c.inner[l] < c.outer[l];
@@ -267,7 +267,7 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
         for (int l = 0; l < many; ++l) {
             if (certified >> l & 1) continue;
             all = false;
-            for (int j = 0; j < 6; ++j) q[j] = atan2(start[j].im[l], start[j].re[l]);
+            for (int j = 0; j < 6; ++j) q[j] = wrap(atan2(start[j].im[l], start[j].re[l]));
             if (!(polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED)) continue;
             const int b = free_column(columns, ~0u);
             if (b >= 0 && is_new(arm, goal, columns, q) && is_on_curve(arm, goal, q)) keep(columns, b, q, OTHER);
