@@ -10,7 +10,7 @@ import pytest
 from arms_few import case_of, draw, few
 from cases import Case
 from command import call
-from hobby import SPLIT, URDF, angle_between, least_angle
+from hobby import BESIDE, SPLIT, URDF, angle_between, least_angle
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -163,6 +163,21 @@ def test_minima_in_closed_form(name: str) -> None:
             assert np.linalg.norm(reached[:3, 3] - T[:3, 3]) < 1e-9
             assert angle_between(reached[:3, :3], T[:3, :3]) == pytest.approx(angle, abs=1e-7)
             assert least_angle(case, T, one.q + rng.normal(size=(1, case.arm.dof)) * 1e-3, None) > angle - 1e-6
+
+
+def test_a_tip_beside_the_roll() -> None:
+    """Of SO-101's kind, its tip 8 mm beside the roll: SLSQP finds no smaller angle, and the position is exact."""
+    case = case_of(BESIDE)
+    rng = np.random.default_rng(3)
+    T = np.array([case.oracle.pose(q) for q in drawn(case, 60, seed=5)])
+    for k, pose in enumerate(T):
+        T[k] = urdf_ik.pose(pose[:3, 3], rotvec=rng.uniform(-2.0, 2.0, 3))
+    s = case.arm.ik_closest(T)
+    assert set(s.status) == {"incomplete"}
+    assert s.error.position[s.valid].max() < 1e-9
+    for k in range(0, 60, 12):
+        assert s.error.rotation[k, 0] < least_angle(case, T[k], drawn(case, 16, seed=6), None) + 1e-6
+        assert np.linalg.norm(case.oracle.pose(s.q[k, 0])[:3, 3] - T[k, :3, 3]) < 1e-9
 
 
 @pytest.mark.parametrize("name", ["yaw, plane, roll", "wrist"])

@@ -31,6 +31,7 @@ def urdf_of(joints: tuple[tuple[str, str, str, float], ...], tip: str) -> str:
 
 URDF = urdf_of(_JOINTS, "0.0981 -0.0002 0")
 
+BESIDE = urdf_of(_JOINTS, "0.0981 0.0001 -0.008")
 PAN, LIFT, ELBOW, FLEX, _ = _JOINTS
 SPLIT = {
     "yaw, plane, roll": urdf_of((PAN, LIFT, ELBOW, FLEX, ("roll", "0.0611 0 0", "1 0 0", 2.74)), "0.0981 0 0"),

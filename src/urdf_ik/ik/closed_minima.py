@@ -7,6 +7,7 @@ sinusoid of the first angle. So a branch of the position has its minima where th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,13 +44,13 @@ def prepare(chain: Chain, asked: Task) -> Planar | Placed | None:
     most = 2 if asked == POSE else 1
     for front in (4, 3):
         if front <= chain.n <= 2 + front and chain.n - 3 <= most and through[front:].all():
-            found = Planar.of(chain, front) or (Placed.of(chain) if front == 3 else None)
+            found = Planar.of(chain, front, tip) or (Placed.of(chain) if front == 3 else None)
             if found is not None:
                 return found
     return None
 
 
-def in_closed_form(closed: Planar | Placed, wanted: Wanted) -> tuple[Array, NDArray[np.bool_]]:
+def in_closed_form(closed: Callable[[Wanted], Found], wanted: Wanted) -> tuple[Array, NDArray[np.bool_]]:
     """(m, B, n) minima for targets (m), the best first, padded with NaN, and whether they are proven to be all."""
     q, owner, proven = closed(wanted)
     off = missed(wanted[owner], q)[0] < EXACT
@@ -113,14 +114,16 @@ class Planar:
     links: Complex
 
     @classmethod
-    def of(cls, chain: Chain, front: int) -> Planar | None:
-        """None where the first ``front`` axes are no yaw and parallel axes across it."""
+    def of(cls, chain: Chain, front: int, tip: Array, tolerance: float = DEFAULT.exact_structure) -> Planar | None:
+        """The arm with a ``tip`` (3,); None where the first ``front`` axes are no yaw and parallel axes across it."""
         H, z, y = chain.H[:front], chain.H[0], chain.H[1]
         across = np.abs(H[1:] @ z).max(), np.linalg.norm(np.cross(H[1:], y), axis=1).max()
-        if chain.prismatic[:front].any() or max(across) > DEFAULT.exact_structure:
+        if chain.prismatic[:front].any() or max(across) > tolerance:
             return None
+        y = y - (y @ z) * z
+        y = y / np.linalg.norm(y)
         frame = np.array([np.cross(y, z), y, z])
-        points = np.vstack([chain.points[1:front], chain.P.sum(axis=0)]) - chain.points[0]
+        points = np.vstack([chain.points[1:front], tip]) - chain.points[0]
         x, aside, up = frame @ points.T
         plane = up + 1j * x
         links = np.diff(plane)
@@ -146,13 +149,9 @@ class Planar:
         owner, side, kind = np.nonzero(best & reached[:, :, None])
         last = phi[owner, side, kind]
         v = w[owner, side] - (np.exp(1j * last) * self.links[2] if len(L) == 3 else 0.0)
-        rest = np.maximum(np.abs(v), 1e-300)
-        bend = np.arccos(np.clip((L[0] ** 2 + rest**2 - L[1] ** 2) / (2.0 * L[0] * rest), -1.0, 1.0)) * elbow[kind]
-        first = np.angle(v) - np.angle(self.links[0]) + bend
-        angles = [first, np.angle(v - np.exp(1j * first) * self.links[0]) - np.angle(self.links[1])]
-        if len(L) == 3:
-            angles.append(last)
-        proven[owner[(rest < tiny) | np.isnan(last)]] = False
+        angles = self.elbows(v, elbow[kind])
+        angles = np.concatenate([angles, last[:, None]], axis=1) if len(L) == 3 else angles
+        proven[owner[(np.abs(v) < tiny) | np.isnan(last)]] = False
         # Out of reach the links lie on one line, towards the target or, inside of the hole, all but the longest away
         # from it; the tip is on the target's side of the first axis.
         outside = span > L.sum()
@@ -161,11 +160,21 @@ class Planar:
         away = ~outside[where, which, None] & (np.arange(len(L)) != np.argmax(L))
         straight = np.angle(w[where, which, None] * np.where(away, -1.0, 1.0)) - np.angle(self.links)
         owner, side = np.concatenate([owner, where]), np.concatenate([side, which])
-        turns = np.diff(np.concatenate([np.array(angles).T, straight]), axis=1, prepend=0.0)
-        q = np.concatenate([yaw[owner, side, None], turns], axis=1) * self.signs
+        q = self.joints(yaw[owner, side], np.concatenate([angles, straight]))
         q, free = _turned(self.chain, wanted, q, owner)
         proven[owner[free]] = False
         return q, owner, proven
+
+    def elbows(self, v: Complex, side: Array) -> Array:
+        """(k, 2) angles of the first two links that end at v (k,) [m] from the shoulder, by the elbow's side."""
+        L, span = np.abs(self.links), np.maximum(np.abs(v), 1e-300)
+        bend = np.arccos(np.clip((L[0] ** 2 + span**2 - L[1] ** 2) / (2.0 * L[0] * span), -1.0, 1.0)) * side
+        first = np.angle(v) - np.angle(self.links[0]) + bend
+        return np.stack([first, np.angle(v - np.exp(1j * first) * self.links[0]) - np.angle(self.links[1])], axis=-1)
+
+    def joints(self, yaw: Array, angles: Array) -> Array:
+        """Joint vectors (k, front) of yaws (k,) and of the links' angles (k, front - 1)."""
+        return np.concatenate([yaw[:, None], np.diff(angles, axis=1, prepend=0.0)], axis=1) * self.signs
 
     def _planes(self, wanted: Wanted, w: Complex, yaw: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Two links: both elbows."""

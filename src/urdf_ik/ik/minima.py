@@ -38,12 +38,12 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
     owner = np.repeat(np.arange(m), STARTS)
     if first is None:
         q = descended(wanted[owner], q, bounds, place, turn, 60)
-        q, owner = _distinct(wanted, q, owner)
+        q, owner = distinct(wanted, q, owner)
         return ranked(wanted, q, owner, bounds, lambda off, angle: (np.hypot(place * off, turn * angle),))
     for weight, rounds in _STAGES:
         pair = (weight, 1.0) if first == "position" else (1.0, weight)
         q = descended(wanted[owner], q, bounds, *pair, rounds)
-        q, owner = _distinct(wanted, q, owner)
+        q, owner = distinct(wanted, q, owner)
     part = 0 if first == "position" else 1
     exact, good = constrained(wanted[owner], q, bounds, first)
     q[good] = exact[good]
@@ -66,11 +66,11 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
     np.minimum.at(least, owner[off & minimal], miss[1 - part][off & minimal])
     keep = off & (minimal | (miss[1 - part] < least[owner])) | ~reached[owner]
     q, owner = q[keep], owner[keep]
-    q, owner = _distinct(wanted, q, owner)
+    q, owner = distinct(wanted, q, owner)
     return ranked(wanted, q, owner, bounds, lambda off, angle: (off, angle) if first == "position" else (angle, off))
 
 
-def _distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
+def distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
     """Joint vectors with angles in (-pi, pi], of nearly equal ones of a target the first."""
     turning = ~wanted.chain.prismatic
     inside = (np.abs(q) <= np.pi) | ~turning
