@@ -21,7 +21,7 @@ def options() -> Iterator[tuple[str, Any]]:
     """Every option of every command, but --help."""
     group: Any = typer.main.get_command(app)
     for name in COMMANDS:
-        for each in group.commands[name].params:
+        for each in group.get_command(None, name).params:
             if each.param_type_name == "option":
                 yield name, each
 

@@ -32,7 +32,6 @@ def calibrate(
     write_ur_kinematics: Path | None = None,
     next_poses: int = 0,
     seed: int = 0,
-    time_limit: float | None = None,
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
 ) -> None:
@@ -87,7 +86,6 @@ def calibrate(
             marker=fit_marker,
             loss=loss,
             seed=seed,
-            time_limit=time_limit,
             progress=progress.tick,
         )
     if output is not None:
