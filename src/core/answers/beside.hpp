@@ -20,9 +20,7 @@ PART Block least_bounds(const Model& arm, const Goal<Block>& goals, const Column
         there.set(l, 1.0);
         for (int j = 0; j < N; ++j) q[j].set(l, columns.row(from + l)[j]);
     }
-    Rows<Model::rows, Block> J[N];
-    const Error<Block, Model::rows> e = error_and_jacobian(arm, goals, q, J);
-    return there * least_squares<false>(J, e.twist, Block(0.0)).least;
+    return there * polish_block<true>(arm, goals, q, {0, 0.0, 0}).least;
 }
 
 // Newton's method starts on both sides of a solution near a fold, along the Jacobian's weakest direction. A new solution is kept.

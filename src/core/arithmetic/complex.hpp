@@ -5,6 +5,9 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// Numbers whose operations are calls: so are those of complex ones.
+template <class V> inline constexpr bool IS_CALLED = false;
+
 template <class V> struct Complexes {
     V re, im;
     Complexes() = default;
@@ -15,11 +18,18 @@ template <class V> struct Complexes {
     friend STEP Complexes operator-(const Complexes& a, const Complexes& b) { return {a.re - b.re, a.im - b.im}; }
     friend STEP Complexes operator-(const Complexes& a) { return {-a.re, -a.im}; }
     friend STEP Complexes operator*(const Complexes& a, const Complexes& b) {
-        return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+        if constexpr (IS_CALLED<V>) return called_product(a, b);
+        else return product(a, b);
     }
     friend STEP Complexes operator*(double f, const Complexes& a) { return {f * a.re, f * a.im}; }
     friend STEP Complexes operator*(const Complexes& a, double f) { return f * a; }
     STEP Complexes& operator+=(const Complexes& b) { return *this = *this + b; }
+
+private:
+    static STEP Complexes product(const Complexes& a, const Complexes& b) {
+        return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+    }
+    static PART Complexes called_product(const Complexes& a, const Complexes& b) { return product(a, b); }
 };
 
 template <class V> STEP Complexes<V> scaled(const V& f, const Complexes<V>& a) { return {f * a.re, f * a.im}; }

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "arithmetic/vectors.hpp"
+#include "arithmetic/complex.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -62,6 +62,7 @@ template <class V> struct DoubledOf {
     STEP DoubledOf& operator+=(const DoubledOf& b) { return *this = *this + b; }
 };
 using Doubled = DoubledOf<double>;
+template <class V> inline constexpr bool IS_CALLED<DoubledOf<V>> = true;
 
 // A number to the digits of a double.
 STEP double leading(double a) { return a; }

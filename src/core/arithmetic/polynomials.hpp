@@ -24,7 +24,7 @@ STEP void slope_over_value(const Complex (&c)[N + 1], const V& x, const V& y, Ma
     const auto outside = square > V(1.0);
     const V f = select(outside, inverse, 1.0), zx = x * f, zy = y * f, size = sqrt(square) * f;
     V p = c[N].re, q = c[N].im, u = 0.0, v = 0.0, bound = abs(c[N].re) + abs(c[N].im);
-#pragma GCC unroll 16
+#pragma GCC unroll 4
     for (int j = N - 1; j >= 0; --j) {
         const V un = u * zx - v * zy + p, vn = u * zy + v * zx + q;
         const V pn = p * zx - q * zy + c[j].re, qn = p * zy + q * zx + c[j].im;
@@ -49,6 +49,7 @@ template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Compl
     for (int round = 0; round < 60; ++round) {
         slope_over_value<N>(c, x, y, moves, a, b);
         store(x, xs), store(y, ys);
+#pragma GCC unroll 1
         for (int j = 0; j < N; ++j) {
             // The repulsion between the roots steers convergence. It need not be exact.
             const V dx = x - xs[j], dy = y - ys[j], w = rough_inverse(dx * dx + dy * dy + TINY);

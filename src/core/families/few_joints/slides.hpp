@@ -120,7 +120,7 @@ PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
 }
 
 // Marks a singular solution as the wrist's if the axes of the three turns lie in a plane.
-STEP void name_singular(const SlidesArm& arm, const Columns<6>& columns) {
+PART void name_singular(const SlidesArm& arm, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
         if (!(columns.flags[b] & OTHER)) continue;
         const Posture<6, double> at = place(arm.written, columns.row(b));

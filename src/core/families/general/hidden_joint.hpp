@@ -94,6 +94,7 @@ PART void equations(const EliminationVariant& v, const Frame<double>& G, Equatio
 
 // The matrix at the hidden angles (c, s), column by column: joint a + 3's product, slowest, then the halves.
 template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
+#pragma GCC unroll 1
     for (int e = 0; e < 6; ++e) {
         const auto& a = A.a[e];
         for (int j = 0; j < 3; ++j) {
@@ -189,20 +190,19 @@ inline constexpr Waves WAVES;
 // |v|^2 = 2, and v is off by 17 u |v|, 68 u; a product in two sums of six terms 14 u, its subtraction 4 u.
 inline constexpr double ROUNDING_OF_MATRIX = 10.0, ROUNDING_OF_REFLECTION = 86.0;
 
-// Adds the squares of the inverse's columns up to K; over: one over the diagonal. Each known entry is taken from all rows above.
-template <int K, class V> STEP void add_columns_of_inverse(const V (&R)[SIZE][SIZE], const V (&over)[SIZE], Block& square) {
-    V x[K + 1];
-    x[K] = over[K];
+// Adds the squares of column k of the inverse; over: one over the diagonal. Each known entry is taken from all rows above.
+template <class V> STEP void add_column_of_inverse(int k, const V (&R)[SIZE][SIZE], const V (&over)[SIZE], Block& square) {
+    V x[SIZE];
+    x[k] = over[k];
 #pragma GCC unroll 12
-    for (int i = 0; i < K; ++i) x[i] = -R[K][i] * x[K];
-    square += leading(x[K]) * leading(x[K]);
+    for (int i = 0; i < k; ++i) x[i] = -R[k][i] * x[k];
+    square += leading(x[k]) * leading(x[k]);
 #pragma GCC unroll 12
-    for (int i = K - 1; i >= 0; --i) {
+    for (int i = k - 1; i >= 0; --i) {
         x[i] = over[i] * x[i], square += leading(x[i]) * leading(x[i]);
 #pragma GCC unroll 12
         for (int j = 0; j < i; ++j) x[j] = x[j] - R[i][j] * x[i];
     }
-    if constexpr (K > 0) add_columns_of_inverse<K - 1>(R, over, square);
 }
 
 // A bound on what changing each matrix by at most `inexact` and rounding by `unit` may do to its determinant D, R being the
@@ -218,7 +218,12 @@ template <class V> STEP Block determinant_error(const V (&R)[SIZE][SIZE], const 
         if (i < SIZE - 1) rounding += unit * ROUNDING_OF_REFLECTION * sqrt(below);
     }
     rounding += unit * ROUNDING_OF_MATRIX * sqrt(below);
-    add_columns_of_inverse<SIZE - 1>(R, over, inverse);
+    if constexpr (std::is_same_v<V, Block>) {
+        in_turn<0, SIZE>([&](auto k) IN_PLACE { add_column_of_inverse(k, R, over, inverse); });
+    } else {
+#pragma GCC unroll 1
+        for (int k = 0; k < SIZE; ++k) add_column_of_inverse(k, R, over, inverse);
+    }
     const Block x = sqrt(inverse) * (inexact + rounding);
     return select(x < Block(0.5), abs(D) * (1.3 * x), Block(__builtin_inf()));
 }

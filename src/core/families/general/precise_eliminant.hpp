@@ -46,6 +46,7 @@ PART void equations(const EliminationVariant& v, const PreciseFactors& rest, con
         for (int c = from; c < columns && c < from + BLOCK; ++c) {
             for (int r = 0; r < rows; r += BLOCK) {
                 DoubledBlock sum = 0.0;
+#pragma GCC unroll 1
                 for (int i = 0; i < LINE; ++i) {
                     const Doubled factor = {moved[i].hi[c - from], moved[i].lo[c - from]};
                     sum += load_doubled(v.left[i] + r, rest.left[i] + r) * factor;
@@ -58,6 +59,7 @@ PART void equations(const EliminationVariant& v, const PreciseFactors& rest, con
 
 // The upper triangular factor, by reflections 1 - v v^T / w.
 PART void make_triangular(DoubledBlock (&M)[SIZE][SIZE]) {
+#pragma GCC unroll 1
     for (int i = 0; i + 1 < SIZE; ++i) {
         DoubledBlock square = TINY, v[SIZE], f[SIZE];
         for (int r = i; r < SIZE; ++r) v[r] = M[i][r], square += v[r] * v[r];
@@ -67,11 +69,15 @@ PART void make_triangular(DoubledBlock (&M)[SIZE][SIZE]) {
         const DoubledBlock over = 1.0 / (square - alpha * head);
         M[i][i] = alpha, v[i] = head - alpha;
         for (int j = i + 1; j < SIZE; ++j) f[j] = 0.0;
+#pragma GCC unroll 1
         for (int r = i; r < SIZE; ++r) {
+#pragma GCC unroll 1
             for (int j = i + 1; j < SIZE; ++j) f[j] += v[r] * M[j][r];
         }
+#pragma GCC unroll 1
         for (int j = i + 1; j < SIZE; ++j) {
             f[j] = over * f[j];
+#pragma GCC unroll 1
             for (int r = i; r < SIZE; ++r) M[j][r] = M[j][r] - f[j] * v[r];
         }
     }
@@ -101,8 +107,10 @@ PART void eliminate_precisely(const EliminationArm& arm, const Goal<double>& goa
         off += determinant_error(M, product.hi, inexact[0] + reach * (inexact[1] + reach * inexact[2]), DOUBLED_UNIT);
         for (int l = 0; l < BLOCK; ++l) D[k + l] = {product.hi[l], product.lo[l]}, size += abs(product.hi[l]);
     }
+#pragma GCC unroll 1
     for (int h = 0; h <= DEGREE; ++h) {
         out.re[h] = 0.0, out.im[h] = 0.0;
+#pragma GCC unroll 1
         for (int k = 0; k < SAMPLES; ++k) {
             out.re[h] += D[k] * Doubled(WAVES.c[k][h], WAVES.c_rest[k][h]);
             out.im[h] += -(D[k] * Doubled(WAVES.s[k][h], WAVES.s_rest[k][h]));
