@@ -7,7 +7,7 @@ import pytest
 from arms_few import case_of
 from cases import Case, from_catalogue
 from command import call
-from hobby import LIFT, PAN, URDF, urdf_of
+from hobby import LIFT, PAN, URDF, angle_between, urdf_of
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -177,3 +177,17 @@ def test_teleoperation(task: str) -> None:
     else:
         assert step.status == "ok"
         assert missed(task, T[:3, 0], T, reached) < 1e-6
+
+
+def test_a_path_with_the_position_first() -> None:
+    """60 mm aside with one orientation, as five joints cannot: the place is exact, the rotation as in the nearest."""
+    arm = arm_of("hobby")
+    T = np.tile(arm.oracle.pose(np.array([0.0, -0.3, 0.4, 0.6, 0.0])), (13, 1, 1))
+    T[:, 1, 3] += np.linspace(0.0, 0.06, 13)
+    assert not arm.arm.follow(T).found
+    plan = arm.arm.follow(T, first="position")
+    nearest = arm.arm.ik_closest(T, within_limits=True).error.rotation[:, 0]
+    for q, wanted, least in zip(plan.q, T, nearest, strict=True):
+        reached = arm.oracle.pose(q)
+        assert np.linalg.norm(reached[:3, 3] - wanted[:3, 3]) < 1e-9
+        assert angle_between(reached[:3, :3], wanted[:3, :3]) == pytest.approx(least, abs=1e-7)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 COSTS = ("l1", "l2", "max", "time")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core numbers them, and time."""
 
-Kind = Literal["joint vector", "number", "per joint", "length and angle", "choice", "flag", "contacts", "world"]
+Kind = Literal["joint vector", "number", "per joint", "length and angle", "choice", "part", "flag", "contacts", "world"]
 """Form of a setting's value as an option of the command."""
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -74,6 +74,12 @@ class PathSettings:
         "Largest distance of the tip from the straight segments; by default 0.001 m and 0.02 rad, or four times these "
         "where no plan keeps to them.",
         "m, rad",
+    )
+    first: str | None = _setting(
+        None,
+        "part",
+        "For arms that cannot reach whole poses: 'position' or 'orientation' is exact, the other is missed by as "
+        "little as a smooth motion allows; the waypoints are then the nearest poses in reach.",
     )
     reconfigure: bool = _setting(
         False, "flag", "Whether the branch may change, as seldom as possible, where no motion leads all the way."

@@ -1,6 +1,7 @@
 """``follow``: the cheapest joint motion through all waypoints, over all branches and turns."""
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop, followed
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
 from urdf_ik.paths.planner.assembly import cut, made, not_found, offer, priced
+from urdf_ik.paths.planner.nodes import WIDEST_STEP
 from urdf_ik.paths.planner.search import Search
 from urdf_ik.paths.planner.stops import stops_of
 from urdf_ik.paths.planner.straightness import scaled
@@ -51,6 +53,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     """
     path, wanted = waypoints.read(T), PathSettings(**settings)
     solver.require_member()
+    path = path if wanted.first is None else _nearest(solver, path, wanted.first, wanted.start)
     margin = inputs.number(wanted.margin, "margin", low=0.0, unit="m")
     bodies, unchecked = cell.to_check(wanted.collisions, wanted.world)
     obstacles = None if bodies is None else Obstacles(bodies, margin)
@@ -67,6 +70,31 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     finally:
         path_settings.watch.close()
     return followed(replace(plan, unchecked=unchecked))
+
+
+def _nearest(solver: Solver, path: Array, first: str, start: Any) -> Array:
+    """The poses of the nearest postures to waypoints, of each one so that misses and motions are least in all."""
+    from urdf_ik.ik.closest import closest  # not needed by whole poses
+
+    found = closest(solver, path, first=first, within_limits=True)
+    joints, error = node_sets.Joints.from_chain(solver.chain), found.error
+    missed = error.rotation if first == "position" else error.position / solver.chain.size
+    layers = [(q[valid], each[valid] ** 2) for q, valid, each in zip(found.q, found.valid, missed, strict=True)]
+    if start is not None:
+        layers[0] = solver.chain.check(start)[None], np.zeros(1)
+    total, before = layers[0][1], []
+    for (a, _), (b, cost) in pairwise(layers):
+        steps = joints.step(a[:, None], b)
+        way = (
+            total[:, None] + (steps * steps).sum(axis=-1) + np.where(np.abs(steps).max(axis=-1) > WIDEST_STEP, 1e6, 0.0)
+        )
+        before.append(way.argmin(axis=0))
+        total = way.min(axis=0) + cost
+    column, chosen = int(total.argmin()), []
+    for (q, _), back in zip(layers[::-1], [*before[::-1], None], strict=True):
+        chosen.append(q[column])
+        column = column if back is None else int(back[column])
+    return solver.chain.fk(np.array(chosen[::-1]))
 
 
 def _so_far(settings: CheckedSettings, path: Array) -> Plan:

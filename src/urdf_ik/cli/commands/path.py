@@ -35,6 +35,7 @@ _TYPES: Mapping[str, tuple[Any, str | None]] = {
     "length and angle": (str, "M,RAD"),
     "flag": (bool, None),
     "choice": (StrEnum("Cost", {cost: cost for cost in path_settings.COSTS}), None),
+    "part": (StrEnum("First", {part: part for part in ("position", "orientation")}), None),
     "world": (Path, None),
     "contacts": (bool, None),
 }
@@ -87,7 +88,7 @@ class PathOptions(options.Record):
                 value = read_world(typed, chosen)
             elif kind == "contacts":
                 value = "require" if typed else False
-            elif kind == "choice":
+            elif kind in ("choice", "part"):
                 value = typed.value
             out[name] = value
         return out
