@@ -82,7 +82,7 @@ class Rolled:
         chain, h = planar.chain, self.axis
         place = (wanted.place - chain.points[0]) @ planar.frame.T
         # There the yaw turns by half a turn within a small range of rolls: left to the search.
-        near_yaw = np.hypot(place[:, 0], place[:, 1]) < abs(planar.aside) + 2.0 * np.linalg.norm(self.offset)
+        near_yaw = np.hypot(place[:, 0], place[:, 1]) < abs(planar.aside) + 1.2 * np.linalg.norm(self.offset)
         G = planar.frame @ wanted.matrix @ (planar.frame @ chain.R_tip).T
         along = (G @ h)[:, :, None] * h
         parts = np.stack([along, G - along, np.cross(h, G)], axis=1)
