@@ -350,8 +350,8 @@ def test_nothing_compared_is_no_pass() -> None:
 # ---------------------------------------------------------------- the report
 
 
-def test_a_report_is_strict_json() -> None:
-    """A report with infinite values is strict JSON."""
+def test_a_report_survives_json() -> None:
+    """A report with infinite values is strict JSON, and comes back equal."""
     report = check(Damaged(ik=damaged_ik(valid_nan), fk=fk_not_a_number), FEW, collision=False)
     assert report.row("solutions, position").worst == np.inf
 
@@ -361,6 +361,8 @@ def test_a_report_is_strict_json() -> None:
     data = json.loads(report.to_json(), parse_constant=refuse)
     assert data["passed"] is False
     assert data["rows"][1]["worst"] == "inf"
+    assert CrossCheck.from_dict(data) == report
+    assert CrossCheck.from_json(report.to_json()) == report
 
 
 def report_with(*rows: Row) -> CrossCheck:

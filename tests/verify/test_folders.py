@@ -10,7 +10,7 @@ from command import call
 import urdf_ik
 from urdf_ik.model import catalogue
 from urdf_ik.verify import completeness, crosscheck
-from urdf_ik.verify.folders import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, check_folder
+from urdf_ik.verify.folders import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, FolderCheck, check_folder
 
 BROKEN = "<robot name='broken'><link name='a'/>"
 
@@ -44,6 +44,7 @@ def test_each_row_is_the_check_of_that_arm_alone(lab: Path) -> None:
     assert "the text ends early" in found.arms[0].words and not found.passed
     assert str(found).endswith("FAILED: 4 files: 3 passed, 1 refused")
     assert json.loads(found.to_json())["arms"][1]["robot"] == "puma_560"
+    assert FolderCheck.from_json(found.to_json()) == found
 
 
 def test_files_without_an_arm_are_listed_and_do_not_count(lab: Path) -> None:

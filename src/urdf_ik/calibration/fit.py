@@ -1,6 +1,7 @@
 """The fit of a URDF's numbers to measurements by robust least squares, and the poses to measure next."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,7 @@ from urdf_ik.calibration.report import Calibration, Change, Errors
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.derivatives import Parameter, written
 from urdf_ik.support import inputs
-from urdf_ik.support.watch import Progress, Watch
+from urdf_ik.support.watch import Progress, TimeIsUp, Watch
 from urdf_ik.typing import Array
 
 LOSSES = ("soft_l1", "huber", "cauchy", "linear")
@@ -43,6 +44,7 @@ def calibrate(
     marker: bool = False,
     loss: str = "soft_l1",
     seed: int = 0,
+    time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
     """Fit the numbers of an arm's URDF to measurements.
@@ -63,6 +65,7 @@ def calibrate(
         marker: whether the pose of the measured marker or probe in the tip is fitted too.
         loss: 'soft_l1', 'huber', 'cauchy', or 'linear' for plain least squares that keeps outliers.
         seed: of the folds of the cross-validation.
+        time_limit: s after which the fit ends with the best numbers so far; ``unlooked`` says what was left out.
         progress: called with the number of finished fits, and of all.
 
     Returns:
@@ -70,6 +73,7 @@ def calibrate(
 
     Raises:
         ArgumentError: measurements do not fit, are too few, or look mixed up; there is no such parameter.
+        ArgumentError: ``time_limit`` is no number of seconds, or ``progress`` no function.
 
     Example:
         >>> import numpy as np
@@ -83,20 +87,23 @@ def calibrate(
     """
     given = q if isinstance(q, Measurements) else checked(arm, q, measured, kind)
     inputs.choice(loss, "loss", LOSSES)
-    watch = Watch(None, progress)
+    watch = Watch(time_limit, progress)
     chosen = _chosen(arm, fit)
     frames = equations(arm.chain, given, [], base=base, marker=marker)
     whole = equations(arm.chain, given, chosen, base=base, marker=marker)
     _require_enough(given, whole)
     _require_order(arm, given, base, marker)
-    nominal = _fitted(frames, given, loss).x if frames.parameters else frames.start
+    nominal = _fitted(frames, given, loss, watch).x if frames.parameters else frames.start
     watch.step(1, 2 + _FOLDS)
-    best = _fitted(whole, given, loss)
+    best = _fitted(whole, given, loss, watch)
     watch.step(2, 2 + _FOLDS)
+    unlooked = watch.ended("in the midst of the fit: its last rounds were") if watch.is_over else ""
     kept = given.part(~best.outliers)
     before = _errors(frames.residuals(nominal, kept), given.kind)
     after = _errors(whole.residuals(best.x, kept), given.kind)
     validated = _cross_validated(whole, kept, best, np.random.default_rng(seed), watch)
+    if watch.is_over and not unlooked:
+        unlooked = watch.ended("after the fit: measurements that it did not see were")
     return Calibration(
         nominal=arm,
         given=given,
@@ -107,12 +114,13 @@ def calibrate(
         singular_values=best.singular_values,
         before=before,
         after=after,
-        validated=validated,
+        validated=None if unlooked else validated,
         noise=tuple(best.noise),
         outliers=tuple(np.flatnonzero(best.outliers).tolist()),
         residuals_before=frames.residuals(nominal, given),
         residuals_after=whole.residuals(best.x, given),
         covariance=best.covariance,
+        unlooked=unlooked,
     )
 
 
@@ -128,20 +136,20 @@ class _Fit:
     covariance: Array
 
 
-def _fitted(eq: Equations, given: Measurements, loss: str) -> _Fit:
-    """The fit of the parameters of ``eq``, from their initial values."""
+def _fitted(eq: Equations, given: Measurements, loss: str, watch: Watch) -> _Fit:
+    """The fit of the parameters of ``eq``, from their initial values; after the time limit, the best so far."""
     x = eq.start
     scale = _scales(eq.residuals(x, given), eq.kind)
     outliers = np.zeros(len(given), np.bool_)
     if loss != "linear":
         for _ in range(_ROUNDS):
-            x = _solved(eq, given, x, scale, loss)
+            x = _solved(eq, given, x, scale, loss, watch)
             scale = _scales(eq.residuals(x, given), eq.kind)
         apart = np.linalg.norm(eq.residuals(x, given) / scale, axis=1)
         outliers = apart > np.sqrt(given.numbers) + _OUTLYING
     kept = given.part(~outliers)
     for _ in range(2):
-        x = _solved(eq, kept, x, scale, "linear")
+        x = _solved(eq, kept, x, scale, "linear", watch)
         directions, _ = _directions(eq, kept, x, scale)
         scale = _deviations(eq.residuals(x, kept), eq.kind, directions.shape[1])
     directions, values = _directions(eq, kept, x, scale)
@@ -153,33 +161,38 @@ def _fitted(eq: Equations, given: Measurements, loss: str) -> _Fit:
     return _Fit(x, noise, outliers, values, directions, covariance)
 
 
-def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str) -> Array:
-    """Least squares from ``x`` in the observable directions."""
+def _solved(eq: Equations, given: Measurements, x: Array, scale: Array, loss: str, watch: Watch) -> Array:
+    """Least squares from ``x`` in the observable directions; after the time limit, the best parameters so far."""
     from scipy.optimize import least_squares
 
-    if not len(x):
+    if not len(x) or watch.is_over:
         return x
     directions, _ = _directions(eq, given, x, scale)
+    best = np.zeros(directions.shape[1])
 
     def residuals(y: Array) -> Array:
+        watch.check()
         return np.asarray((eq.residuals(x + directions @ y, given) / scale).ravel())
 
     def derivatives(y: Array) -> Array:
+        best[:] = y  # derivatives are asked for where a step was taken, that is where the loss has fallen
         return np.asarray(_whitened(eq, given, x + directions @ y, scale) @ directions)
 
-    found = least_squares(
-        residuals,
-        np.zeros(directions.shape[1]),
-        jac=derivatives,
-        x_scale="jac",
-        loss=loss,
-        f_scale=2.0,
-        ftol=1e-12,
-        xtol=1e-12,
-        gtol=1e-12,
-        max_nfev=40,
-    )
-    return np.asarray(x + directions @ found.x)
+    with suppress(TimeIsUp):
+        best = least_squares(
+            residuals,
+            best.copy(),
+            jac=derivatives,
+            method="trf",
+            x_scale="jac",
+            loss=loss,
+            f_scale=2.0,
+            ftol=1e-12,
+            xtol=1e-12,
+            gtol=1e-12,
+            max_nfev=40,
+        ).x
+    return np.asarray(x + directions @ best)
 
 
 def _whitened(eq: Equations, given: Measurements, x: Array, scale: Array) -> Array:
@@ -239,7 +252,7 @@ def _cross_validated(
     for k in range(_FOLDS):
         out = order[k::_FOLDS]
         rest = np.setdiff1d(order, out)
-        x = _solved(eq, given.part(rest), best.x, scale, "linear")
+        x = _solved(eq, given.part(rest), best.x, scale, "linear", watch)
         held[out] = eq.residuals(x, given.part(out))
         watch.step(3 + k, 2 + _FOLDS)
     return _errors(held, eq.kind)

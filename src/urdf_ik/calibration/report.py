@@ -98,6 +98,7 @@ class Calibration(Report):
         residuals_before: (m, r) m, rad.
         residuals_after: the same.
         covariance: (k, k) of the fitted numbers.
+        unlooked: what the time limit left out; '' where the fit came to its end.
 
     Example:
         >>> import numpy as np
@@ -126,6 +127,7 @@ class Calibration(Report):
     residuals_before: Array = field(repr=False)
     residuals_after: Array = field(repr=False)
     covariance: Array = field(repr=False)
+    unlooked: str = ""
 
     @cached_property
     def arm(self) -> Arm:
@@ -270,7 +272,7 @@ class Calibration(Report):
                 "singular_values": self.singular_values,
                 "base_pose": self.base_pose,
                 "marker_pose": self.marker_pose,
-                "unlooked": "",
+                "unlooked": self.unlooked,
             }
         )
         return out

@@ -1,13 +1,14 @@
-"""Report: the result of a check as text, JSON and HTML."""
+"""Report: the result of a check as text, JSON and HTML, and the way back from JSON."""
 
 import io
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from html import escape
 from types import NoneType, UnionType
-from typing import Any, ClassVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Self, Union, get_args, get_origin, get_type_hints
 
-from urdf_ik.errors import escaped, printable
+from urdf_ik.errors import ArgumentError, escaped, printable
 from urdf_ik.support.text import Section, json_text, plain
 
 
@@ -59,11 +60,29 @@ class Report:
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and text, ``passed`` first; numbers that are not finite are 'inf', '-inf' or 'nan'."""
         content: dict[str, Any] = plain(asdict(self))  # type: ignore[call-overload]
-        return {"passed": self.passed, **content, "unlooked": self.unlooked} if self.JUDGES else content
+        return {"passed": self.passed, **content} if self.JUDGES else content
 
     def to_json(self) -> str:
         """:meth:`to_dict` as strict JSON."""
         return json_text(self.to_dict())
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The report that :meth:`to_dict` wrote."""
+        try:
+            report: Self = from_plain(cls, data)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ArgumentError(f"this is no {cls.__name__} that to_dict() wrote: {error}") from None
+        return report
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """The report that :meth:`to_json` wrote."""
+        try:
+            data = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise ArgumentError(f"this is no JSON: {error}") from None
+        return cls.from_dict(data)
 
     def __str__(self) -> str:
         tables = [str(section) if section.title else f"\n{str(section).strip()}" for section in self.sections()]

@@ -27,7 +27,7 @@ from urdf_ik.support.angles import difference, shortest
 from urdf_ik.support.report import Report, from_plain
 from urdf_ik.support.text import counted, plain
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
-from urdf_ik.support.watch import Progress
+from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
 from urdf_ik.verify import sampling
 from urdf_ik.verify.crosscheck import CONDITIONING, PLANTED
@@ -124,13 +124,12 @@ def freeze(
     origin = origin_of(arm.model.path, arm.model.sha256)
     baseline = Lock(described(arm), planted, (), unchecked and f"not checked: {unchecked}", made_by, origin)
     asked = [(kind, reference.pose(q), sampling.redundancy_at(arm, q)) for kind, q in vectors.items()]
-    total = len(own) + sum(len(T) for _, T, _ in asked)
+    watch, total = Watch(None, progress), len(own) + sum(len(T) for _, T, _ in asked)
     solved: list[Pose] = []
     try:
         for kind, T, values in (*asked, ("own", own, None)):
             solved += sampling.answered(arm, kind, T, values, shapes)
-            if progress is not None:
-                progress(len(solved), total)
+            watch.step(len(solved), total)
     except UnsupportedArm:
         if len(own):
             raise
@@ -185,6 +184,7 @@ class Lock:
         tolerance_mm: float | None = None,
         tolerance_deg: float | None = None,
         ignore: str | Iterable[str] = (),
+        time_limit: float | None = None,
         progress: Progress | None = None,
     ) -> "Verification":
         """What of this holds for an arm.
@@ -197,10 +197,12 @@ class Lock:
             tolerance_mm: lengths [mm] up to which a change counts as none; default: 1e-6.
             tolerance_deg: angles [deg], likewise; default: 6e-8.
             ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
+            time_limit: s after which no more poses are solved; what was left out did not pass.
             progress: called with (poses done, poses).
 
         Raises:
             ArgumentError: a tolerance is negative, or a kind cannot be ignored.
+            ArgumentError: ``time_limit`` is no number of seconds.
 
         Example:
             >>> import urdf_ik
@@ -208,6 +210,7 @@ class Lock:
             >>> print(lock.verify(urdf_ik.load("planar_2r_unit"), ignore="collisions,visuals").differences[0])
             joint_2: its origin moved by 934 mm
         """
+        watch = Watch(time_limit, progress)
         tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
         then, now, notes = self.arm, described(arm), []
         differing = list(differences(then, now, tolerance))
@@ -224,11 +227,14 @@ class Lock:
             order = order_of(then, now)
             differing += _planted(self, arm.cell.reference, order, tolerance)
             try:
-                solved = _solved_today(self, arm, order, "collisions" in skipped, notes, progress)
+                solved = _solved_today(self, arm, order, "collisions" in skipped, notes, watch)
             except UnsupportedArm as error:
                 if self.poses:
                     differing.append(Difference("solutions", "", f"the arm cannot be solved any more: {error}"))
             differing += _solutions(self, solved, arm, order, tolerance, notes)
+        unlooked = ""
+        if watch.is_over and len(solved) < len(self.poses):
+            unlooked = watch.ended(f"with {len(solved)} of {len(self.poses)} poses: the others were")
         before = [self.poses[index] for index in solved]
         return Verification(
             arm=now,
@@ -238,6 +244,7 @@ class Lock:
             notes=tuple(notes),
             poses=len(solved),
             solutions=(_count(before), _count(solved.values())),
+            unlooked=unlooked,
         )
 
     def to_text(self) -> str:
@@ -344,6 +351,7 @@ class Verification(Report):
         notes: parts that were not compared, and harmless differences such as the name of a family.
         poses: number of poses that were compared.
         solutions: number of solutions, then and now.
+        unlooked: what the time limit left out; '' where every pose was compared.
     """
 
     arm: Description
@@ -353,6 +361,7 @@ class Verification(Report):
     notes: tuple[str, ...]
     poses: int
     solutions: tuple[int, int]
+    unlooked: str = ""
 
     @property
     def faulty(self) -> bool:
@@ -405,9 +414,9 @@ def _planted(baseline: Lock, reference: Reference, order: tuple[int, ...], toler
 
 
 def _solved_today(
-    baseline: Lock, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], progress: Progress | None
+    baseline: Lock, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str], watch: Watch
 ) -> dict[int, Pose]:
-    """Today's answers to the poses of the baseline by their numbers, joints in its order."""
+    """Today's answers to the poses of the baseline by their numbers, joints in its order; as many as time allows."""
     shapes = None
     if baseline.contacts:
         notes.append(f"contacts were {baseline.contacts} when the lock was made")
@@ -425,7 +434,7 @@ def _solved_today(
             # A pose that was not solved is as it was.
             out |= {index: baseline.poses[index] for index in indices}
             continue
-        for start in range(0, len(indices), AT_ONCE):
+        for start in range(0, 0 if watch.is_over else len(indices), AT_ONCE):
             part = [baseline.poses[index] for index in indices[start : start + AT_ONCE]]
             values = np.array([pose.redundancy for pose in part]) if with_values else None
             values = values[:, 0] if values is not None and values.shape[1] == 1 else values
@@ -433,8 +442,9 @@ def _solved_today(
             for index, then, now in zip(indices[start:], part, solved, strict=False):
                 answers = tuple(replace(each, q=tuple(each.q[k] for k in order)) for each in now.answers)
                 out[index] = replace(now, kind=then.kind, answers=answers)
-            if progress is not None:
-                progress(len(out), len(baseline.poses))
+            watch.step(len(out), len(baseline.poses))
+            if watch.is_over:
+                break
     return dict(sorted(out.items()))
 
 

@@ -29,7 +29,7 @@ from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, difference
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
-from urdf_ik.support.watch import Progress
+from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
 from urdf_ik.verify.completeness import Sameness
 from urdf_ik.verify.crosscheck import EXACT
@@ -117,7 +117,7 @@ def judge(
         raise ArgumentError(f"solve={solve!r} given; a function that takes a pose is needed")
     n = inputs.poses(n)
     tolerance = inputs.number(tolerance, "tolerance", low=0.0, high=1.0)
-    judged = _Judged(arm, solve, tolerance, bool(within_limits))
+    watch, judged = Watch(None, progress), _Judged(arm, solve, tolerance, bool(within_limits))
     kinds = []
     for number, kind in enumerate(KINDS):
         judged.kind = Kind(kind)
@@ -125,8 +125,7 @@ def judge(
         T, q, values = _poses(arm, kind, n, seed)
         for k in range(n):
             judged.take(number * n + k, T[k], None if q is None else q[k], None if values is None else values[k])
-            if progress is not None:
-                progress(number * n + k + 1, n * len(KINDS))
+            watch.step(number * n + k + 1, n * len(KINDS))
     return Judgement(
         solver=name or str(getattr(solve, "name", "") or getattr(solve, "__name__", type(solve).__name__)),
         robot=arm.name,
@@ -389,6 +388,7 @@ class Judgement(Report):
         within_limits: whether the solver had to return only solutions within the joint limits.
         kinds: counts by kind of pose.
         faults: every fault.
+        unlooked: what was left out: nothing, ''.
     """
 
     solver: str
@@ -401,6 +401,7 @@ class Judgement(Report):
     within_limits: bool
     kinds: tuple[Kind, ...]
     faults: tuple[Fault, ...]
+    unlooked: str = ""
 
     @property
     def faulty(self) -> bool:

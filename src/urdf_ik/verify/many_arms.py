@@ -64,9 +64,10 @@ class ManyArms(Report):
 
     Attributes:
         arms: what the arms are called, in the order given.
-        poses: number of poses.
+        poses: number of poses that were looked at.
         rows: one a solution, and one for each pose that an arm does not reach.
         notes: what was not checked, and why.
+        unlooked: what the time limit left out; '' where every pose was looked at.
         unit: of ``limit_margin``: 'rad' or 'deg'; 'rad, m' where an arm has a prismatic joint.
     """
 
@@ -76,6 +77,7 @@ class ManyArms(Report):
     poses: int
     rows: tuple[Row, ...]
     notes: tuple[str, ...]
+    unlooked: str = ""
     unit: str = "rad"
 
     def in_degrees(self) -> "ManyArms":
@@ -196,6 +198,7 @@ def compare_many(
     *,
     world: World | None = None,
     collisions: str | bool = True,
+    time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> ManyArms:
     """Solve the same poses with many arms.
@@ -207,6 +210,7 @@ def compare_many(
         world: the obstacles, placed in every arm's own base; the shapes of all arms have to be readable then.
         collisions: whether to check contacts: True where the shapes can be read, with a warning where they cannot;
             'require' to fail there; False: no.
+        time_limit: s after which no more poses are looked at; ``unlooked`` says how many were left out.
         progress: called with the number of poses behind us, and of all.
 
     Returns:
@@ -216,6 +220,7 @@ def compare_many(
         ArgumentError: no arm is given.
         PoseError: one of ``poses`` is no pose.
         UrdfError: ``collisions="require"``, and not all shapes of an arm can be read.
+        ArgumentError: ``time_limit`` is no number of seconds.
 
     Example:
         >>> import urdf_ik
@@ -224,7 +229,7 @@ def compare_many(
         >>> found.reached("before"), found.reached("after")
         (1, 0)
     """
-    named = _named(arms)
+    named, watch = _named(arms), Watch(time_limit, progress)
     T = check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     shapes_of, notes = {}, []
     for name, arm in named.items():
@@ -235,19 +240,21 @@ def compare_many(
             notes.append(f"{name}: solved at the default of its redundancy parameter, {parameters_of(arm)[0]}")
     rows: dict[str, list[Row]] = {name: [] for name in named}
     unsolved: dict[str, str] = {}
-    for some in Watch(None, progress).parts(len(T), _AT_ONCE):
+    looked_at = 0
+    for some in watch.parts(len(T), _AT_ONCE):
         for name, arm in named.items():
             try:
                 if name not in unsolved:
                     rows[name] += _rows(name, arm, T, some, shapes_of[name])
             except UrdfIkError as error:
                 unsolved[name] = f"{name}: {error}"
+        looked_at = some.stop
     for name in unsolved:
-        rows[name] = [Row(name, pose) for pose in range(len(T))]
+        rows[name] = [Row(name, pose) for pose in range(looked_at)]
     every = tuple(row for own in rows.values() for row in own)
     slides = any(kind == "prismatic" for arm in named.values() for kind in arm.chain.joint_types)
     unit = "rad, m" if slides else "rad"
-    return ManyArms(tuple(named), len(T), every, (*notes, *unsolved.values()), unit)
+    return ManyArms(tuple(named), looked_at, every, (*notes, *unsolved.values()), watch.unlooked, unit)
 
 
 def _named(arms: Mapping[str, Robot] | Iterable[Robot]) -> dict[str, Arm]:

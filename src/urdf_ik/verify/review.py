@@ -36,7 +36,7 @@ class VerifiedFile:
         for each in self.result.differences:
             line = _line(places, each.name, line)  # solutions: where their cause is
             found.append((line, each.kind, str(each)))
-        return found
+        return [*found, *([(1, "unfinished", self.result.unlooked)] if self.result.unlooked else [])]
 
     @property
     def passed(self) -> bool:

@@ -31,6 +31,7 @@ def calibrate(
     report: Path | None = None,
     next_poses: int = 0,
     seed: int = 0,
+    time_limit: float | None = None,
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
 ) -> None:
@@ -84,6 +85,7 @@ def calibrate(
             marker=fit_marker,
             loss=loss,
             seed=seed,
+            time_limit=time_limit,
             progress=progress.tick,
         )
     if output is not None:

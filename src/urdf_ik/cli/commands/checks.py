@@ -89,6 +89,7 @@ def compare(
     ignore: str | None = None,
     align: bool = False,
     exit_code: bool = False,
+    time_limit: float | None = None,
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
     output: Path | None = None,
@@ -115,6 +116,7 @@ def compare(
     Options:
         align: Fit base, tip, joint zeros and signs of the others first; names do not count then.
         exit_code: End with status 1 where arms differ.
+        time_limit (S): How long the table of the typed poses may take.
 
     Options (Output):
         output (-o FILE): Write it here; .svg: the picture of the typed poses.
@@ -143,7 +145,7 @@ def compare(
         if own is not None:
             names = [f"{a} {Path(name).name}" for a, name in zip(string.ascii_uppercase, arms.robots, strict=False)]
             by_name = dict(zip(names, loaded, strict=True))
-            table = many_arms.compare_many(by_name, own, world=obstacles, progress=progress.tick)
+            table = many_arms.compare_many(by_name, own, world=obstacles, time_limit=time_limit, progress=progress.tick)
             reports.append(table.in_degrees() if degrees else table)
     data: Any = found[0].to_json()
     if len(reports) > 1:

@@ -70,6 +70,7 @@ def verify(
     tolerance_deg: float | None = None,
     ignore: str | None = None,
     update: bool = False,
+    time_limit: float | None = None,
     printed_as: ReviewFormat = ReviewFormat.TABLE,
 ) -> None:
     """Verify arms against their lock files.
@@ -119,6 +120,7 @@ def verify(
                     tolerance_mm=tolerance_mm,
                     tolerance_deg=tolerance_deg,
                     ignore=ignore or (),
+                    time_limit=time_limit,
                     progress=progress.tick,
                 )
                 if update:
