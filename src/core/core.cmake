@@ -103,8 +103,9 @@ urdf_ik_together(shoulder families/closed_forms/parallel_shoulder.cpp families/c
   families/imperfect/imperfect_too.cpp)
 urdf_ik_together(wrist families/closed_forms/spherical_wrist.cpp families/closed_forms/three_parallel.cpp
   families/imperfect/imperfect.cpp)
-urdf_ik_together(joints families/few_joints/few_joints.cpp families/mimics/coupled.cpp families/seven_joints/srs.cpp)
-urdf_ik_together(small chain.cpp families/closed_forms/reversed.cpp families/imperfect/starts.cpp
+urdf_ik_together(joints families/few_joints/few_joints.cpp families/mimics/coupled.cpp families/seven_joints/srs.cpp
+  motion/tracker.cpp)
+urdf_ik_together(small answers/answer.cpp chain.cpp families/closed_forms/reversed.cpp families/imperfect/starts.cpp
   families/seven_joints/one_given.cpp inverses.cpp level_table.cpp motion/path_graph.cpp self_motion/on_curve.cpp)
 
 # Set a target's flags for one instruction set, those in URDF_IK_FLAGS among them.

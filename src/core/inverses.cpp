@@ -49,9 +49,10 @@ template <int N, int M> STEP void invert(const ChainArm& arm, const Lanes& lanes
     Projection<Block> on[2];
     if constexpr (N > 2) {
         for (int t = 0; lanes.images && t < scale.mirrors; ++t) {
-            const Frame<Block>* three[3];
-            for (int k = 0; k < 3; ++k) three[k] = joints + scale.mirror[t].first + k;
-            on[t] = projection(scale.mirror[t].parallel, *three[0], *three[1], *three[2]);
+            in_turn<0, N - 2>([&](auto k) IN_PLACE {
+                if (k != scale.mirror[t].first) return;
+                on[t] = projection(scale.mirror[t].parallel, joints[k], joints[k + 1], joints[k + 2]);
+            });
         }
     }
     Rows<rows, Block> J[M];

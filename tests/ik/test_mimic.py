@@ -173,6 +173,7 @@ def test_halves_linkage_repeats_after_two_turns() -> None:
     assert max(e.max() for e in reference.errors(images.to_array(), reference.pose(q))) < 1e-9
     assert any("q1+720°" in one.branch for one in images)
     assert not any("q1+360°" in one.branch for one in images)
+    assert [one.branch for one in s.iter_turns()] == [one.branch for one in images]
     far = q + [4.0 * math.pi, 0.0]
     np.testing.assert_allclose(images.nearest(far)[0].q, far, atol=1e-9)
     lower, upper = arm.limits.T

@@ -41,12 +41,19 @@ template <int N> struct Columns {
 template <int N> struct Reference {
     double q[N];
     double given;  // 1 if the caller gave it, else 0
+    // The distance between the target given to the closed form and the real one [rad, share of size].
+    double displaced = 0.0;
 };
 template <int N> STEP Reference<N> reference_of(const double* q_ref) {
     Reference<N> r;
     for (int j = 0; j < N; ++j) r.q[j] = q_ref ? q_ref[j] : 0.0;
     r.given = q_ref ? 1.0 : 0.0;
     return r;
+}
+
+// If a margin or squared lever arm is at most this, the solution may be singular; the Jacobian decides.
+template <int N> STEP double marked(const Tolerances& tolerances, const Reference<N>& reference) {
+    return max(tolerances.fold, 10.0 * reference.displaced);
 }
 
 // The error at q.
@@ -156,8 +163,8 @@ inline constexpr double DOUBTFUL = 1e-12;
 
 // Whether Newton's method reaches a solution from q, a candidate whose margins are negative, perhaps by rounding. q is replaced.
 template <class Model>
-STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints]) {
-    return polish_one<true>(arm, goal, q, {60, CONVERGED, LONG_PATIENCE}).error <= DOUBTFUL;
+STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int patience = LONG_PATIENCE) {
+    return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
 }
 
 // Whether two singular solutions lie on one continuum: Newton's method from their midpoint then stays near it, and ends at a

@@ -9,7 +9,8 @@
 //   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
 //              branch's end (see margin_root)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
-//              `wanted`, added to the columns
+//              `wanted`, added to the columns. If signs or roots tell the branches apart, it returns those that rounding
+//              leaves open (see around.hpp)
 // and, if its targets are not poses of sixteen numbers,
 //   numbers    the length of a target
 //   load       load(arm, from, t): a block of targets as poses
@@ -23,6 +24,7 @@
 #pragma once
 
 #include "answers/answer.hpp"
+#include "answers/around.hpp"
 #include "answers/branch.hpp"
 #include "answers/referee.hpp"
 #include "answers/rooted.hpp"
@@ -200,7 +202,8 @@ STEP void solve_by_roots(const typename Family::Arm& arm, const Goal<double>& go
                          const Columns<6>& columns) {
     const Seen<double> seen = to_frame_1(goal, arm.ideal);
     const Quartic roots = Family::quartic(arm, seen);
-    Family::closely(arm, goal, seen, reference, columns, ~0u, &roots);
+    const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, ~0u, &roots);
+    look_around<Family>(arm, goal, seen, reference, columns, unsure);
     Status status = status_by_roots<Family>(arm, goal, seen, roots, columns);
     if (status == Status::incomplete) status = refer(arm.written, goal, columns);
     set_status(columns.flags[0], status);
@@ -224,11 +227,16 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
         Family::closely(arm, goal, seen, value, reference, columns, wanted);
         set_status(columns.flags[0], Family::status(arm, goal, seen, value, columns));
     } else if constexpr (branches_have_signs<Family>()) {
-        Family::closely(arm, goal, seen, reference, columns, wanted);
+        const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
         project_rotation(T, proper);
         const Goal<double> projected = goal_of(proper);
         const Boxes boxes = boxes_of<Family>(arm, projected, arm.ideal.signs);
-        Status status = decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
+        const Filled filled = filled_by(arm.ideal, boxes, columns);
+        Status status = decided(arm.ideal, boxes, filled);
+        if (unsure && !is_settled(arm.written, projected, boxes, filled, columns)) {
+            look_around<Family>(arm, goal, seen, reference, columns, unsure);
+            status = decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
+        }
         if (status == Status::incomplete) status = decided_closely<Family>(arm, projected, boxes, columns);
         if (status == Status::incomplete) status = refer(arm.written, projected, columns);
         set_status(columns.flags[0], status);

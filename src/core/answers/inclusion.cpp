@@ -76,6 +76,32 @@ Status decided(const IdealFrames& ideal, const Boxes& boxes, const Filled& fille
     return status;
 }
 
+bool is_settled(const Written<6>& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
+                const Columns<6>& columns) {
+    unsigned settled = (boxes.empty | filled.owned) & 255u;
+    if ((settled | (filled.met & boxes.free)) != 255u) return false;
+    for (int k = 0; k < columns.many; ++k) {
+        unsigned rest = filled.in[k] & boxes.free & ~settled;
+        if (!rest) continue;
+        Six<double> J[6];
+        derivatives_at(arm, goal, columns.row(k), J);
+        for (; rest; rest &= rest - 1) {
+            const int b = __builtin_ctz(rest);
+            int first = -1;
+            double apart = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                if (boxes.chord[j][b] <= NEARER_THAN_ROUNDING) continue;
+                if (first < 0) first = j;
+                const Six<double>&a = J[first], &c = J[j];
+                const double same = a[3] * c[3] + a[4] * c[4] + a[5] * c[5] < 0.0 ? -1.0 : 1.0;
+                for (int i = 0; i < 6; ++i) apart = max(apart, abs(a[i] - same * c[i]));
+            }
+            if (apart <= NEARER_THAN_ROUNDING) settled |= 1u << b;
+        }
+    }
+    return settled == 255u;
+}
+
 unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const Goal<double>& goal, const Boxes& boxes,
                           const Boxes& folds, const Columns<6>& columns) {
     const auto &open = boxes.open, &tiny = folds.tiny;

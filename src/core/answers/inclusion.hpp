@@ -101,6 +101,12 @@ Filled filled_by(const IdealFrames& ideal, const Boxes& boxes, const Columns<6>&
 // arm twins are half a turn apart, and do not stand for each other.
 Status decided(const IdealFrames& ideal, const Boxes& boxes, const Filled& filled, unsigned counted = 0);
 
+// Whether nothing is left to be found: each box is empty, has a solution of its own, or leaves joints free and holds a solution at
+// which all joints with wide arcs turn about one line. The pose fixes only the sum of these turns, so such a box holds no more than
+// the curve of that solution.
+bool is_settled(const Written<6>& arm, const Goal<double>& goal, const Boxes& boxes, const Filled& filled,
+                const Columns<6>& columns);
+
 // The boxes, by branch, that hold nothing but what the columns have since a solution is at their fold. A fold that keeps the pose
 // to the tolerance is added to the columns where its box has no solution.
 //

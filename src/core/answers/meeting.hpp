@@ -2,34 +2,10 @@
 // of an arm or in its middle.
 #pragma once
 
-#include "answers/answer.hpp"
+#include "answers/around.hpp"
 #include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
-
-// The flags of a solution's singularities.
-inline constexpr unsigned KINDS = SHOULDER | ELBOW | WRIST | OTHER;
-
-// Whether q, a singular solution of branch b, lies on a continuum with a solution that is already kept. That solution's branch
-// differs only in signs that mean nothing there.
-template <class Model> PART bool is_represented(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
-                                                int b, unsigned marks, const double (&q)[Model::joints]) {
-    for (int c = 0; c < columns.many; ++c) {
-        const unsigned known = columns.flags[c] & KINDS, kinds = marks | known;
-        if (!columns.valid(c) || !known) continue;
-        const unsigned free = (kinds & SHOULDER ? 4u : 0u) | (kinds & ELBOW ? 2u : 0u) | (kinds & WRIST ? 1u : 0u);
-        if ((kinds & OTHER || !(unsigned(b ^ c) & ~free)) && is_joined(arm, goal, q, columns.row(c))) return true;
-    }
-    return false;
-}
-
-// Polish the candidate q of branch b and keep the solution, unless it lies on the continuum of a known one.
-template <class Model> PART void keep_unless_represented(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
-                                                         int b, int marks, const Columns<Model::joints>& columns) {
-    if (!holds(arm, goal, q) || !is_new(arm, goal, columns, q)) return;
-    const int kinds = singular_marks(arm, goal, q, marks);
-    if (!kinds || !is_represented(arm, goal, columns, b, unsigned(kinds), q)) keep(columns, b, q, kinds);
-}
 
 // The other joints of a branch: their angles, offsets included; how accurate they are; the flags of their singularities; whether
 // one is near a singularity; whether rounding leaves open that they exist.
@@ -43,30 +19,31 @@ struct Others {
 // The branch b of the joints from `first` on, which make the rotation M. flag: of their singularity. rooted: a quartic precedes
 // them, whose roots are inaccurate where it is ill-conditioned: Newton's method decides. A margin within `fold` of zero is a double
 // root, and one of its branches is kept. If the target determines only the sum or difference of two joints, they take the
-// reference's values.
+// reference's values. Returns whether rounding leaves the branch in doubt.
 template <class Arm>
-PART void meeting_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& M, const Others& at, int first, int flag,
+PART bool meeting_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& M, const Others& at, int first, int flag,
                           bool rooted, const Reference<6>& reference, int b, const Columns<6>& columns) {
     const auto& ideal = arm.ideal;
     const Tolerances& tol = arm.written.tolerances;
     const Twists t = {ideal.cos_alpha[first], ideal.sin_alpha[first], ideal.cos_alpha[first + 1], ideal.sin_alpha[first + 1]};
     const double flip = ideal.signs[2][b];
     Bend<double> bend = wrist_bend(M.z, t, flip);
-    if (bend.margin < -max(max(ideal.clamp, rooted ? HALF_OF_THE_DIGITS : 0.0), at.drift.of_margin())) return;
+    if (bend.margin < -max(max(ideal.clamp, rooted ? HALF_OF_THE_DIGITS : 0.0), at.drift.of_margin()))
+        return at.drift.hides(bend.margin);
     WristTurns<double> turns = wrist_turns(M, bend.turn, t);
     Drift drift = at.drift;
     drift.through_arm(turns.fixed);
     const bool free = turns.fixed <= tol.continuum, loose = !free && at.drift.frees(turns.fixed);
     const bool unsure = loose || at.drift.hides(bend.margin) || (!free && at.drift.by > 0.0 && drift.is_lost());
-    const int marks = at.marks | (min(turns.fixed, bend.margin) <= tol.fold ? flag : 0);
+    const int marks = at.marks | (min(turns.fixed, bend.margin) <= marked(tol, reference) ? flag : 0);
     const bool twice = is_double(bend.margin, turns.fixed, ROUNDING / (t.sb * t.sb));
-    if (flip < 0.0 && (twice || free)) return;
+    if (flip < 0.0 && (twice || free)) return unsure;
     if (twice) {
         bend.turn = wrist_bend(M.z, t, 0.0).turn;
         turns = wrist_turns(M, bend.turn, t);
     }
     const bool near = at.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
-    const bool sure = !at.unsure && !unsure && bend.margin >= -ideal.clamp;
+    const bool sure = reference.displaced == 0.0 && !at.unsure && !unsure && bend.margin >= -ideal.clamp;
     const auto candidate = [&](const WristTurns<double>& ends, double (&q)[6]) {
         Turn<double> found[6];
         for (int j = 0; j < 6; ++j) found[j] = at.turn[j];
@@ -79,13 +56,14 @@ PART void meeting_closely(const Arm& arm, const Goal<double>& goal, const Rot<do
     };
     double q[6];
     candidate(free ? shared() : turns, q);
-    if (rooted || sure || !arm.written.exact || holds(arm.written, goal, q)) {
+    if (rooted || sure || !arm.written.exact || holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
         accept(arm.written, goal, q, b, marks, near, columns);
     }
     if (loose && !columns.valid(b) && !columns.valid(b & ~1)) {
         candidate(shared(), q);
         keep_unless_represented(arm.written, goal, q, b, marks, columns);
     }
+    return unsure;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -121,7 +121,7 @@ template <class V, class M> STEP Frame<V> turned_back(const Frame<V>& at, const 
     return beyond(turned(at, back(t)), step);
 }
 
-template <class V, class M> STEP LoopAt<V> loop_at(const LoopOf<M>& loop, const Turn<V> (&turn)[6]) {
+template <class V, class M> PART LoopAt<V> loop_at(const LoopOf<M>& loop, const Turn<V> (&turn)[6]) {
     LoopAt<V> out;
     Frame<V> at = constant_frame<V>(loop.third);
     out.twist[2] = twist_of(at);

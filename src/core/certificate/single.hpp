@@ -56,7 +56,7 @@ template <class V> struct Orthogonal {
     V R[6][6];
     Block weight[6];
 };
-template <class V> STEP void make_orthogonal(const Six<V> (&J)[6], Orthogonal<V>& f) {
+template <class V> PART void make_orthogonal(const Six<V> (&J)[6], Orthogonal<V>& f) {
     for (int k = 0; k < 6; ++k) f.column[k] = J[k];
 #pragma GCC unroll 1
     for (int k = 0; k < 6; ++k) {
@@ -84,7 +84,7 @@ template <class V> STEP Six<V> newton_step(const Orthogonal<V>& f, Six<V> e) {
     return x;
 }
 
-template <class V> STEP Inverse<V> inverse_of(const Orthogonal<V>& f) {
+template <class V> PART Inverse<V> inverse_of(const Orthogonal<V>& f) {
     Inverse<V> C;
 #pragma GCC unroll 1
     for (int k = 5; k >= 0; --k) {

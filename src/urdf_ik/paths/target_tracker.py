@@ -90,6 +90,7 @@ class Tracker:
         recentring: float | None = None,
         first: str | None = None,
         world: Any = None,
+        self_collision: bool = False,
         margin: float = 0.0,
     ) -> None:
         """Start at a joint vector.
@@ -109,6 +110,7 @@ class Tracker:
                 fewer than six joints, 'orientation', or 'both' (the least sum of squares, rad and shares of the size).
                 The joints go to the nearest posture of :func:`urdf_ik.ik.closest.closest` on this branch.
             world: obstacles to stay clear of, see :class:`urdf_ik.World`; the arm is checked against itself too.
+            self_collision: whether the arm is checked against itself where no world is given.
             margin: m, clearance to keep.
 
         Raises:
@@ -162,7 +164,7 @@ class Tracker:
         )
         self._margin = inputs.number(margin, "margin", low=0.0, unit="m")
         self._collision: Any = None
-        if world is not None:
+        if self_collision or world is not None:
             self._collision = solver.arm.cell.in_world(world)
         # A pose is tracked and no collision is checked: the core does the whole cycle.
         chosen = inputs.choice(first or "position", "first", ("position", "orientation", "both"))

@@ -273,6 +273,7 @@ template <LastAxes kind> struct ParallelShoulder {
         double front = ideal.signs[0][b], flip = ideal.signs[2][b];
         Settled out = {};
         Drift& drift = out.drift;
+        drift.own = max(drift.own, reference.displaced);
         out.ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, sight.roots.root[root]);
         if constexpr (kind == LastAxes::general) {
             out.ends.first = sight.roots.gap(root);
@@ -302,7 +303,8 @@ template <LastAxes kind> struct ParallelShoulder {
         out.middle = middle_turn(ideal, sight.at, out.ends.t4, out.ends.t6);
         out.free5 = out.middle.arm5 <= tol.continuum;
         out.unsure = out.unsure || drift.frees(out.middle.arm5);
-        if (min(min(out.ends.first, out.ends.second), min(out.middle.arm5, sight.arm6)) <= tol.fold) out.marks = WRIST;
+        if (min(min(out.ends.first, out.ends.second), min(out.middle.arm5, sight.arm6)) <= marked(tol, reference))
+            out.marks = WRIST;
         if (out.free5) out.middle.t5 = exact_turn(reference.q[4] + ideal.offset[4]), drift.open = true;
         else drift.through_arm(out.middle.arm5);
         out.kept = true;
@@ -351,12 +353,14 @@ template <LastAxes kind> struct ParallelShoulder {
         return out;
     }
 
-    static PART void elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Sight& sight,
+    // Returns whether rounding leaves the branch in doubt.
+    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Sight& sight,
                                    const Settled& at, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const double up = ideal.signs[1][b], side = ideal.cos_alpha[0], scale = 1.0 / (ideal.size * ideal.size);
         const double m1 = at.ends.first, m3 = at.ends.second, arm5 = at.middle.arm5, arm6 = sight.arm6;
+        bool unsure = false;
         Turn<double> t6 = at.ends.t6;
         for (int place = 0; place < (at.free5 && sight.free6 ? PLACES : 1); ++place) {
             if (place > 0) unturn(t6.c, t6.s, exact_turn(2.0 * PI / PLACES));
@@ -367,9 +371,9 @@ template <LastAxes kind> struct ParallelShoulder {
             const bool near = min(abs(m1), min(abs(m2), abs(m3))) < NEAR || min(arm1, min(arm5, arm6)) < NEAR;
             // Next to an aligned wrist a root, and with it psi, is inaccurate: Newton's method decides.
             const double rough = kind == LastAxes::general ? ROUGH_BY_ROOT / (arm5 + 1e-8) : at.drift.of_margin();
-            const bool unsure = at.drift.hides(m2) || at.drift.frees(arm1) || at.drift.is_lost();
+            unsure = at.drift.hides(m2) || at.drift.frees(arm1) || at.drift.is_lost();
             if (m2 < -max(ideal.clamp, rough)) continue;
-            const int marks = at.marks | (min(m2, arm1) <= tol.fold ? ELBOW : 0);
+            const int marks = at.marks | (min(m2, arm1) <= marked(tol, reference) ? ELBOW : 0);
             const bool twice = is_double(m2, arm1, ROUNDING / (2.0 * ideal.a[0] * ideal.a[1] * scale));
             if (up < 0.0 && (twice || arm1 <= tol.continuum)) break;
             if (twice) e = elbow(left.u.x, left.u.y, ideal.a[0], ideal.a[1], side, 0.0);
@@ -378,16 +382,18 @@ template <LastAxes kind> struct ParallelShoulder {
             double q[6] = {wrap(t1 - ideal.offset[0]),          wrap(t2 - ideal.offset[1]),
                            wrap_far(t3 - ideal.offset[2]),      wrap(angle(at.ends.t4) - ideal.offset[3]),
                            wrap_far(left.t5 - ideal.offset[4]), wrap_far(left.t6 - ideal.offset[5])};
-            const bool sure = !at.unsure && !unsure && min(m1, min(m2, m3)) >= -ideal.clamp;
-            if (kind == LastAxes::general || sure || !arm.written.exact || holds(arm.written, goal, q)) {
+            const bool sure = reference.displaced == 0.0 && !at.unsure && !unsure && min(m1, min(m2, m3)) >= -ideal.clamp;
+            if (kind == LastAxes::general || sure || !arm.written.exact ||
+                holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
                 accept(arm.written, goal, q, b, marks, near, columns);
             }
             break;
         }
+        return unsure;
     }
 
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         const Sight sight = look(arm, seen, reference, known);
         Settled settled[4];
         for (int k = 0; k < 4; ++k) {
@@ -395,10 +401,15 @@ template <LastAxes kind> struct ParallelShoulder {
             settled[k] = {};
             if (k < sight.roots.count && wanted >> b & 5u) settled[k] = settle(arm, sight, reference, b, k);
         }
+        unsigned unsure = 0;
         for (int b = 0; b < 8; ++b) {
             const Settled& at = settled[2 * (b / 4) + b % 2];
-            if (wanted >> b & 1u && at.kept) elbow_closely(arm, goal, reference, sight, at, b, columns);
+            if (!(wanted >> b & 1u)) continue;
+            unsure |= unsigned(at.unsure) << b;
+            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, sight, at, b, columns)) << b;
         }
+        // A pose that looks out of reach next to a singularity may be within it.
+        return sight.free6 && !columns.count() ? wanted : unsure;
     }
 
     // See ParallelShoulderSolvers.

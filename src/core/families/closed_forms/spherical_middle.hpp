@@ -193,7 +193,7 @@ template <LastPair kind> struct SphericalMiddle {
             const double front = ideal.signs[0][2 * k];
             first = first_turn<kind, double>(arm, seen, front);
             if (first.margin < -ideal.clamp) return false;
-            if (min(first.margin, first.arm1) <= tol.fold) to.marks |= SHOULDER;
+            if (min(first.margin, first.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
             const bool free = first.arm1 <= tol.continuum, twice = is_double(first.margin, first.arm1, ROUNDING);
             if (front < 0.0 && (twice || free)) return false;
             if (twice) first.t1 = first_turn<kind, double>(arm, seen, 0.0).t1;
@@ -216,6 +216,7 @@ template <LastPair kind> struct SphericalMiddle {
         Settled out = {};
         Others& to = out.others;
         Drift& drift = to.drift;
+        drift.own = max(drift.own, reference.displaced);
         FirstTurn<double> first;
         if (!settle_first(arm, seen, reference, k, roots, first, to)) return out;
         const Vec<double> u = centre_seen_from_6(arm, seen, first.t1);
@@ -224,7 +225,7 @@ template <LastPair kind> struct SphericalMiddle {
         to.unsure = drift.frees(arm6) || drift.hides(margin) || drift.is_lost();
         if (margin < -max(ideal.clamp, drift.of_margin()) && !drift.is_lost()) return out;
         to.near = min(abs(first.margin), abs(margin)) < NEAR || min(first.arm1, arm6) < NEAR;
-        if (min(margin, arm6) <= tol.fold) to.marks |= WRIST;
+        if (min(margin, arm6) <= marked(tol, reference)) to.marks |= WRIST;
         if constexpr (by_signs) {
             // Where C is almost on axis 6, the rounding of a margin is as small as its lever arm.
             const double r = reach_of_5(arm), links = kind == LastPair::parallel ? 2.0 * ideal.a[4] * r : r * r;
@@ -267,22 +268,27 @@ template <LastPair kind> struct SphericalMiddle {
                             2.0 * w * far * off.shift, 2.0 * v * (off.shift + far * off.turn));
     }
 
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == LastPair::general) roots = known ? *known : quartic(arm, seen);
+        unsigned unsure = 0;
         for (int k = 0; k < roots.count; ++k) {
             if (!(wanted >> 2 * k & 3u)) continue;
             const Settled at = settle(arm, seen, reference, k, roots);
+            if (at.others.unsure) unsure |= 3u << 2 * k;
             if (!at.kept) continue;
             const Turn<double>(&t)[6] = at.others.turn;
             const Rot<double> M = middle_rotation(arm.ideal, seen.R, t[0], t[4], t[5]);
             for (int b = 2 * k; b < 2 * k + 2; ++b) {
                 if (!(wanted >> b & 1u)) continue;
-                meeting_closely(arm, goal, M, at.others, 1, ELBOW, kind == LastPair::general, reference, b, columns);
+                unsure |=
+                    unsigned(meeting_closely(arm, goal, M, at.others, 1, ELBOW, kind == LastPair::general, reference, b, columns))
+                    << b;
             }
         }
+        return unsure;
     }
 };
 

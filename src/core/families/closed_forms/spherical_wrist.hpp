@@ -205,21 +205,26 @@ template <Shoulder kind> struct SphericalWrist {
 
     // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint
     // free (squared arm below `continuum`), it takes the reference's value.
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == Shoulder::general) roots = known ? *known : quartic(arm, seen);
+        unsigned unsure = 0;
         for (int pair = 0; pair < roots.count && pair < 4; ++pair) {
             if (!(wanted >> 2 * pair & 3u)) continue;
             const Settled place = settle(arm, seen.p, reference, pair, roots);
+            if (place.others.unsure) unsure |= 3u << 2 * pair;
             if (!place.kept) continue;
             const Rot<double> M = wrist_rotation(seen.R, arm.ideal, place.at);
             for (int b = 2 * pair; b < 2 * pair + 2; ++b) {
                 if (!(wanted >> b & 1u)) continue;
-                meeting_closely(arm, goal, M, place.others, 3, WRIST, kind == Shoulder::general, reference, b, columns);
+                unsure |= unsigned(meeting_closely(arm, goal, M, place.others, 3, WRIST, kind == Shoulder::general, reference, b,
+                                                   columns))
+                          << b;
             }
         }
+        return unsure;
     }
 
     // A solution of the first three joints, for one root.
@@ -267,11 +272,12 @@ template <Shoulder kind> struct SphericalWrist {
         double front = ideal.signs[0][2 * pair], up = ideal.signs[1][2 * pair];
         Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, false};
         Others& others = out.others;
+        others.drift.own = max(others.drift.own, reference.displaced);
         const double m1 = quartic ? roots.gap(pair) : out.at.margin1, m2 = out.at.margin2, arm1 = out.at.arm1, arm2 = out.at.arm2;
         others.near = min(abs(m1), abs(m2)) < NEAR || min(arm1, arm2) < NEAR;
         if (!is_inside(arm, m1, m2, out)) return out;
         const bool free1 = arm1 <= tol.continuum, free2 = arm2 <= tol.continuum;
-        const double fold = tol.fold, loose = max(tol.continuum, fold * fold);
+        const double fold = marked(tol, reference), loose = max(tol.continuum, fold * fold);
         if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) others.marks |= SHOULDER;
         if (m2 <= fold || (arm2 <= loose && by_height)) others.marks |= ELBOW;
         if (!quartic) {

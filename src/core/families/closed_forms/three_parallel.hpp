@@ -215,8 +215,8 @@ template <Hand kind> struct ThreeParallel {
     // All angles of joint 1.
     static Quartic quartic(const Arm& arm, const Seen<double>& seen) { return first_angles(arm, seen); }
 
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == Hand::general) roots = known ? *known : first_angles(arm, seen);
@@ -227,9 +227,12 @@ template <Hand kind> struct ThreeParallel {
             settled[k] = {};
             if (k < roots.count && wanted >> b & 5u) settled[k] = settle(arm, seen, reference, b, k, roots);
         }
+        unsigned unsure = 0;
         for (int b = 0; b < 8; ++b) {
             const Settled& at = settled[2 * (b / 4) + b % 2];
-            if (wanted >> b & 1u && at.kept) elbow_closely(arm, goal, reference, at, b, columns);
+            if (!(wanted >> b & 1u)) continue;
+            unsure |= unsigned(at.unsure) << b;
+            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, at, b, columns)) << b;
         }
         for (int k = 0; k < 4; ++k) {
             if (!settled[k].loose) continue;
@@ -239,6 +242,11 @@ template <Hand kind> struct ThreeParallel {
                 if (at.kept) elbow_closely(arm, goal, reference, at, b, columns);
             }
         }
+        // Roots that nearly meet are accurate to half of their digits.
+        for (int k = 0; kind == Hand::general && k < roots.count; ++k) {
+            if (roots.gap(k) < ROOTS_CROWDED && !columns.count()) unsure = wanted;
+        }
+        return unsure;
     }
 
     // A shoulder and a wrist.
@@ -248,7 +256,8 @@ template <Hand kind> struct ThreeParallel {
         double margin1, margin5, arm1, fixed;
         Drift drift;
         int marks;
-        bool kept, loose;  // loose: phi may be free
+        bool kept, unsure;
+        bool loose;  // phi may be free
     };
 
     // Joint 1 of branch b. A margin within `fold` of zero is a double root, and one of its branches is kept. If the
@@ -260,7 +269,7 @@ template <Hand kind> struct ThreeParallel {
         const Swing<double> s = face(arm, seen.p, front);
         to.t1 = s.turn, to.margin1 = s.margin * scale;
         if (to.margin1 < -ideal.clamp) return false;
-        if (min(to.margin1, to.arm1) <= tol.fold) to.marks |= SHOULDER;
+        if (min(to.margin1, to.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
         const bool twice = is_double(to.margin1, to.arm1, ROUNDING);
         if (front < 0.0 && (twice || to.arm1 <= tol.continuum)) return false;
         if (twice) to.t1 = face(arm, seen.p, 0.0).turn;
@@ -278,6 +287,7 @@ template <Hand kind> struct ThreeParallel {
         const double flip = ideal.signs[2][b], scale = 1.0 / (ideal.size * ideal.size);
         Settled out = {};
         out.arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        out.drift.own = max(out.drift.own, reference.displaced);
         if constexpr (kind == Hand::general) out.t1 = roots.root[root], out.margin1 = roots.gap(root);
         else if (!settle_first(arm, seen, reference, b, out)) return out;
         const Seen<double> at = seen_along(arm, seen, out.t1);
@@ -290,10 +300,11 @@ template <Hand kind> struct ThreeParallel {
         }
         WristTurns<double> turns = wrist_turns(at.R, out.t5, t);
         out.fixed = turns.fixed;
+        out.unsure = out.drift.hides(out.margin5);
         if (out.margin5 < -max(ideal.clamp, out.drift.of_margin())) return out;
-        if (min(out.fixed, out.margin5) <= tol.fold) out.marks |= WRIST;
+        if (min(out.fixed, out.margin5) <= marked(tol, reference)) out.marks |= WRIST;
         const bool free = out.fixed <= tol.continuum || (freely && out.drift.frees(out.fixed));
-        out.loose = out.fixed > tol.continuum && out.drift.frees(out.fixed);
+        out.loose = out.fixed > tol.continuum && out.drift.frees(out.fixed), out.unsure = out.unsure || out.loose;
         if constexpr (kind != Hand::general) {
             const bool twice = is_double(out.margin5, out.fixed, ROUNDING / (t.sb * t.sb));
             if (flip < 0.0 && (twice || free)) return out;
@@ -328,7 +339,8 @@ template <Hand kind> struct ThreeParallel {
         return true;
     }
 
-    static PART void elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
+    // Returns whether rounding leaves the branch in doubt.
+    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
                                    int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
@@ -341,20 +353,22 @@ template <Hand kind> struct ThreeParallel {
         // Next to an aligned wrist a root, and with it phi, is inaccurate: Newton's method decides.
         const double rough = kind == Hand::general ? ROUGH_BY_ROOT / (at.fixed + 1e-8) : at.drift.of_margin();
         const bool unsure = at.drift.hides(margin) || at.drift.is_lost();
-        if (margin < -max(ideal.clamp, rough)) return;
-        const int marks = at.marks | (min(margin, arm2) <= tol.fold ? ELBOW : 0);
+        if (margin < -max(ideal.clamp, rough)) return unsure;
+        const int marks = at.marks | (min(margin, arm2) <= marked(tol, reference) ? ELBOW : 0);
         const bool twice = is_double(margin, arm2, ROUNDING / (2.0 * upper * lower * scale));
-        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return;
+        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return unsure;
         if (twice) e = elbow(ux, uy, upper, lower, arm.turn_3, 0.0);
         if (arm2 <= tol.continuum) e.second = exact_turn(reference.q[1] + ideal.offset[1]);
         const double t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(at.phi) - t2 - arm.turn_3 * t3);
         double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]),
                        wrap(t3 - ideal.offset[2]),           wrap(wrap(t4 - ideal.offset[3])),
                        wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
-        const bool sure = !unsure && min(at.margin5, margin) >= -ideal.clamp;
-        if (kind == Hand::general || sure || !arm.written.exact || holds(arm.written, goal, q)) {
+        const bool sure = reference.displaced == 0.0 && !unsure && min(at.margin5, margin) >= -ideal.clamp;
+        if (kind == Hand::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
             accept(arm.written, goal, q, b, marks, near, columns);
         }
+        return unsure;
     }
 
     // See ThreeParallelSolvers.

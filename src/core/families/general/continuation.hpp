@@ -17,7 +17,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double DISTANT = 4.0;
 
 // Shepperd's method (1978), from the largest of the four components.
-STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
+PART Quaternion<double> quaternion_of(const Rot<double>& R) {
     const double t[4] = {R.x.x + R.y.y + R.z.z, R.x.x, R.y.y, R.z.z};
     int most = 0;
     for (int i = 1; i < 4; ++i) most = t[i] > t[most] ? i : most;
@@ -146,7 +146,7 @@ PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, co
 }
 
 // Adds a solution, or its conjugate, if it is not there yet.
-STEP void add_solution(const Written<6>& arm, KnownPose& pose, int& many, ComplexJoints q, bool conjugate) {
+PART void add_solution(const Written<6>& arm, KnownPose& pose, int& many, ComplexJoints q, bool conjugate) {
     for (int k = 0; conjugate && k < 6; ++k) {
         // The conjugate angle has one over the conjugate of e^(i angle).
         auto& z = q.z[k];
@@ -160,7 +160,7 @@ STEP void add_solution(const Written<6>& arm, KnownPose& pose, int& many, Comple
     if (many < KnownPose::most) pose.solution[many++] = q;
 }
 
-STEP KnownPose known_pose(const Written<6>& arm, const double (&q)[6], int& many) {
+PART KnownPose known_pose(const Written<6>& arm, const double (&q)[6], int& many) {
     const Frame<double> at = inner_pose(arm, place(arm, q).tip);
     const Quaternion<double> turn = quaternion_of(at.R);
     KnownPose pose = {{turn.w, turn.v.x, turn.v.y, turn.v.z}, {at.p.x, at.p.y, at.p.z}, {}};

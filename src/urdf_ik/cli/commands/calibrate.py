@@ -29,6 +29,7 @@ def calibrate(
     ur_kinematics: Path | None = None,
     output: Path | None = None,
     report: Path | None = None,
+    write_ur_kinematics: Path | None = None,
     next_poses: int = 0,
     seed: int = 0,
     time_limit: float | None = None,
@@ -64,12 +65,13 @@ def calibrate(
     Options (Output):
         output (-o FILE): The new URDF.
         report (FILE): A page with a picture (HTML).
+        write_ur_kinematics (FILE): Write Universal Robots' YAML.
     """
     from urdf_ik import calibration
 
     if (measured is None) == (ur_kinematics is None):
         raise typer.BadParameter("give either --measured FILE or --ur-kinematics FILE")
-    for path in filter(None, (output, report)):
+    for path in filter(None, (output, report, write_ur_kinematics)):
         files.writable(path)
     arm, angles = chosen.loaded(degrees)
     if measured is None:
@@ -92,6 +94,8 @@ def calibrate(
         found.write(output)
     if report is not None:
         files.write(report, found.to_html().encode())
+    if write_ur_kinematics is not None:
+        files.write(write_ur_kinematics, calibration.ur_kinematics(found.arm).encode())
     data, text = found.to_dict(), f"{found}\n"
     if next_poses:
         best, gains, unchecked = calibration.best_poses(found, next_poses, seed=seed)

@@ -165,6 +165,7 @@ def judge(
     solver: str,
     n: int = 50,
     seed: int = 0,
+    max_error: float | None = None,
     within_limits: bool = False,
     chosen: ArmOptions,
     printed_as: ReportFormat = ReportFormat.TABLE,
@@ -184,6 +185,7 @@ def judge(
 
     Options:
         solver (SPEC): module:function, file.py:function, or process:COMMAND (a line of JSON a pose).
+        max_error (E): Error [m; rad] of a solution. Default: 1e-7.
         within_limits: The solver returns only what is inside the limits.
     """
     from urdf_ik.verify import judging
@@ -195,6 +197,7 @@ def judge(
             solve,
             n=n,
             seed=seed,
+            tolerance=judging.TOLERANCE if max_error is None else max_error,
             within_limits=within_limits,
             name=str(getattr(solve, "__name__", solver)),
             progress=progress.tick,

@@ -143,6 +143,7 @@ def view(
     degrees: bool = False,
     host: str = "127.0.0.1",
     port: int | None = None,
+    dark: bool = False,
     output: Path | None = None,
 ) -> None:
     """Show an arm in the browser: every solution of a target to drag, sliders for the joints.
@@ -159,6 +160,7 @@ def view(
     Options:
         host (ADDRESS): Listen there; 0.0.0.0 lets everybody in the network in. Default: 127.0.0.1.
         port (PORT): Default: 8080, or the first free one after it; 0: any free one.
+        dark: Light on dark.
         output (-o FILE): Write the scene there as one HTML page, and leave.
     """
     from urdf_ik.show.viewer import Viewer
@@ -174,12 +176,12 @@ def view(
         if not plan.found:
             console.say(f"no plan:\n{plan.explain()}")
     if output is not None:
-        with Viewer(arm, port=0, plan=plan, world=world) as viewer:
+        with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
             _begin(viewer, first)
             console.write(viewer.html(scene=True), output)
         return
     roots = chosen.mesh_root or ()
-    with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world) as viewer:
+    with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
         _begin(viewer, first)
         with suppress(KeyboardInterrupt):  # how the user ends it: the status is 0
             typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))

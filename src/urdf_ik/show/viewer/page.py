@@ -59,6 +59,7 @@ class Viewer:
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
         plan: Plan | None = None,
         world: World | None = None,
+        dark: bool = False,
     ) -> None:
         """Start the server.
 
@@ -69,6 +70,7 @@ class Viewer:
             mesh_roots: folders that meshes of arms that the page asks for may be read from.
             plan: of ``arm.follow``, found or not, to be played along its waypoints.
             world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
+            dark: light on dark.
 
         Raises:
             MissingPackage: viser is not installed, or is one whose requests cannot be checked.
@@ -79,7 +81,7 @@ class Viewer:
         except ImportError:
             raise extras.missing("the viewer needs viser, which is not installed", "viewer") from None
         guard.check(host, port)
-        self._host, self._mesh_roots = host, tuple(mesh_roots)
+        self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)
         self.message = ""
         if plan is not None and plan.obstacles is not None and world is None:
@@ -97,7 +99,7 @@ class Viewer:
         if port and self.port != port:  # somebody took it since it was looked at
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
-        self.server.gui.configure_theme(control_width="large", show_share_button=False)
+        self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
         self.server.gui.add_html(STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
@@ -172,7 +174,7 @@ class Viewer:
         target = self.drawing.target
         target.visible = False  # handles that would move nothing
         try:
-            return str(with_names(self.server.scene.as_html(), self.state))
+            return str(with_names(self.server.scene.as_html(), self.state, self._dark))
         finally:
             target.visible = True
 
@@ -243,8 +245,8 @@ class Viewer:
     def _show_arm(self, state: State) -> None:
         """Build scene and panel of another arm."""
         self.state, arm = state, state.arm
-        self.drawing = Drawing(self.server.scene, arm)
-        self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned)
+        self.drawing = Drawing(self.server.scene, arm, self._dark)
+        self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
         self.obstacles = Obstacles(self.server.scene, state.world, arm.chain.size)
         self.work = WorkPanel(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
@@ -306,8 +308,10 @@ class Viewer:
         if plan is None:
             return
         self.track = playback.track(plan)
-        self.path = PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self.show_end)
-        self.path_drawing = PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self.show_end)
+        self.path = PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self.show_end, self._dark)
+        self.path_drawing = PathDrawing(
+            self.server.scene, self.track, self.state.arm.chain.size, self.show_end, self._dark
+        )
         self._go_to(0.0)
         self._frame(*self.server.get_clients().values())
 
@@ -380,7 +384,7 @@ class Viewer:
 
 _LEGEND = (
     "position:fixed;left:1em;bottom:1em;z-index:9;margin:0;padding:.6em .9em;border-radius:.4em;list-style:none;"
-    "font:13px/1.5 sans-serif;pointer-events:none;color:#222;background:rgba(255,255,255,.8)"
+    "font:13px/1.5 sans-serif;pointer-events:none;"
 )
 
 
@@ -397,9 +401,9 @@ def picture(state: State) -> str:
     )
 
 
-def with_names(page: str, state: State) -> str:
+def with_names(page: str, state: State, dark: bool = False) -> str:
     """The HTML ``page`` of a scene with a list of its solutions in their colours; the arm's own is marked."""
-    shades = bytes_of_colours(max(len(state.arm.structure.branches), 1))
+    shades = bytes_of_colours(max(len(state.arm.structure.branches), 1), dark)
     lines = []
     for k, ghost in enumerate(state.ghosts):
         red, green, blue = shades[ghost.column]
@@ -407,7 +411,8 @@ def with_names(page: str, state: State) -> str:
         marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
         dot = f'<span style="color:rgb({red},{green},{blue})">&#9679;</span>'
         lines.append(f"<li>{dot} {escape(ghost.branch + marks + here)}</li>")
+    text, ground = ("#eee", "rgba(0,0,0,.6)") if dark else ("#222", "rgba(255,255,255,.8)")
     title = f"<li><b>{escape(state.arm.name)}</b></li>"
-    legend = f'<ul id="branches" style="{_LEGEND}">{title}{"".join(lines)}</ul>'
+    legend = f'<ul id="branches" style="{_LEGEND}color:{text};background:{ground}">{title}{"".join(lines)}</ul>'
     head, end, tail = page.rpartition("</body>")
     return f"{head}{legend}{end}{tail}" if end else page + legend

@@ -61,6 +61,7 @@ class Panel:
         on_branch: Callable[[int], None],
         on_joint: Callable[[int, float], None],
         on_redundancy: Callable[[int, float], None],
+        dark: bool = False,
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         self._arm = arm
@@ -69,7 +70,7 @@ class Panel:
         with self._folders[-1]:
             self.branches = [
                 gui.add_button(name, color=colour, visible=False)
-                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches)), strict=True)
+                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches), dark), strict=True)
             ]
         for column, button in enumerate(self.branches):
             button.on_click(lambda _, column=column: on_branch(column))
@@ -214,11 +215,12 @@ class PathPanel:
         on_place: Callable[[float], None],
         on_play: Callable[[], None],
         on_end: Callable[[Stop], None],
+        dark: bool = False,
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         plan = track.plan
         names = plan.solver.structure.branches
-        shades = dict(zip(names, colours(len(names)), strict=True))
+        shades = dict(zip(names, colours(len(names), dark), strict=True))
         self._folder = gui.add_folder("Path", order=-1.0)
         with self._folder:
             self.status = gui.add_markdown(_plan_status(track))
