@@ -260,5 +260,7 @@ def test_a_wish_for_the_elbow(place: tuple[float, float, float] | None) -> None:
     assert len(best.within_limits()) == 1
     assert best.scores(wish)[0] == pytest.approx(score(best[0].q), abs=1e-9)
     assert score(best[0].q) > max(score(q) for q in others.q[others.valid]) - 1e-9
+    placed = arm.for_task("position").ik(T).best(wish)
+    assert len(placed) == 1 and np.linalg.norm(case.oracle.pose(placed[0].q)[:3, 3] - T[:3, 3]) < 1e-9
     with pytest.raises(ArgumentError, match="no link is called 'elbow'"):
         arm.ik(T).best(urdf_ik.Wish("elbow"))

@@ -192,8 +192,8 @@ class IKSolutions(DifferentiableSolutions):
         Args:
             by: 'limits': farthest from the joint limits. Each solution counts by its image farthest inside them, the
                 best of its ``turns()``; a solution without an image inside is dropped. 'manipulability',
-                'clearance' and a :class:`urdf_ik.Wish`: see :meth:`scores`; of a wish all values of one redundancy
-                parameter that was left at its default are looked at, inside the joint limits.
+                'clearance' and a :class:`urdf_ik.Wish`: see :meth:`scores`. A wish keeps to the joint limits, and
+                looks at all values of a redundancy parameter with :meth:`urdf_ik.Arm.intervals` left at its default.
             n: number of columns, at most B.
             world: obstacles for 'clearance', a ``urdf_ik.World``.
 
@@ -212,10 +212,13 @@ class IKSolutions(DifferentiableSolutions):
         distances.check_quality(by, self.solver.chain)
         kept: IKSolutions = self
         if self.solver.parameters and self._redundancy is None and self.step is None:
-            if isinstance(by, distances.Wish) and n == len(self.solver.parameters) == 1:
+            has_intervals = len(self.solver.parameters) == 1 and self.solver.redundant_member.self_motion is not None
+            if isinstance(by, distances.Wish) and n == 1 and has_intervals:
                 wished: IKSolutions = self.arm.intervals(self._poses).best(by)
                 return wished
             kept = self.arm.ik(self._poses, redundancy=self.arm.values_inside(self._poses))
+        if isinstance(by, distances.Wish):
+            kept = kept.within_limits()
         if by == "limits":
             kept = kept._moved_inside(limits.image_inmost(kept._q, self.solver.limits, self._turning))
         scores = kept.scores(by, world=world)
