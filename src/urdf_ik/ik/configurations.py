@@ -118,7 +118,8 @@ class OPW:
         over = np.cross(y, fore)
         side = H[4] if H[4] @ y >= -1e-9 else -H[4]
         reach = chain.P.sum(axis=0) - W
-        out = H[5] if (reach @ H[5] if abs(reach @ H[5]) > LITTLE * size else fore @ H[5]) > 0.0 else -H[5]
+        past = (P[5] - W) @ H[5]
+        out = H[5] if (past if abs(past) > LITTLE * size else fore @ H[5]) > 0.0 else -H[5]
 
         def lean_of(v: Array) -> float:
             return math.atan2(v @ x, v @ z)

@@ -314,12 +314,13 @@ def geometric(branches: tuple[str, ...], solver: Any, chain: Chain, wrist: tuple
     left = side * H[..., 1, :]
     if wrist == (4, 5):
         fore, hinge = left, -_outward(_meeting(*home, 5, 4), *home, 4, chain.size) * H[..., 4, :]
-        straight = 0.0
+        straight = side * (home[0][1] @ home[0][5])
     else:
         outward = _outward(_meeting(*home, *wrist), *home, 3, chain.size)
         fore, straight = outward * H[..., 3, :], outward * (home[0][3] @ home[0][5])
         hinge = (-1.0 if side * (home[0][1] @ home[0][4]) < -LITTLE else 1.0) * H[..., 4, :]
-    out = _outward(chain.fk(np.zeros(6))[:3, 3], *home, 5, chain.size, straight) * H[..., 5, :]
+    # Joint 6's origin, not the tip: a tool renames no branch.
+    out = _outward(chain.points[5], *home, 5, chain.size, straight) * H[..., 5, :]
     down = (np.cross(fore, out) * hinge).sum(-1)
     # 0 where the first of two words is the name, as in NAMES.
     rows = [np.nansum(np.sign(each), axis=0) <= 0.0 for each in (far, above, down)]
