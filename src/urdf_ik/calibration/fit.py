@@ -338,9 +338,7 @@ def _unobservable(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
     return tuple(sorted(set(groups)))
 
 
-def best_poses(
-    calibration: Calibration, count: int = 10, candidates: ArrayLike | None = None, *, seed: int = 0
-) -> tuple[Array, Array, str]:
+def best_poses(calibration: Calibration, count: int = 10, *, seed: int = 0) -> tuple[Array, Array, str]:
     """The joint vectors whose measurement would determine the fitted numbers best, in the sense of D-optimality.
 
     Each is the one that raises the determinant of the information matrix most when the earlier ones are measured
@@ -349,16 +347,14 @@ def best_poses(
     Args:
         calibration: the fit so far.
         count: how many.
-        candidates: (m, n) rad or m to choose from; default: 500 drawn within the limits, free of contact where the
-            arm's shapes can be read.
-        seed: of the drawing.
+        seed: of the 500 joint vectors to choose from, within the limits, free of contact where the shapes can be read.
 
     Returns:
         (k, n) rad or m, the most useful one first; (k,) by how much each raises the logarithm of the determinant; and
-        why contacts were not checked, '' where they were or where the candidates were given.
+        why contacts were not checked, '' where they were.
 
     Raises:
-        ArgumentError: candidates do not fit, or are fewer than asked for.
+        ArgumentError: fewer than asked for are free of contact.
 
     Example:
         >>> import numpy as np
@@ -370,14 +366,10 @@ def best_poses(
         ((3, 6), True)
     """
     wanted = inputs.whole(count, "count", low=1, high=10_000)
-    arm, given = calibration.arm, calibration.given
-    unchecked = ""
-    if candidates is None:
-        q, unchecked = _drawn(calibration, max(_CANDIDATES, 2 * wanted), np.random.default_rng(seed))
-    else:
-        q = arm.chain.check(candidates)
-    if q.ndim != 2 or len(q) < wanted:
-        raise ArgumentError(f"candidates of shape {q.shape} given; at least {wanted} joint vectors are needed")
+    given = calibration.given
+    q, unchecked = _drawn(calibration, max(_CANDIDATES, 2 * wanted), np.random.default_rng(seed))
+    if len(q) < wanted:
+        raise ArgumentError(f"{len(q)} joint vectors are free of contact; {wanted} are needed")
     eq, x = calibration.equations, calibration.x
     noise = np.repeat(calibration.noise, [3, 3] if given.kind == "pose" else [given.numbers])
     variances, vectors = np.linalg.eigh(calibration.covariance)

@@ -82,7 +82,6 @@ def freeze(
     arm: Arm,
     poses: Any = None,
     *,
-    seed: int = _SEED,
     collisions: str | bool = True,
     progress: Progress | None = None,
 ) -> "Lock":
@@ -94,7 +93,6 @@ def freeze(
     Args:
         arm: the arm.
         poses: (..., 4, 4) m, poses of your own, which are kept as well.
-        seed: of the random poses.
         collisions: whether to keep which solutions touch something: True where the shapes can be read, with a warning
             where they cannot; 'require' to fail there; False: no.
         progress: called with (poses done, poses).
@@ -113,7 +111,7 @@ def freeze(
         >>> len(lock.planted), sorted({pose.kind for pose in lock.poses})
         (20, ['near limits', 'near singularity', 'random', 'round'])
     """
-    rng, reference = np.random.default_rng(seed), arm.cell.reference
+    rng, reference = np.random.default_rng(_SEED), arm.cell.reference
     own = np.zeros((0, 4, 4)) if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     shapes, unchecked = arm.cell.to_check(collisions)
     planted = sampling.planted_vectors(reference, rng)

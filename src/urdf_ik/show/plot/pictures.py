@@ -201,17 +201,15 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     return figure
 
 
-def placements(found: PlacementMap, what: str = "reached", at: float | None = None) -> Figure:
-    """One layer of base positions, each with the best of its headings; a cross on the best place, dots on the targets.
+def placements(found: PlacementMap, what: str = "reached") -> Figure:
+    """The best layer: base positions, each with its best heading; a cross on the best, dots on the targets.
 
     Args:
         found: the map.
         what: a score, see :data:`urdf_ik.maps.placements.SHOWN`.
-        at: m, height of the layer; default: that of the best place.
 
     Raises:
         ArgumentError: there is no such score.
-        ArgumentError: there is no such layer.
 
     Example:
         >>> import urdf_ik
@@ -223,7 +221,7 @@ def placements(found: PlacementMap, what: str = "reached", at: float | None = No
     from urdf_ik.maps.placements import SHOWN
 
     best = found.best().pose[:3, 3]
-    _, layer = found.grid.layer("z", float(best[2]) if at is None else at)
+    _, layer = found.grid.layer("z", float(best[2]))
     values = found.values(what)[:, :, layer]
     least = what == "cost"
     filled = np.where(np.isnan(values), np.inf if least else -np.inf, values)
@@ -264,11 +262,11 @@ def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Fig
     return figure
 
 
-def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> None:
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a PNG, SVG or PDF file, by the path's ending.
 
     Raises:
-        ArgumentError: the ending is another one, ``dpi`` is not from 10 to 1200, or the file cannot be written.
+        ArgumentError: the ending is another one, or the file cannot be written.
 
     Example:
         >>> from pathlib import Path
@@ -278,13 +276,12 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
         True
     """
     target = Path(path)
-    dpi = inputs.number(dpi, "dpi", low=10.0, high=1200.0)  # less holds no letter, more no memory
     if target.suffix.lower() not in SUFFIXES:
         raise ArgumentError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
     kind = target.suffix.lower()[1:]
     titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
     metadata = {"Title": next(filter(None, titles), "urdf-ik").replace(r"\$", "$")}
-    files.write(target, lambda file: figure.savefig(file, format=kind, dpi=dpi, metadata=metadata))
+    files.write(target, lambda file: figure.savefig(file, format=kind, dpi=_DPI, metadata=metadata))
 
 
 def _bodies(figure: Figure, owner: Arm, wanted: bool) -> tuple[looks.Body, ...]:
