@@ -12,10 +12,10 @@ FIND_PYTHON = for python in python3 python3.13 python3.12 python3.11; do \
 PYTHON ?= $(shell $(FIND_PYTHON))
 PIP = $(BIN)/python -m pip --quiet --disable-pip-version-check
 WITH_COMPILER = $(BIN)/python tools/with_compiler.py
-# Python compiles a module when it is first imported; most modules never are.
+# Python compiles a module when it is first imported; most modules never are. Not so where warnings of their sources are errors.
 GET = $(PIP) install --no-compile
 # What builds the core stays in .venv, so that changes can be built at any time.
-INSTALL = $(GET) --no-build-isolation --editable
+INSTALL = $(PIP) install --no-build-isolation --editable
 NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["dependencies"], sep="\n")
 BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
 
