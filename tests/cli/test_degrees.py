@@ -31,6 +31,8 @@ COMMANDS = [
     f"explain srs_7r --q {SEVEN} --json",
     "explain puma_560 --xyz 0.3,0.2,0.9 --rpy 170,10,20",
     "explain puma_560 --xyz 0.3,0.2,0.9 --rpy 170,10,20 --free-axis z",
+    "compare puma_560 zyyzyz_6r -n 3",
+    "compare puma_560 zyyzyz_6r planar_2r -n 3",
     "dh puma_560",
     "dh puma_560 --format csv",
     "workspace planar_2r",

@@ -20,7 +20,7 @@ from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import shortest
+from urdf_ik.support.angles import shortest, shown, unit_of
 from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT as TOLERANCES
@@ -517,7 +517,7 @@ class Comparison(Report):
     def sections(self) -> tuple[Section, ...]:
         """The tables: tool error, structure, frames, reach, branches."""
         tables = [] if self.alignment is None else [_alignment_table(self, self.alignment)]
-        tables += [_tool_table(self.tool)] if self.tool is not None else []
+        tables += [_tool_table(self.tool, self.a.prismatic)] if self.tool is not None else []
         tables += [_structure_table(self), _frames_table(self)]
         tables += [_reach_table(self)] if self.reach else []
         tables += [_branches_table(self)] if self.branches else []
@@ -601,9 +601,10 @@ def _branches_table(comparison: Comparison) -> Section:
     return Section(title, header, tuple(rows), left=("branch", "matched by", "worst"))
 
 
-def _tool_table(tool: ToolError) -> Section:
+def _tool_table(tool: ToolError, slides: tuple[bool, ...]) -> Section:
     rows = (("position [mm]", *map(_mm, tool.position)), ("rotation [deg]", *map(_deg, tool.rotation)))
-    worst = (f"worst at q = [{', '.join(f'{value:.6g}' for value in tool.q)}] (rad, m)",) * any(tool.position)
+    q = ", ".join(f"{value:.6g}" for value in np.where(slides, tool.q, shown(np.asarray(tool.q))))
+    worst = (f"worst at q = [{q}] ({unit_of()}, m)",) * any(tool.position)
     title = f"tool error when A's joint vectors ({tool.joint_vectors}) are used on B"
     return Section(title, ("", "median", "95 %", "worst"), rows, worst, left=("",))
 
