@@ -115,9 +115,9 @@ class Panel:
         """Draw the intervals; this takes a tenth of a second, and nothing is shown without matplotlib."""
         if self.strip is not None:
             picture = intervals_picture(state)
-            self.strip.visible = picture is not None
             if picture is not None:
                 self.strip.image = picture
+            self.strip.visible = picture is not None
 
     def remove(self) -> None:
         """Take the widgets out of the panel again."""
