@@ -50,7 +50,7 @@ ROOMS = {
     "model.catalogue": "Names of arms",
     "model.urdf": "Reading a URDF",
     "arm.changes": "Changes of an arm",
-    "arm.loading": "Positioners",
+    "arm.loading": "Compiled arms, positioners",
     "cell.cell": "The cell of an arm",
     "cell.collision_model": "Collision models",
     "cell.pinocchio_reference": "Pinocchio's own model of the file",

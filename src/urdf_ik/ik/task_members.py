@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from urdf_ik._core import Solver
 from urdf_ik.ik.descent import Wanted
 from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, of_six
-from urdf_ik.ik.families.joint_given import prepare_middle
+from urdf_ik.ik.families.joint_given import PythonSolver, prepare_middle
 from urdf_ik.ik.families.parts.family import Family, columns
 from urdf_ik.ik.minima import searched
 from urdf_ik.ik.task import Task
@@ -119,36 +119,23 @@ def _minima(chain: Chain, asked: Task, T: Array) -> Array:
     return searched(wanted, free, None, float(asked.has_place), float(asked.has_turn))[..., : chain.n]
 
 
-class _Search:
-    """Solves like a compiled solver, by the minima of what is missed."""
-
-    numbers = 16
-    parameters = 0
+class _Search(PythonSolver):
+    """Solves by the minima of what is missed."""
 
     def __init__(self, chain: Chain, asked: Task) -> None:
         self._chain, self._asked = chain, asked
         self.joints, self.branches = chain.n, COLUMNS
 
-    def many(
-        self,
-        kind: Any,
-        solver: Any,
-        branches: tuple[str, ...],
-        T: Array,
-        q_ref: Array | None,
-        values: Array | None,
-        threads: int | None,
-        out: Any,
-    ) -> Any:
-        """The solutions of poses (..., 4, 4) as a ``kind``."""
-        batch, stack = T.shape[:-2], project_rotation(T).reshape(-1, 4, 4)
-        q = np.full((len(stack), COLUMNS, self.joints), np.nan)
+    def solve(self, T: Array, q_ref: Array | None, q: Array, flags: NDArray[np.uint8], *_: Any) -> int:
+        """Solve poses (m, 4, 4) into q (m, B, n) and flags (m, B); -1, as all are poses."""
+        stack = project_rotation(T)
+        q[...] = np.nan
         for k in range(0, len(stack), 64):
             found = _minima(self._chain, self._asked, stack[k : k + 64])[:, :COLUMNS]
             q[k : k + 64, : found.shape[1]] = found
         off, angle = self._asked.errors(stack[:, None], self._chain.fk(q))
         missed = ~((off <= _REACHED * self._chain.size) & (angle <= _REACHED))
         q[missed] = np.nan
-        info: NDArray[np.uint8] = (~missed).astype(np.uint8)
-        info[:, 0] |= _INCOMPLETE
-        return kind(solver, T, q.reshape(*batch, *q.shape[1:]), info.reshape(*batch, COLUMNS), branches)
+        flags[...] = ~missed
+        flags[:, 0] |= _INCOMPLETE
+        return -1

@@ -91,7 +91,7 @@ def test_rounding_does_not_change_the_number(name: str) -> None:
 def test_folding_arm_near_its_folded_elbow_loses_nothing(distance: float) -> None:
     """Next to q3 = -90 degrees every joint vector is nearly singular, and every planted one is found.
 
-    Where sixteen roundings of the pose move it by more than 1e-6 rad, a representative that far away stands for it.
+    Only a clustered answer may hold a representative farther off: one that sixteen roundings of the pose lead to.
     """
     case, rng = named("folding"), np.random.default_rng(3)
     Q = rng.uniform(-np.pi, np.pi, (150, 6))
@@ -99,8 +99,10 @@ def test_folding_arm_near_its_folded_elbow_loses_nothing(distance: float) -> Non
     solutions = case.arm.ik(case.arm.fk(Q))
     J = case.arm.jacobian(Q)
     J[:, :3] /= case.arm.chain.size
-    known = np.maximum(1e-6, 16.0 * np.finfo(float).eps / np.linalg.svd(J, compute_uv=False)[:, -1])
-    assert (np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1) < known).all()
+    led = 16.0 * np.finfo(float).eps / np.linalg.svd(J, compute_uv=False)[:, -1]
+    apart = np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1)
+    assert ((apart < 1e-6) | (solutions.status == "clustered") & (apart < led)).all()
+    assert (apart < 1e-6).sum() >= 149
 
 
 def test_folding_arm_at_its_folded_elbow_is_marked_singular() -> None:

@@ -197,23 +197,14 @@ def prepare_middle(
     )
 
 
-class _SolverAtEach:
-    """Solves like a compiled solver, by a plan for each value of a joint."""
+class PythonSolver:
+    """What solutions ask of a compiled solver, for one whose ``solve`` is Python."""
 
     numbers = 16
-
-    def __init__(
-        self,
-        at_value: Callable[[float], FamilyMember | None],
-        k: int,
-        joints: int,
-        branches: int,
-        parameters: Sequence[Redundancy],
-    ) -> None:
-        """Take the plans of the other joints by the value of joint ``k``, and the parameters, the joint's first."""
-        self._at_value, self._k = at_value, k
-        self.joints, self.branches, self.parameters = joints, branches, len(parameters)
-        self._defaults = np.array([each.default for each in parameters])
+    joints: int
+    branches: int
+    parameters = 0
+    solve: Callable[..., int]
 
     def one(self, *_: Any) -> None:
         """None: single poses are solved by ``solve``."""
@@ -244,6 +235,23 @@ class _SolverAtEach:
             return kind(solver, T, q, flags, branches, redundancy=values)
         out._poses[...], out._q[...], out._info[...] = T, q, flags
         return out
+
+
+class _SolverAtEach(PythonSolver):
+    """Solves by a plan for each value of a joint."""
+
+    def __init__(
+        self,
+        at_value: Callable[[float], FamilyMember | None],
+        k: int,
+        joints: int,
+        branches: int,
+        parameters: Sequence[Redundancy],
+    ) -> None:
+        """Take the plans of the other joints by the value of joint ``k``, and the parameters, the joint's first."""
+        self._at_value, self._k = at_value, k
+        self.joints, self.branches, self.parameters = joints, branches, len(parameters)
+        self._defaults = np.array([each.default for each in parameters])
 
     def solve(
         self,
