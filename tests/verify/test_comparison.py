@@ -328,7 +328,13 @@ def test_a_table_in_the_way_takes_the_lower_elbows() -> None:
 
 
 def test_the_command_compares_in_a_cell_and_draws_it(tmp_path: Path) -> None:
-    """--world and --tool-cylinder take the branches that touch; -o FILE.svg is the picture."""
+    """--world, --tool-cylinder and --tool-urdf take the branches that touch; -o FILE.svg is the picture."""
+    finger = '<collision><origin xyz="0 0 0.1"/><geometry><box size="0.02 0.02 0.2"/></geometry></collision>'
+    (tmp_path / "gripper.urdf").write_text(
+        f'<robot name="gripper"><link name="palm"/><link name="finger">{finger}</link><joint name="slide" '
+        'type="prismatic"><parent link="palm"/><child link="finger"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>'
+        '<limit lower="0" upper="0.03" effort="1" velocity="1"/></joint></robot>'
+    )
     (tmp_path / "cell.urdf").write_text(
         '<robot name="cell"><link name="table"><collision><origin xyz="0.6 0 -0.05"/>'
         '<geometry><box size="0.8 1.2 0.1"/></geometry></collision></link></robot>'
@@ -338,13 +344,18 @@ def test_the_command_compares_in_a_cell_and_draws_it(tmp_path: Path) -> None:
     runner = CliRunner()
     free = [
         runner.invoke(app, [*some, "-f", "json"])
-        for some in (words, in_cell, [*in_cell, "--tool-cylinder", "0.02,0.3"])
+        for some in (
+            words,
+            in_cell,
+            [*in_cell, "--tool-cylinder", "0.02,0.3"],
+            [*in_cell, "--tool-urdf", str(tmp_path / "gripper.urdf")],
+        )
     ]
     counts = [
         sum(row[7] is False for row in json.loads(done.stdout)["poses"]["rows"] if row[0].startswith("A"))
         for done in free
     ]
-    assert counts == [8, 4, 0]
+    assert counts == [8, 4, 0, 0]
     assert runner.invoke(app, [*in_cell, "-o", str(tmp_path / "cell.svg")]).exit_code == 0
     assert ElementTree.fromstring((tmp_path / "cell.svg").read_text()).tag.endswith("svg")
 

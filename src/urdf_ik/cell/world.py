@@ -100,22 +100,14 @@ class World:
                 f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
                 'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
             )
-        if broken := [warning.error for warning in model.warnings if warning.collides]:
-            raise broken[0]
-        placed = _link_poses(model)
         world, shapes = cls(), Counter[str]()
-        for body in etree.fromstring(model.xml).iterfind("link/collision"):
-            link = body.getparent().get("name")
+        for link, shape, placed in placed_shapes(model):
             name = next(name for name in _numbered(link, shapes[link]) if name not in world)
             shapes[link] += 1
-            origin = body.find("origin")
-            offset = np.eye(4) if origin is None else poses.pose(_row(origin, "xyz"), rpy=_row(origin, "rpy"))
             try:
-                world.add(name, _shape(body.find("geometry")[0], model), placed[link] @ offset)
+                world.add(name, shape, placed)
             except ArgumentError as error:
                 raise ArgumentError(f"{model.source}: link {quoted(link)}: {error}") from None
-        if not world:
-            raise ArgumentError(f"{model.source}: no link has a collision shape; add <collision> to the links")
         return world
 
     @property
@@ -267,6 +259,29 @@ class World:
         return name
 
 
+def placed_shapes(model: urdf.UrdfModel) -> list[tuple[str, Shape, Array]]:
+    """The collision shapes of a URDF: link, shape and pose (4, 4) in the root link, all joints at zero.
+
+    Raises:
+        UrdfError: a shape is defective, or a mesh is not found.
+        ArgumentError: there is no collision shape, or one has no extent.
+    """
+    if broken := [warning.error for warning in model.warnings if warning.collides]:
+        raise broken[0]
+    links = _link_poses(model)
+    out: list[tuple[str, Shape, Array]] = []
+    for body in etree.fromstring(model.xml).iterfind("link/collision"):
+        link, origin = body.getparent().get("name"), body.find("origin")
+        offset = np.eye(4) if origin is None else poses.pose(_row(origin, "xyz"), rpy=_row(origin, "rpy"))
+        try:
+            out.append((link, _shape(body.find("geometry")[0], model), links[link] @ offset))
+        except ArgumentError as error:
+            raise ArgumentError(f"{model.source}: link {quoted(link)}: {error}") from None
+    if not out:
+        raise ArgumentError(f"{model.source}: no link has a collision shape; add <collision> to the links")
+    return out
+
+
 def _pose(pose: Any) -> Array:
     checked = poses.check_poses(pose)
     if checked.ndim != 2:
@@ -283,7 +298,7 @@ def _numbered(link: str, first: int) -> Iterator[str]:
 
 
 def _link_poses(model: urdf.UrdfModel) -> dict[str, Array]:
-    """Pose of every link in the root link, all joints being fixed."""
+    """Pose of every link in the root link, all joints at zero."""
     placed = {model.root: np.eye(4)}
     waiting = [model.root]
     while waiting:

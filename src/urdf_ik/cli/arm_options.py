@@ -47,6 +47,7 @@ class ArmOptions(Record):
         tool_xyz (X,Y,Z): Put a tool there: its point in the tip link [m].
         tool_rpy (R,P,Y): The tool's orientation in the tip link [rad].
         tool_cylinder (R,L): The tool's body: a cylinder along z of the tip link, from its origin on [m].
+        tool_urdf (FILE): The tool's body: collision shapes of a URDF whose root is the tip link, joints at zero.
         redundancy_joint (NAME): Joint whose value is a redundancy parameter; repeatable.
         free_axis (x|y|z|X,Y,Z): Axis about which the tool may turn freely, in the tip.
         free_at (X,Y,Z): A point of that axis, in the tip link [m].
@@ -66,6 +67,7 @@ class ArmOptions(Record):
     tool_xyz: str | None = None
     tool_rpy: str | None = None
     tool_cylinder: str | None = None
+    tool_urdf: Path | None = None
     redundancy_joint: list[str] | None = None
     free_axis: str | None = None
     free_at: str | None = None
@@ -185,7 +187,7 @@ class ArmOptions(Record):
 
     def _tool(self, degrees: bool) -> Array | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
-        if self.tool_xyz is None and self.tool_rpy is None and self.tool_cylinder is None:
+        if not (self.tool_xyz or self.tool_rpy or self.tool_cylinder or self.tool_urdf):
             return None
         from urdf_ik.model.poses import pose
 
@@ -194,14 +196,20 @@ class ArmOptions(Record):
         return pose(xyz, rpy=np.deg2rad(rpy) if degrees else rpy)
 
     def _tool_shapes(self) -> list[Any]:
-        """The cylinder, with its middle in the tip link."""
-        if self.tool_cylinder is None:
-            return []
+        """The tool's shapes, with their poses in the tip link."""
         from urdf_ik.cell.shapes import Cylinder
+        from urdf_ik.cell.world import placed_shapes
+        from urdf_ik.model import urdf
         from urdf_ik.model.poses import pose
 
-        radius, length = console.numbers(self.tool_cylinder, "--tool-cylinder", ("radius", "length")).tolist()
-        return [(Cylinder(radius, length), pose([0.0, 0.0, 0.5 * length]))]
+        out: list[Any] = []
+        if self.tool_cylinder is not None:
+            radius, length = console.numbers(self.tool_cylinder, "--tool-cylinder", ("radius", "length")).tolist()
+            out.append((Cylinder(radius, length), pose([0.0, 0.0, 0.5 * length])))
+        if self.tool_urdf is not None:
+            tool = urdf.read(self.tool_urdf, mesh_roots=self.mesh_root or ())
+            out += [(shape, placed) for _, shape, placed in placed_shapes(tool)]
+        return out
 
     def require_only(self, names: Collection[str], why: str) -> None:
         """Refuse options of one arm where there is none."""

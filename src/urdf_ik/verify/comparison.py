@@ -18,6 +18,7 @@ from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solutions.branch_names import short
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest, shown, unit_of
@@ -589,16 +590,23 @@ def _reach_table(comparison: Comparison) -> Section:
 
 def _branches_table(comparison: Comparison) -> Section:
     slides = comparison.a.prismatic
-    joints = (f"q{i + 1} [{'mm' if sliding else 'deg'}]" for i, sliding in enumerate(slides))
+    joints = [f"q{i + 1}{' [mm]' if sliding else ''}" for i, sliding in enumerate(slides)]
+    scale = np.where(slides, 1e3, 180.0 / math.pi)
+    several = len({branch.matched for branch in comparison.branches}) > 1
     rows = []
     for b in comparison.branches:
-        medians = (_value(value, sliding) for value, sliding in zip(b.median, slides, strict=True))
-        k = int(np.argmax(b.worst))
-        worst = f"q{k + 1} {_value(b.worst[k], slides[k])}" if b.worst[k] > 0.0 else "0" if b.poses else "-"
-        rows.append((b.branch, b.matched, str(b.poses), str(b.unmatched), *medians, worst))
-    title = f"joint differences, branch by branch: medians over {comparison.n} poses of A, and the worst"
-    header = ("branch", "matched by", "poses", "lost", *joints, "worst")
-    return Section(title, header, tuple(rows), left=("branch", "matched by", "worst"))
+        medians = ("-" if math.isnan(value) else f"{value:.3g}" for value in np.multiply(b.median, scale))
+        matched = (b.matched,) if several else ()
+        rows.append((short(b.branch), *matched, str(b.poses), str(b.unmatched), *medians))
+    worst = [np.nan_to_num(b.worst * scale) for b in comparison.branches]
+    row, k = np.unravel_index(int(np.argmax(worst)), np.shape(worst))
+    farthest = (
+        f"{worst[row][k]:.4g} {'mm' if slides[k] else 'deg'}, q{k + 1} of {short(comparison.branches[row].branch)}"
+    )
+    how = "" if several else f", matched by {comparison.branches[0].matched}"
+    title = f"joint differences by branch [deg]: medians over {comparison.n} poses of A{how}"
+    header = ("branch", *("matched by",) * several, "poses", "lost", *joints)
+    return Section(title, header, tuple(rows), (f"worst: {farthest}",), left=("branch", "matched by"))
 
 
 def _tool_table(tool: ToolError, slides: tuple[bool, ...]) -> Section:

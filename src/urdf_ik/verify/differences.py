@@ -19,6 +19,8 @@ KINDS = ("kinematics", "limits", "names", "collisions", "visuals")
 
 _MOST_LENGTH = 1e6
 _MOST_PLACES, _MOST_SHAPES = 6, 3
+_ROUNDED_LIMIT = 1e-4
+"""Limits nearer than this [rad] differ by their decimals alone: 3.1416 and pi, not 3.14."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +86,13 @@ def ignored(kinds: str | Iterable[str]) -> frozenset[str]:
 
 
 def summed(differing: Sequence[Difference]) -> tuple[str, ...]:
-    """Differences, a line each; those of many shapes in one line."""
+    """Differences, a line each; those of many shapes in one line, and limits that were rounded, too."""
+    rounded = [d for d in differing if d.kind == "limits" and 0.0 < d.angle < _ROUNDED_LIMIT]
     lines: list[str] = []
+    if len(rounded) > 1:
+        differing = [difference for difference in differing if difference not in rounded]
+        most = math.degrees(max(difference.angle for difference in rounded))
+        lines.append(f"{len(rounded)} limits differ by at most {most:.1g} deg (rounded)")
     for kind in dict.fromkeys(difference.kind for difference in differing):
         alike = [difference for difference in differing if difference.kind == kind]
         named = [difference for difference in alike if difference.name]

@@ -71,6 +71,11 @@ def is_local(name: Any) -> bool:
     return str(name).removeprefix(_SIGNS[1]).removeprefix(_SIGNS[2]).startswith(_LOCAL)
 
 
+def short(branch: str) -> str:
+    """'shoulder front, elbow up' as 'front, up'; a name that is a number stays."""
+    return branch if is_local(branch) else ", ".join(part.split(" ")[-1] for part in branch.split(", "))
+
+
 def sign_in_words(sign: int) -> str:
     """The beginning of a name: 'determinant +, ', 'determinant -, ', or '' for 0."""
     return str(_SIGNS[sign])

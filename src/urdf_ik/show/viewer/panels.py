@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions.branch_names import short
 from urdf_ik.model import catalogue
 from urdf_ik.model.poses import check_poses, pose
 from urdf_ik.paths.planned_motion import Stop
@@ -129,7 +130,7 @@ class Panel:
 def branch_label(branch: str, marks: tuple[str, ...], chosen: bool) -> str:
     """A branch and its marks on one button; where that is too long, 'shoulder front, elbow up' becomes 'front, up'."""
     dot, tail = "● " * chosen, f" ({'; '.join(marks)})" if marks else ""
-    for name in (branch, ", ".join(part.split(" ")[-1] for part in branch.split(", "))):
+    for name in (branch, short(branch)):
         text = dot + name + tail
         if len(text) <= _LETTERS:
             break
@@ -253,8 +254,7 @@ def _end_label(track: Track, stop: Stop) -> str:
     if not track.plan.solver.structure.branches.count(stop.branch):
         return f"{stop.branch}: {stop.cause} at {stop.waypoint}"
     tail = f": ends before {stop.waypoint}, {stop.cause}"
-    short = ", ".join(part.split(" ")[-1] for part in stop.branch.split(", "))
-    return stop.branch + tail if len(stop.branch + tail) <= _LETTERS else short + tail
+    return (stop.branch if len(stop.branch + tail) <= _LETTERS else short(stop.branch)) + tail
 
 
 def _plan_status(track: Track) -> str:
