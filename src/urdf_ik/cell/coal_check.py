@@ -15,18 +15,13 @@ from numpy.typing import NDArray
 
 from urdf_ik.cell.coal_shapes import Solid
 from urdf_ik.cell.distance_bounds import QUERY_ERROR, Bodies, DistanceBounds, Placed
-from urdf_ik.cell.obstacle_index import ObstacleIndex, Standing, index_of
+from urdf_ik.cell.obstacles import Obstacle, Obstacles
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.kinematics.chain import Chain
-from urdf_ik.support.tolerances import LARGEST
 from urdf_ik.typing import Array
 
 Indices = NDArray[np.intp]
 Pair = tuple[str, str]
-
-REACH = 0.1
-"""First radius [m] of the search for an obstacle near an arm without pairs of links; each further search takes four
-times the last radius."""
 
 
 class ShapePair(NamedTuple):
@@ -96,13 +91,13 @@ class Placing(NamedTuple):
         shapes: poses of the arm's shapes, each a ``pinocchio.SE3``.
         base: the base link's pose, a ``pinocchio.SE3``.
         links: coal's poses of the arm's shapes by their numbers, made when they are first needed.
-        obstacles: the same of obstacles by their serial numbers.
+        obstacles: the same of obstacles by their names.
     """
 
     shapes: Any
     base: Any
     links: dict[int, Any]
-    obstacles: dict[int, Any]
+    obstacles: dict[str, Any]
 
     def link(self, shape: int) -> Any:
         """Coal's pose of a shape of the arm."""
@@ -110,11 +105,11 @@ class Placing(NamedTuple):
             self.links[shape] = _transform(self.shapes[shape])
         return self.links[shape]
 
-    def obstacle(self, standing: Standing) -> Any:
+    def obstacle(self, obstacle: Obstacle) -> Any:
         """Coal's pose of an obstacle."""
-        if standing.serial not in self.obstacles:
-            self.obstacles[standing.serial] = _transform(self.base * pin.SE3(standing.pose))
-        return self.obstacles[standing.serial]
+        if obstacle.name not in self.obstacles:
+            self.obstacles[obstacle.name] = _transform(self.base * pin.SE3(obstacle.pose))
+        return self.obstacles[obstacle.name]
 
 
 def _transform(pose: Any) -> Any:
@@ -139,7 +134,7 @@ class CoalCheck:
     Attributes:
         arm: the arm's shapes.
         pairs: the pairs of links.
-        index: the obstacles.
+        obstacles: those of the world.
         bounds: lower bounds on distances; they number the pairs.
     """
 
@@ -147,7 +142,7 @@ class CoalCheck:
         self,
         arm: ArmShapes,
         pairs: Sequence[ShapePair],
-        index: ObstacleIndex | None = None,
+        obstacles: Obstacles | None = None,
         excepted: Collection[tuple[int, str]] = (),
         added: Collection[tuple[int, str]] = (),
     ) -> None:
@@ -156,33 +151,29 @@ class CoalCheck:
         Args:
             arm: the arm's shapes.
             pairs: of shapes of two links.
-            index: the obstacles. Every shape that the joint vector moves is checked against all of them.
+            obstacles: those of the world. Every shape that the joint vector moves is checked against all of them.
             excepted: pairs of a shape that moves and an obstacle that are not checked.
             added: pairs of a shape that does not move and an obstacle that are checked.
         """
-        self.arm, self.pairs, self.index = arm, tuple(pairs), index_of(()) if index is None else index
-        self.bounds = DistanceBounds(
-            arm.bodies,
-            [(pair.first, pair.second) for pair in pairs],
-            self.index,
-            np.flatnonzero(arm.bodies.moves).tolist(),
-            [(shape, slot) for shape, name in excepted for slot in self.index.slots_of(name)],
-            [(shape, slot) for shape, name in added for slot in self.index.slots_of(name)],
+        self.arm, self.pairs = arm, tuple(pairs)
+        self.obstacles = Obstacles(()) if obstacles is None else obstacles
+        excepted_pairs, added_pairs = (
+            [(shape, number) for shape, name in some if (number := self.obstacles.number(name)) is not None]
+            for some in (excepted, added)
         )
+        among_links = [(pair.first, pair.second) for pair in pairs]
+        self.bounds = DistanceBounds(arm.bodies, among_links, self.obstacles, excepted_pairs, added_pairs)
+
+    def _with_obstacle(self, pair: int) -> tuple[int, int]:
+        """The shape and the obstacle of a pair."""
+        return divmod(pair - len(self.pairs), len(self.obstacles))
 
     def names(self, pair: int) -> Pair:
         """Names of the two links of a pair, or of its link and its obstacle."""
         if pair < len(self.pairs):
             return self.pairs[pair].names
-        shape, slot = divmod(pair - len(self.pairs), self.index.count)
-        return self.arm.links[shape], self.index.standing(slot).name
-
-    def rank(self, pair: int) -> tuple[int, int, int]:
-        """Sort key of a pair; the order of the queries does not depend on the world's history."""
-        if pair < len(self.pairs):
-            return -1, pair, 0
-        shape, slot = divmod(pair - len(self.pairs), self.index.count)
-        return shape, self.index.standing(slot).serial, slot
+        shape, obstacle = self._with_obstacle(pair)
+        return self.arm.links[shape], self.obstacles.standing[obstacle].name
 
     def touches(self, placing: Placing, pair: int, margin: float = 0.0, *, hulls: bool = False) -> bool:
         """Whether a pair comes within a margin [m], its convex hulls first; ``hulls``: whether these do."""
@@ -204,8 +195,8 @@ class CoalCheck:
         """Coal's geometries of the two shapes of a pair."""
         if pair < len(self.pairs):
             return self.arm.solids[self.pairs[pair].first], self.arm.solids[self.pairs[pair].second]
-        shape, slot = divmod(pair - len(self.pairs), self.index.count)
-        return self.arm.solids[shape], self.index.solid(slot)
+        shape, obstacle = self._with_obstacle(pair)
+        return self.arm.solids[shape], self.obstacles.bounds[obstacle].solid
 
     def _solids(self, placing: Placing, pair: int, hulls: bool) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
         """Coal's geometries of a pair, the second one's inflation [m], and the poses of both."""
@@ -213,9 +204,9 @@ class CoalCheck:
         if pair < len(self.pairs):
             poses, grown = (placing.link(self.pairs[pair].first), placing.link(self.pairs[pair].second)), 0.0
         else:
-            shape, slot = divmod(pair - len(self.pairs), self.index.count)
-            obstacle = self.index.standing(slot)
-            poses, grown = (placing.link(shape), placing.obstacle(obstacle)), obstacle.shape.inflation
+            shape, obstacle = self._with_obstacle(pair)
+            standing = self.obstacles.standing[obstacle]
+            poses, grown = (placing.link(shape), placing.obstacle(standing)), standing.shape.inflation
         has_hulls = one.hull is not None or other.hull is not None
         if has_hulls:
             yield one.hull or one.exact, other.hull or other.exact, grown, poses
@@ -246,15 +237,15 @@ class CoalCheck:
                 known[pair, hulls] = self.distance(placing, pair, hulls)
             return known[pair, hulls]
 
-        # Lower bound, whether the hulls gave it, sort key of the pair, pair.
-        waiting = [(bound, False, self.rank(pair), pair) for pair, bound in zip(pairs, least, strict=True)]
+        # Lower bound, whether the hulls gave it, pair.
+        waiting = [(bound, False, pair) for pair, bound in zip(pairs, least, strict=True)]
         heapq.heapify(waiting)
         while waiting and best > 0.0:
-            bound, of_hulls, rank, pair = heapq.heappop(waiting)
+            bound, of_hulls, pair = heapq.heappop(waiting)
             if bound >= best:
                 break
             if not of_hulls and any(each.hull is not None for each in self._both(pair)):
-                heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, rank, pair))
+                heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, pair))
             elif (distance_of_pair := max(distance(pair, False), 0.0)) < best:
                 best, nearest = distance_of_pair, pair
         return nearest, best
@@ -264,16 +255,11 @@ class CoalCheck:
         bounds = self.bounds
         for part, placed in bounds.chunks(q):
             links = bounds.links_closest(placed)
-            k = len(links)
-            known: list[dict[tuple[int, bool], float]] = [{} for _ in range(k)]
-            row = pair = np.zeros(0, dtype=np.intp)
-            if bounds.has_obstacles and not self.index.has_tree:
-                row, pair = bounds.every(k)
-            elif bounds.has_obstacles:
-                # The distance to a few likely obstacles bounds the search for the nearest one.
-                guess = self._each(q[part], placed, links, *self._likely(placed.centres), known)
-                limit = np.array([distance for _, distance in guess]) + QUERY_ERROR
-                row, pair, _ = bounds.near(placed.centres, np.repeat(limit[:, None], placed.centres.shape[1], axis=1))
+            known: list[dict[tuple[int, bool], float]] = [{} for _ in links]
+            # The distance to a few likely obstacles bounds the search for the nearest one.
+            guess = self._each(q[part], placed, links, *bounds.likely(placed.centres), known)
+            limit = np.array([distance for _, distance in guess]) + QUERY_ERROR
+            row, pair = bounds.near(placed.centres, np.repeat(limit[:, None], placed.centres.shape[1], axis=1))
             yield from self._each(q[part], placed, links, row, pair, known)
 
     def _each(
@@ -288,7 +274,7 @@ class CoalCheck:
         """:meth:`nearest` of the links, whose bounds are (k, A), and of some pairs with obstacles, for q (k, n)."""
         order = np.argsort(row, kind="stable")
         row, pair = row[order], pair[order]
-        least = self.bounds.gaps(placed, row, pair).min(axis=1) if len(row) else np.zeros(0)
+        least = self.bounds.gaps(placed, row, pair).min(axis=1)
         ends = np.searchsorted(row, np.arange(len(q) + 1)).tolist()
         for i, among_links in enumerate(links):
             own = slice(ends[i], ends[i + 1])
@@ -296,37 +282,8 @@ class CoalCheck:
             limits = [*among_links.tolist(), *least[own].tolist()]
             yield self.nearest(self.arm.place(q[i]), pairs, limits, known[i])
 
-    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], Placing]:
-        """Pairs that may touch, or may be the nearest, with every link at a given pose (4, 4).
-
-        Returns:
-            The pairs, lower bounds on their distances [m], and the placed shapes.
-        """
-        bounds, arm, placing = self.bounds, self.arm, self.arm.place_at(link_poses)
-        pairs, least = list(range(bounds.among_links)), [-np.inf] * bounds.among_links
-        if bounds.has_obstacles:
-            links = np.stack([link_poses[link] for link in arm.links])
-            centres = np.einsum("sij,sj->si", links[:, :3, :3], arm.ball_centres) + links[:, :3, 3]
-            base = link_poses[arm.reference.base]
-            centres = ((centres - base[:3, 3]) @ np.linalg.inv(base[:3, :3]).T)[None]
-            limit = 0.0
-            if not touching:
-                _, likely = self._likely(centres)
-                limit = self.nearest(placing, [*pairs, *likely.tolist()], [*least, *[-np.inf] * len(likely)])[1]
-            row, near_pairs, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
-            pairs += near_pairs.tolist()
-            least += (bounds.least(centres, row, near_pairs) - QUERY_ERROR).tolist()
-        return pairs, least, placing
-
-    def _likely(self, centres: Array) -> tuple[Indices, Indices]:
-        """A few pairs with obstacles for each row that are likely to be its nearest, as rows and pairs."""
-        row, pair = self.bounds.nearby(centres)
-        reach = REACH
-        while not self.bounds.among_links and reach < LARGEST:
-            lost = np.setdiff1d(np.arange(len(centres)), row)
-            if not len(lost):
-                break
-            more, near_pairs, _ = self.bounds.near(centres[lost], np.full((len(lost), centres.shape[1]), reach))
-            row, pair = np.concatenate([row, lost[more]]), np.concatenate([pair, near_pairs])
-            reach *= 4.0
-        return row, pair
+    def every_pair(self) -> list[int]:
+        """The numbers of all pairs."""
+        shapes = len(self.arm.links)
+        _, with_obstacles = self.bounds.near(np.zeros((1, shapes, 3)), np.full((1, shapes), np.inf))
+        return [*range(len(self.pairs)), *with_obstacles.tolist()]

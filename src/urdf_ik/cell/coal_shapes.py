@@ -12,7 +12,6 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from urdf_ik.cell.shapes import SPECK, Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Shape, Sphere
-from urdf_ik.cell.spatial_search import DistanceField, cell_codes
 from urdf_ik.errors import ArgumentError, UrdfError, printable
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import UrdfModel, resolve_mesh
@@ -21,12 +20,6 @@ from urdf_ik.typing import Array
 
 BALLS = 4
 """Balls by which each shape of an arm is covered."""
-
-PIECE = 4096
-"""Most points or triangles of a piece: coal's tree of a piece is built when a query first comes near it."""
-
-LARGE_FILE = 2**22
-"""Size of a mesh's file from which on it is cut into pieces [bytes]."""
 
 
 def geometry(shape: Shape) -> Any:
@@ -46,15 +39,15 @@ def geometry(shape: Shape) -> Any:
         case Points(points):
             return _cloud(points)
         case Mesh():
-            return _of_file(shape, coal.NODE_TYPE.BV_OBBRSS)
+            return _of_file(shape)
     raise ArgumentError(f"coal has no geometry of a {type(shape).__name__}")
 
 
-def _of_file(shape: Mesh, volumes: Any) -> Any:
-    """Coal's model of a file's triangles with bounding volumes of this kind, a ``coal.NODE_TYPE``."""
+def _of_file(shape: Mesh) -> Any:
+    """Coal's model of a file's triangles."""
     path, name = str(shape.file()), repr(str(shape.file()))
     try:
-        mesh = coal.MeshLoader(volumes).load(path, np.array(shape.scale))
+        mesh = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(path, np.array(shape.scale))
         meshes.check_vertices(mesh.vertices(), Path(path), "Mesh")
     except UrdfError as error:
         raise ArgumentError(f"Mesh {name}: {error.problem} ({error.hint})") from None
@@ -305,115 +298,66 @@ def _farthest(points: Array, centre: Array) -> float:
     return float(np.sqrt(np.einsum("ki,ki->k", away, away).max()))
 
 
-class _RoundedBox(NamedTuple):
-    """All points within ``radius`` of a box, which may be infinite on some sides: holds a shape, closely or exactly.
+class Bounded(NamedTuple):
+    """A shape of a world as coal has it, within a rounded box: exact for boxes, spheres, capsules and half-spaces.
 
     Attributes:
+        solid: the shape.
         frame: (4, 4) of the box in the shape's frame.
-        low: (3,) m, its least coordinates.
-        high: (3,) m, its greatest ones.
-        radius: m.
+        box: its least and its greatest coordinates (3,) [m], infinite on some sides of a half-space.
+        radius: m, by which the box is rounded.
+        cloud: the k-d tree of a cloud of points.
     """
 
+    solid: Solid
     frame: Array
-    low: Array
-    high: Array
+    box: tuple[Array, Array]
     radius: float
+    cloud: Any = None
 
 
-def rounded_box(shape: Shape, geometry: Any) -> _RoundedBox:
-    """The rounded box that encloses a shape: exact for boxes, spheres, capsules and half-spaces."""
+def _bounded(shape: Shape) -> Bounded:
+    solid = Solid(geometry(shape))
     match shape:
         case Sphere(radius):
-            return _RoundedBox(np.eye(4), np.zeros(3), np.zeros(3), radius)
+            return Bounded(solid, np.eye(4), (np.zeros(3), np.zeros(3)), radius)
         case Capsule(radius, length):
             end = np.array([0.0, 0.0, 0.5 * length])
-            return _RoundedBox(np.eye(4), -end, end, radius)
+            return Bounded(solid, np.eye(4), (-end, end), radius)
         case HalfSpace(normal, offset):
             frame = np.eye(4)
             # Any orthonormal axes whose z is the normal.
             frame[:3, :3] = np.roll(np.linalg.svd(np.array(normal)[:, None])[0], -1, axis=1)
             frame[:3, 2] = normal
-            infinite = np.full(3, np.inf)
-            return _RoundedBox(frame, -infinite, np.array([np.inf, np.inf, offset]), 0.0)
-    geometry.computeLocalAABB()
-    box = geometry.aabb_local
-    return _RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
+            return Bounded(solid, frame, (np.full(3, -np.inf), np.array([np.inf, np.inf, offset])), 0.0)
+    solid.exact.computeLocalAABB()
+    box = solid.exact.aabb_local
+    cloud = None
+    if isinstance(shape, Points):
+        from scipy.spatial import cKDTree  # slow to import, and only clouds need it
+
+        cloud = cKDTree(shape.points)
+    return Bounded(solid, np.eye(4), (np.array(box.min_), np.array(box.max_)), shape.inflation, cloud)
 
 
-class _Pieces:
-    """A shape of a world, cut into pieces where it is a large cloud or mesh. Coal's trees are made when needed.
-
-    Attributes:
-        frame: (4, 4) of the pieces' boxes in the shape's frame.
-        low: (n, 3) m, the least coordinates of the boxes.
-        high: (n, 3) m, their greatest ones.
-        radius: m, by which the boxes are rounded.
-    """
-
-    def __init__(self, shape: Shape) -> None:
-        """Cut a shape."""
-        self._solids: dict[int, Solid] = {}
-        self._points, self._triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)
-        self.frame, self.radius = np.eye(4), shape.inflation
-        if isinstance(shape, Points) and len(shape.points) > PIECE:
-            self._points = shape.points[np.argsort(cell_codes(shape.points), kind="stable")]
-            starts = np.arange(0, len(self._points), PIECE)
-            self.low = np.minimum.reduceat(self._points, starts)
-            self.high = np.maximum.reduceat(self._points, starts) + SPECK
-            return
-        if isinstance(shape, Mesh) and shape.file().stat().st_size > LARGE_FILE:
-            # Boxes that are parallel to the axes take a fifth of the memory of coal's usual volumes.
-            mesh = _of_file(shape, coal.NODE_TYPE.BV_AABB)
-            self._points, triangles = np.array(mesh.vertices()), _triangles(mesh)
-            corners = self._points[triangles]
-            order = np.argsort(cell_codes(corners.mean(axis=1)), kind="stable")
-            self._triangles, starts = triangles[order], np.arange(0, len(order), PIECE)
-            self.low = np.minimum.reduceat(corners.min(axis=1)[order], starts)
-            self.high = np.maximum.reduceat(corners.max(axis=1)[order], starts)
-            return
-        exact = geometry(shape)
-        self._solids[0] = Solid(exact)
-        self.frame, low, high, self.radius = rounded_box(shape, exact)
-        self.low, self.high = low[None], high[None]
-
-    @property
-    def count(self) -> int:
-        """Number of pieces."""
-        return len(self.low)
-
-    @cached_property
-    def field(self) -> DistanceField | None:
-        """Lower bounds on the distance to a cloud that is cut into pieces; None of other shapes."""
-        return DistanceField(self._points) if len(self._points) and not len(self._triangles) else None
-
-    def solid(self, piece: int) -> Solid:
-        """Coal's geometry of a piece, in the shape's frame."""
-        if piece not in self._solids:
-            part = slice(piece * PIECE, (piece + 1) * PIECE)
-            exact = _piece(self._points, self._triangles[part]) if len(self._triangles) else _cloud(self._points[part])
-            self._solids.setdefault(piece, Solid(exact))
-        return self._solids[piece]
+_BOUNDED: dict[int, tuple[weakref.ref[Shape], Bounded]] = {}
 
 
-def _piece(vertices: Array, triangles: NDArray[np.intp]) -> Any:
-    """Some triangles (t, 3) of a mesh with these vertices (v, 3) [m]."""
-    used, corners = np.unique(triangles, return_inverse=True)
-    return _surface(vertices[used], corners.reshape(-1, 3))
+def bounded(shape: Shape) -> Bounded:
+    """A shape as coal has it, made once and kept as long as the shape is."""
+    key = id(shape)
+    if key not in _BOUNDED:
+        _BOUNDED[key] = weakref.ref(shape, lambda _: _BOUNDED.pop(key, None)), _bounded(shape)
+    return _BOUNDED[key][1]
 
 
 def _cloud(points: Array) -> Any:
     """Points (k, 3), each a triangle within ``SPECK`` of it: an octree would have cubes as large as its cells."""
     corners = (points[:, None] + SPECK * np.eye(3)).reshape(-1, 3)
-    return _surface(corners, np.arange(len(corners)).reshape(-1, 3))
-
-
-def _surface(vertices: Array, triangles: NDArray[np.intp]) -> Any:
-    """A ``coal.BVHModelOBBRSS`` of triangles (t, 3)."""
     mesh = coal.BVHModelOBBRSS()
-    mesh.beginModel(len(triangles), len(vertices))
-    mesh.addVertices(vertices)
-    mesh.addTriangles(triangles)
+    mesh.beginModel(len(points), len(corners))
+    mesh.addVertices(corners)
+    mesh.addTriangles(np.arange(len(corners)).reshape(-1, 3))
     mesh.endModel()
     return mesh
 
@@ -422,16 +366,3 @@ def _triangles(mesh: Any) -> NDArray[np.intp]:
     """(t, 3) vertices of the triangles of a mesh of coal's."""
     numbers = (triangle[corner] for triangle in map(mesh.tri_indices, range(mesh.num_tris)) for corner in range(3))
     return np.fromiter(numbers, np.intp, 3 * mesh.num_tris).reshape(-1, 3)
-
-
-_PIECES: dict[int, tuple[weakref.ref[Shape], _Pieces]] = {}
-
-
-def pieces_of(shape: Shape) -> _Pieces:
-    """The pieces of a shape, made once and kept as long as the shape is."""
-    key = id(shape)
-    if key not in _PIECES:
-        pieces = _Pieces(shape)
-        _PIECES[key] = weakref.ref(shape, lambda _: _PIECES.pop(key, None)), pieces
-        return pieces
-    return _PIECES[key][1]

@@ -275,7 +275,7 @@ class CollisionModel:
 
     def _table(self) -> Table:
         """The table of the world as it is, all pairs listed."""
-        names = self.present_check().index.names()
+        names = [each.name for each in self.present_check().obstacles.standing]
         allowed, pairs = allowed_collisions.with_obstacles(self.shapes, names)
         pairs += [pair.names for pair in self._pairs]
         return allowed_collisions.made({**self._allowed, **allowed}, pairs, self._changes, self._ranks(names))
@@ -288,11 +288,13 @@ class CollisionModel:
         """The check for the world's present state."""
         current, world = self._current, self.world
         if current is None or (world is not None and current.version != world.version):
-            version, index = (0, None) if world is None else world.snapshot()
-            if index is not None and (same := next((link for link in self._rank if index.slots_of(link)), None)):
+            version, obstacles = (0, None) if world is None else world.snapshot()
+            if same := next((link for link in self._rank if obstacles and obstacles.number(link) is not None), None):
                 raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
             excepted, added = allowed_collisions.exceptions(self.shapes, self._changes, self._rank)
-            self._current = current = _Current(version, CoalCheck(self.shapes, self._checked(), index, excepted, added))
+            self._current = current = _Current(
+                version, CoalCheck(self.shapes, self._checked(), obstacles, excepted, added)
+            )
         return current
 
     def _checked(self) -> list[ShapePair]:
@@ -366,17 +368,9 @@ class CollisionModel:
         """
         Q, check = self._one(q)
         (_, touching) = next(self._touching(check, Q, 0.0), (0, iter(())))
-        serial = {check.names(pair): check.rank(pair)[1] for pair in touching}
-
-        def place(pair: Pair) -> tuple[int, int, int]:
-            first, second = pair
-            return (
-                self._rank[first],
-                self._rank.get(second, len(self._rank)),
-                0 if second in self._rank else serial[pair],
-            )
-
-        return tuple(sorted(serial, key=place))
+        names = {check.names(pair) for pair in touching}
+        rank = self._ranks(each.name for each in check.obstacles.standing)
+        return tuple(sorted(names, key=lambda pair: (rank[pair[0]], rank[pair[1]])))
 
     def nearest_pair(self, q: ArrayLike) -> Nearest | None:
         """The checked pair with the smallest distance.
@@ -482,25 +476,24 @@ class CollisionModel:
         """Whether each set of link poses collides if ``otherwise`` is False; else the distances, or NaN."""
         self._require_geometry()
         check = self.present_check()
-        needed = dict.fromkeys([*self.shapes.links, *([self.reference.base] if check.index.count else [])])
+        needed = dict.fromkeys([*self.shapes.links, *([self.reference.base] if check.obstacles else [])])
         if absent := sorted(set(needed) - set(link_poses)):
             raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
-        poses = [as_pose_array(link_poses[link]) for link in needed]
         try:
-            batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
+            poses = np.broadcast_arrays(*(as_pose_array(link_poses[link]) for link in needed))
         except ValueError:
             raise PoseError("the link poses are stacks whose shapes do not broadcast") from None
         for link, T in zip(needed, poses, strict=True):
             if otherwise is False and (bad := inputs.first_bad(T)) is not None:
                 raise PoseError(f"the pose of link {quoted(link)} is not finite: {T[bad]}", bad[:-2] or None)
-        stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
-        out = np.full(batch, otherwise)
-        for index in finite(stack.reshape(*batch, -1)):
-            pairs, least, placing = check.pairs_at(dict(zip(needed, stack[index], strict=True)), otherwise is False)
+        stack = np.stack(poses, axis=-3)
+        out, pairs = np.full(stack.shape[:-3], otherwise), check.every_pair()
+        for index in finite(stack.reshape(*out.shape, -1)):
+            placing = self.shapes.place_at(dict(zip(needed, stack[index], strict=True)))
             if otherwise is False:
                 out[index] = any(check.touches(placing, pair) for pair in pairs)
             else:
-                out[index] = check.nearest(placing, pairs, least)[1]
+                out[index] = check.nearest(placing, pairs, [-np.inf] * len(pairs))[1]
         return out.item() if out.ndim == 0 else out
 
 

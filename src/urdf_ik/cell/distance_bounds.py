@@ -1,16 +1,16 @@
 """Lower bounds on distances, many joint vectors at a time, from balls about the shapes and boxes about the obstacles.
 
 Coal checks only the pairs that the bounds do not decide. Pairs of two links are few, and each gets a bound. Pairs of a
-link and an obstacle are never listed one by one: the index of the obstacles returns the near ones.
+link and an obstacle are many: a ball about each proposes those that are near.
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.cell.obstacle_index import ObstacleIndex
+from urdf_ik.cell.obstacles import Obstacles
 from urdf_ik.kinematics.chain import Chain, TreeJoint
 from urdf_ik.typing import Array
 
@@ -19,13 +19,11 @@ Indices = NDArray[np.intp]
 QUERY_ERROR = 1e-5
 """Bound on the error of coal's distances [m]: its iterations stop at 1e-6."""
 
-CHUNK = 128
-"""Joint vectors per block of bounds: few enough for the processor's cache."""
+CHUNK, PAIRS = 128, 2**20
+"""Joint vectors per block of bounds: few enough for the processor's cache; and pairs with obstacles per block."""
 
-CROWDED = 4096
-"""A row with at least so many nodes in one level of the obstacles' tree is crowded.
-
-A crowded piece of a motion is halved before its obstacles are listed; a crowded joint vector is checked alone."""
+SLACK = 1e-12
+"""Relative error of a squared distance, far above rounding."""
 
 
 class Placed(NamedTuple):
@@ -173,26 +171,24 @@ class Bodies:
 
 
 class Open(NamedTuple):
-    """Pairs of a link's shape and an obstacle's piece that the bounds do not decide.
+    """Pairs of a link's shape and an obstacle that the bounds do not decide.
 
     Attributes:
         row: (e,) index of the joint vector.
         pair: (e,) number of the pair.
         closer: (e,) greatest distance by which the pair comes closer [m]; zero without motion.
-        crowded: (k,) bool: rows whose open pairs are too many to be listed.
     """
 
     row: Indices
     pair: Indices
     closer: Array
-    crowded: NDArray[np.bool_]
 
 
 class DistanceBounds:
     """Pairs that must not touch, by number, and lower bounds on their distances.
 
-    Pairs of two links are numbered first, from 0 to ``among_links - 1``; the pair of shape i and the piece in slot s of
-    the index has the number ``among_links + i * index.count + s``.
+    Pairs of two links are numbered first, from 0 to ``among_links - 1``; the pair of shape i and obstacle k has the
+    number ``among_links + i * len(obstacles) + k``.
 
     Attributes:
         among_links: number of pairs of two links.
@@ -202,8 +198,7 @@ class DistanceBounds:
         self,
         bodies: Bodies,
         links: Sequence[tuple[int, int]],
-        index: ObstacleIndex,
-        moving: Sequence[int],
+        obstacles: Obstacles,
         excepted: Collection[tuple[int, int]] = (),
         added: Collection[tuple[int, int]] = (),
     ) -> None:
@@ -212,16 +207,15 @@ class DistanceBounds:
         Args:
             bodies: how the arm's shapes move.
             links: pairs of shapes of two links.
-            index: the obstacles.
-            moving: shapes that must not touch any obstacle.
-            excepted: (shape, slot) of pairs that may touch all the same.
-            added: (shape, slot) of further pairs that must not touch.
+            obstacles: those of the world.
+            excepted: (shape, obstacle) of a shape that moves, which may touch.
+            added: (shape, obstacle) of a shape that does not move, which must not touch.
         """
-        self._bodies, self._index = bodies, index
+        self._bodies, self._obstacles = bodies, obstacles
         pairs = np.array(links, dtype=np.intp).reshape(-1, 2)
         self._first, self._second = pairs[:, 0], pairs[:, 1]
         self.among_links = len(pairs)
-        self._moving = np.array(moving, dtype=np.intp)
+        self._moving = np.flatnonzero(bodies.moves)
         self._excepted = np.array(sorted(self.number(*pair) for pair in excepted), dtype=np.intp)
         self._added = np.array(sorted(self.number(*pair) for pair in added), dtype=np.intp)
         ones, others = bodies.path[self._first], bodies.path[self._second]
@@ -232,21 +226,22 @@ class DistanceBounds:
     @property
     def has_obstacles(self) -> bool:
         """Whether a link is checked against an obstacle."""
-        return bool(self._index.count and (len(self._moving) or len(self._added)))
+        return bool(len(self._obstacles) and (len(self._moving) or len(self._added)))
 
-    def number(self, shape: int, slot: int) -> int:
-        """Number of the pair of a shape and the piece in a slot."""
-        return self.among_links + shape * self._index.count + slot
+    def number(self, shape: Any, obstacle: Any) -> Any:
+        """Number of the pair of a shape and an obstacle."""
+        return self.among_links + shape * len(self._obstacles) + obstacle
 
     def split(self, pairs: Indices) -> tuple[Indices, Indices]:
-        """Shapes (e,) and slots (e,) of pairs (e,) with obstacles."""
-        shape, slot = np.divmod(pairs - self.among_links, max(self._index.count, 1))
-        return shape, slot
+        """Shapes (e,) and obstacles (e,) of pairs (e,) with obstacles."""
+        shape, obstacle = np.divmod(pairs - self.among_links, max(len(self._obstacles), 1))
+        return shape, obstacle
 
     def chunks(self, q: Array) -> Iterator[tuple[slice, Placed]]:
         """The joint vectors (k, n) a chunk at a time, with the bodies placed."""
-        for start in range(0, len(q), CHUNK):
-            part = slice(start, start + CHUNK)
+        size = min(CHUNK, 1 + PAIRS // (1 + len(self._moving) * len(self._obstacles)))
+        for start in range(0, len(q), size):
+            part = slice(start, start + size)
             yield part, self._bodies.place(q[part])
 
     def reaches(self, placed: Placed, travel: Array) -> Array:
@@ -256,20 +251,12 @@ class DistanceBounds:
     def near_in_rows(self, placed: Placed, margin: float) -> Iterator[tuple[int, list[int]]]:
         """Each row in which pairs may be apart by no more than a margin [m], with these pairs."""
         links, k = self.links_near(placed, margin), len(placed.centres)
-        row = pair = np.zeros(0, dtype=np.intp)
-        crowded = np.zeros(k, dtype=np.bool_)
-        extra = np.full(placed.centres.shape[:2], margin)
-        if self.has_obstacles:
-            row, pair, crowded = self.near(placed.centres, extra, np.full(k, CROWDED))
-        if len(row):
-            close = self.gaps(placed, row, pair).min(axis=1) <= margin
-            row, pair = row[close], pair[close]
+        row, pair = self.near(placed.centres, np.full(placed.centres.shape[:2], margin))
+        close = self.gaps(placed, row, pair).min(axis=1) <= margin
+        row, pair = row[close], pair[close]
         ends = np.searchsorted(row, np.arange(k + 1)).tolist()
-        for i in np.flatnonzero(links.any(axis=1) | (np.diff(ends) > 0) | crowded).tolist():
-            own = pair[ends[i] : ends[i + 1]]
-            if crowded[i]:  # one row at a time, for the memory's sake
-                _, own, _ = self.near(placed.centres[i : i + 1], extra[i : i + 1])
-            yield i, [*np.flatnonzero(links[i]).tolist(), *own.tolist()]
+        for i in np.flatnonzero(links.any(axis=1) | (np.diff(ends) > 0)).tolist():
+            yield i, [*np.flatnonzero(links[i]).tolist(), *pair[ends[i] : ends[i + 1]].tolist()]
 
     # ------------------------------------------------------------ pairs of two links
 
@@ -331,75 +318,63 @@ class DistanceBounds:
 
     # ------------------------------------------------------------ pairs of a link and an obstacle
 
-    def near(
-        self, centres: Array, extra: Array, most: Indices | None = None
-    ) -> tuple[Indices, Indices, NDArray[np.bool_]]:
+    def near(self, centres: Array, extra: Array) -> tuple[Indices, Indices]:
         """Pairs with obstacles whose distance, by one ball about each shape, may be ``extra`` or less.
 
         Args:
             centres: (k, S, 3) m of the balls.
             extra: (k, S) m, of any sign; infinite: all pairs.
-            most: (k,) as in :meth:`ObstacleIndex.near`.
 
         Returns:
-            Rows (e,) and pairs (e,), by rows and numbers, and the crowded rows (k,), whose pairs are left out.
+            Rows (e,) and pairs (e,), by rows and numbers.
         """
-        k, moving = len(centres), self._moving
-        crowded = np.zeros(k, dtype=np.bool_)
         row = pair = np.zeros(0, dtype=np.intp)
-        if len(moving) and self._index.count:
-            of_row = np.repeat(np.arange(k), len(moving))
-            radii = np.maximum(self._bodies.ball_radii[moving] + extra[:, moving], 0.0).reshape(-1)
-            near_pieces = self._index.near(centres[:, moving].reshape(-1, 3), radii, of_row, most)
-            if most is not None:
-                crowded = near_pieces.crowded
-            near_row, shape = np.divmod(near_pieces.point, len(moving))
-            row, pair = near_row, self.among_links + moving[shape] * self._index.count + near_pieces.box
-            kept = ~crowded[row]
-            if len(self._excepted):
-                kept &= ~np.isin(pair, self._excepted)
-            row, pair = row[kept], pair[kept]
-        if len(self._added):
-            row = np.concatenate([row, np.repeat(np.arange(k), len(self._added))])
-            pair = np.concatenate([pair, np.tile(self._added, k)])
+        if not self.has_obstacles:
+            return row, pair
+        square, slack = self._squares(centres)
+        reach = (self._bodies.ball_radii + extra)[:, self._moving, None] + self._obstacles.radii
+        row, moving, obstacle = np.nonzero(square <= reach * reach + slack)
+        row, pair = self._checked(row, self.number(self._moving[moving], obstacle), len(centres))
         close = self.least(centres, row, pair) <= extra[row, self.split(pair)[0]]
         row, pair = row[close], pair[close]
         order = np.lexsort((pair, row))
-        return row[order], pair[order], crowded
+        return row[order], pair[order]
 
-    def every(self, k: int) -> tuple[Indices, Indices]:
-        """Rows and pairs with obstacles in k rows, all that are checked; of an index that has no tree."""
-        first = self.among_links + self._moving * self._index.count
-        pair = (first[:, None] + np.arange(self._index.count)).reshape(-1)
-        if len(self._excepted):
-            pair = pair[~np.isin(pair, self._excepted)]
-        pair = np.concatenate([pair, self._added])
-        return np.repeat(np.arange(k), len(pair)), np.tile(pair, k)
+    def likely(self, centres: Array) -> tuple[Indices, Indices]:
+        """Rows and pairs with obstacles, one of each row and shape, that are likely to be its nearest."""
+        k, moving = len(centres), len(self._moving)
+        if not self.has_obstacles:
+            return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
+        square, radii = self._squares(centres)[0], self._obstacles.radii
+        # A half-space is likely only where there is nothing else.
+        obstacle = (np.sqrt(np.maximum(square, 0.0)) - np.where(np.isinf(radii), -radii, radii)).argmin(axis=2)
+        return self._checked(np.repeat(np.arange(k), moving), self.number(self._moving, obstacle).reshape(-1), k)
 
-    def nearby(self, centres: Array) -> tuple[Indices, Indices]:
-        """Rows and pairs with obstacles, a few of each row, that are likely to be its nearest."""
-        k, moving = len(centres), self._moving
-        row = pair = np.zeros(0, dtype=np.intp)
-        if len(moving) and self._index.count:
-            point, slot = self._index.nearby(centres[:, moving].reshape(-1, 3))
-            row, shape = np.divmod(point, len(moving))
-            pair = self.among_links + moving[shape] * self._index.count + slot
-            if len(self._excepted):
-                kept = ~np.isin(pair, self._excepted)
-                row, pair = row[kept], pair[kept]
-        rows = np.concatenate([row, np.repeat(np.arange(k), len(self._added))])
-        return rows, np.concatenate([pair, np.tile(self._added, k)])
+    def _squares(self, centres: Array) -> tuple[Array, Array]:
+        """Squared distances (k, M, n) [m^2] of the M shapes that move from the obstacles, by their balls' centres.
+
+        And how far rounding may have made them greater.
+        """
+        points, others = centres[:, self._moving], self._obstacles.centres
+        sums = (points * points).sum(axis=-1)[..., None] + (others * others).sum(axis=-1)
+        return sums - 2.0 * (points @ others.T), SLACK * sums
+
+    def _checked(self, row: Indices, pair: Indices, k: int) -> tuple[Indices, Indices]:
+        """Those of the rows and pairs with obstacles that are checked, and the pairs that are added to all k rows."""
+        kept = ~np.isin(pair, self._excepted)
+        row = np.concatenate([row[kept], np.repeat(np.arange(k), len(self._added))])
+        return row, np.concatenate([pair[kept], np.tile(self._added, k)])
 
     def least(self, centres: Array, rows: Indices, pairs: Indices) -> Array:
         """(e,) m that pairs with obstacles are apart at least, by one ball about each shape."""
-        shapes, slots = self.split(pairs)
-        gaps = self._from_obstacles(centres[rows, shapes][:, None], slots)[:, 0]
+        shapes, obstacles = self.split(pairs)
+        gaps = self._obstacles.gaps(centres[rows, shapes][:, None], obstacles)[:, 0]
         return np.asarray(gaps - self._bodies.ball_radii[shapes])
 
     def gaps(self, placed: Placed, rows: Indices, pairs: Indices) -> Array:
         """(e, m) m that the balls of the shapes are apart at least from the obstacles: of pairs in rows."""
-        shapes, slots = self.split(pairs)
-        gaps = self._from_obstacles(self._bodies.balls(placed, rows, shapes), slots)
+        shapes, obstacles = self.split(pairs)
+        gaps = self._obstacles.gaps(self._bodies.balls(placed, rows, shapes), obstacles)
         return np.asarray(gaps - self._bodies.radii[shapes])
 
     def in_reach(
@@ -409,7 +384,6 @@ class DistanceBounds:
         margin: float,
         listed_pairs: tuple[Indices, Indices],
         listed: NDArray[np.bool_],
-        may_be_crowded: float,
     ) -> Open:
         """Obstacles that links may come to within a margin on a motion; see :meth:`links_in_reach`.
 
@@ -419,43 +393,17 @@ class DistanceBounds:
             margin: m.
             listed_pairs: rows and pairs to look at, in rows that are listed.
             listed: (k,) bool: of the other rows all pairs are looked at.
-            may_be_crowded: m; rows that may come closer by more may be left crowded.
         """
-        if not self.has_obstacles:
-            none = np.zeros(0, dtype=np.intp)
-            return Open(none, none, np.zeros(0), np.zeros(len(listed), dtype=np.bool_))
         both = reaches.sum(axis=3)  # (k, S, m): obstacles stand still, and only joints before the shape count
-        most = both.max(axis=2)
-        rows, pairs = listed_pairs
-        shapes, _ = self.split(pairs)
-        kept = self.least(placed.centres, rows, pairs) <= margin + most[rows, shapes]
-        rows, pairs = rows[kept], pairs[kept]
-        crowded = np.zeros(len(listed), dtype=np.bool_)
-        if not listed.all():
-            others = np.flatnonzero(~listed)
-            limit = np.where(most[others].max(axis=1) > may_be_crowded, CROWDED, np.iinfo(np.intp).max)
-            row, pair, full = self.near(placed.centres[others], margin + most[others], limit)
-            crowded[others] = full
-            rows, pairs = np.concatenate([rows, others[row]]), np.concatenate([pairs, pair])
+        others = np.flatnonzero(~listed)
+        row, pair = self.near(placed.centres[others], margin + both[others].max(axis=2, initial=0.0))
+        rows = np.concatenate([listed_pairs[0], others[row]])
+        pairs = np.concatenate([listed_pairs[1], pair])
         closer = both[rows, self.split(pairs)[0]]
         in_question = self.gaps(placed, rows, pairs) <= margin + closer
         still = in_question.any(axis=1)
         closer = np.where(in_question, closer, 0.0).max(axis=1, initial=0.0)
-        return Open(rows[still], pairs[still], closer[still], crowded)
-
-    def _from_obstacles(self, points: Array, slots: Indices) -> Array:
-        """(e, m) m from points (e, m, 3) in the base link to the pieces in slots (e,), not above zero inside."""
-        holds = self._index.holds(slots)
-        local = points @ holds["rotation"] - holds["origin"][:, None]
-        below = holds["low"][:, None] - local
-        np.maximum(below, local - holds["high"][:, None], out=below)
-        np.maximum(below, 0.0, out=below)
-        out = _length(below)
-        for standing, own, field in self._index.clouds:
-            ours = np.flatnonzero((slots >= own.start) & (slots < own.stop))
-            local = (points[ours] - standing.pose[:3, 3]) @ standing.pose[:3, :3]
-            out[ours] = np.maximum(out[ours], field.least(local))
-        return np.asarray(out - holds["radius"][:, None])
+        return Open(rows[still], pairs[still], closer[still])
 
 
 def _length(vectors: Array) -> Array:

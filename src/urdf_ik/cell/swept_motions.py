@@ -170,11 +170,10 @@ def _halved(
         links, links_closer = check.bounds.links_in_reach(placed, reaches, margin, pieces.links[part])
         mine = slice(*np.searchsorted(pieces.piece, [part.start, part.start + len(links)]))
         listed_pairs = pieces.piece[mine] - part.start, pieces.pair[mine]
-        world = check.bounds.in_reach(placed, reaches, margin, listed_pairs, pieces.listed[part], STRIDE)
+        world = check.bounds.in_reach(placed, reaches, margin, listed_pairs, pieces.listed[part])
         farthest = np.where(links, links_closer, 0.0).max(axis=1, initial=0.0)
         np.maximum.at(farthest, world.row, world.closer)
-        farthest[world.crowded] = np.inf
-        rest[part] = links.any(axis=1) | world.crowded
+        rest[part] = links.any(axis=1)
         rest[part.start + world.row] = True
         still = np.ones(len(world.row), dtype=np.bool_)
         checked = rest[part] & (farthest <= STRIDE)
@@ -191,7 +190,7 @@ def _halved(
                 first[motion[i]] = start[i] if contact.closer <= TOUCH else middle[i]
                 pair[motion[i]] = contact.pair
         pieces.links[part] = links
-        rest[part] = links.any(axis=1) | world.crowded
+        rest[part] = links.any(axis=1)
         rest[part.start + world.row[still]] = True
         # After the first coal query the open pairs are listed, so that pairs proven free stay closed.
         pieces.listed[part] |= checked
@@ -228,7 +227,7 @@ def _contact(
     """Check the open pairs with coal at the middle q (n,) of a piece, and close those that are proven free."""
     placing = check.arm.place(q)
     candidates = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
-    ranked = sorted(own.tolist(), key=lambda k: check.rank(int(world.pair[k])))
+    ranked = own[np.argsort(world.pair[own])].tolist()
     candidates += [(int(world.pair[k]), k, still, float(world.closer[k])) for k in ranked]
     for pair, k, is_open, closer in candidates:
         if not check.touches(placing, pair, margin + closer + QUERY_ERROR):

@@ -6,12 +6,12 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from typing import IO, Any, NamedTuple
+from typing import IO, Any
 
 import numpy as np
 from lxml import etree
 
-from urdf_ik.cell.obstacle_index import ObstacleIndex, Standing, index_of
+from urdf_ik.cell.obstacles import Obstacle, Obstacles
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed
 from urdf_ik.model import poses, urdf
@@ -25,20 +25,6 @@ SHOWN = 8
 
 ORTHOGONAL = 4e-16
 """A rotation stays unchanged if no entry of ``|R^T R - I|`` exceeds this: a few roundings."""
-
-
-class Obstacle(NamedTuple):
-    """One shape of a world.
-
-    Attributes:
-        name: unique in its world.
-        shape: its shape.
-        pose: (4, 4) of the shape in the arm's base link [m], read-only.
-    """
-
-    name: str
-    shape: Shape
-    pose: Array
 
 
 class World:
@@ -60,12 +46,9 @@ class World:
     """
 
     def __init__(self) -> None:
-        self._standing: dict[str, Standing] = {}
-        self._added = 0  # how many were ever added
+        self._standing: dict[str, Obstacle] = {}
         self._version = 0
-        self._index: ObstacleIndex | None = None
-        # Names of the obstacles added, moved or removed since the index was made.
-        self._stale: set[str] = set()
+        self._snapshot: Obstacles | None = None
         self._lock = forks.lock()
 
     @classmethod
@@ -119,7 +102,7 @@ class World:
         return len(self._standing)
 
     def __iter__(self) -> Iterator[Obstacle]:
-        return iter([Obstacle(*obstacle[:3]) for obstacle in tuple(self._standing.values())])
+        return iter(tuple(self._standing.values()))
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and name in self._standing
@@ -163,8 +146,7 @@ class World:
             if name in self._standing:
                 there = f"there is an obstacle {quoted(name)} already"
                 raise ArgumentError(f"{there}; World.move moves it, World.remove removes it")
-            self._put(name, Standing(name, shape, placed, self._added))
-            self._added += 1
+            self._put(Obstacle(name, shape, placed))
 
     def move(self, name: str, pose: Any) -> None:
         """Put an obstacle elsewhere.
@@ -179,7 +161,7 @@ class World:
         """
         placed = _pose(pose)
         with self._lock:
-            self._put(name, self._standing[self._known(name)]._replace(pose=placed))
+            self._put(self._standing[self._known(name)]._replace(pose=placed))
 
     def remove(self, name: str) -> None:
         """Take an obstacle out of the world.
@@ -189,8 +171,7 @@ class World:
         """
         with self._lock:
             del self._standing[self._known(name)]
-            self._stale.add(name)
-            self._version += 1
+            self._change()
 
     @property
     def version(self) -> int:
@@ -215,20 +196,16 @@ class World:
             digest.update(pose.tobytes())
         return digest.hexdigest()
 
-    def snapshot(self) -> tuple[int, ObstacleIndex]:
-        """The world as it is now: its version, and its obstacles by place. Later changes do not change the index.
+    def snapshot(self) -> tuple[int, Obstacles]:
+        """The world as it is now: its version, and its obstacles. Later changes do not change these.
 
         Raises:
             ArgumentError: a mesh cannot be read.
         """
         with self._lock:
-            if self._index is None:
-                self._index = index_of(self._standing.values())
-            elif self._stale:
-                stale = {name: self._standing.get(name) for name in self._stale}
-                self._index = self._index.changed(stale, self._standing.values())
-            self._stale.clear()
-            return self._version, self._index
+            if self._snapshot is None:
+                self._snapshot = Obstacles(self._standing.values())
+            return self._version, self._snapshot
 
     def __getstate__(self) -> dict[str, Any]:
         with self._lock:
@@ -237,14 +214,17 @@ class World:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__()  # type: ignore[misc]
         for obstacle in state["obstacles"]:
-            self._standing[obstacle.name] = Standing(obstacle.name, obstacle.shape, frozen(obstacle.pose), self._added)
-            self._added += 1
+            self._standing[obstacle.name] = obstacle._replace(pose=frozen(obstacle.pose))
         self._version = state["version"]
 
-    def _put(self, name: str, standing: Standing) -> None:
+    def _put(self, obstacle: Obstacle) -> None:
         """Store an obstacle; the caller holds the lock."""
-        self._standing[name] = standing
-        self._stale.add(name)
+        self._standing[obstacle.name] = obstacle
+        self._change()
+
+    def _change(self) -> None:
+        """The obstacles are others now; the caller holds the lock."""
+        self._snapshot = None
         self._version += 1
 
     def _known(self, name: str) -> str:
