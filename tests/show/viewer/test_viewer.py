@@ -255,19 +255,16 @@ def test_the_camera_sees_the_arm_beside_the_panel(name: str, aspect: float | Non
         assert np.abs(across).max() < aspect and up.min() > 0.0 and up.max() < 1.0
 
 
-def test_all_sixteen_colours_are_seen_on_either_background() -> None:
-    """The contrast to the page, as WCAG 2.1 measures it, is 1.9 or more in a light page and 2.9 in a dark one."""
+def test_all_sixteen_colours_are_seen() -> None:
+    """The contrast to a white page, as WCAG 2.1 measures it, is 1.9 or more."""
 
     def luminance(colour: tuple[float, ...]) -> float:
         linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in colour]
         return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
 
-    for dark, page, least in ((False, luminance((1.0,) * 3), 1.9), (True, luminance((36 / 255,) * 3), 2.9)):
-        shades = palette.colours(16, dark)
-        assert len(set(shades)) == 16
-        for colour in shades:
-            low, high = sorted([luminance(colour), page])
-            assert (high + 0.05) / (low + 0.05) >= least
+    shades = palette.colours(16)
+    assert len(set(shades)) == 16
+    assert all(1.05 / (luminance(colour) + 0.05) >= 1.9 for colour in shades)
 
 
 def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
@@ -328,22 +325,18 @@ def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: py
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        with pytest.raises(UrdfIkError, match=f"port {port} on 127.0.0.1 is in use"):
+        with pytest.raises(UrdfIkError, match=f"port {port}: Address already in use"):
             Viewer(arm, port=port)
         monkeypatch.setattr(guard, "DEFAULT_PORT", port)
         with Viewer(arm) as viewer:
             assert viewer.port > port and f":{viewer.port}/" in viewer.url
 
 
-def test_the_printed_address_can_be_typed() -> None:
-    """0.0.0.0 is reached at 127.0.0.1, IPv6 stands in brackets; foreign hosts and ports out of range are refused."""
-    for host, port, words in (("127.0.0.1", 70000, "port 70000"), ("192.0.2.1", None, "192.0.2.1")):
-        with pytest.raises(UrdfIkError, match=words):
-            guard.check(host, port)
-    assert guard.url("0.0.0.0", 8080) == "http://127.0.0.1:8080"
-    assert guard.url("::1", 8080) == "http://[::1]:8080"
-    assert guard.is_local("127.0.0.1") and guard.is_local("localhost")
-    assert not guard.is_local("0.0.0.0") and not guard.is_local("192.168.0.2")
+@pytest.mark.parametrize("port", [-1, 70000])
+def test_a_port_out_of_range_is_refused(port: int, arm: Arm) -> None:
+    """The error names it."""
+    with pytest.raises(UrdfIkError, match=f"port {port}"):
+        Viewer(arm, port=port)
 
 
 def test_ctrl_c_ends_it_cleanly() -> None:

@@ -88,7 +88,7 @@ def test_a_huge_message_ends_the_connection(viewer: Viewer) -> None:
 
 def test_a_viser_whose_requests_are_not_checked_is_refused(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     """Rather no viewer than one that lets everybody in."""
-    monkeypatch.setattr(guard.Guard, "before", lambda self, answer: answer)
+    monkeypatch.setattr(guard, "checked", lambda token, answer: answer)
     with pytest.raises(MissingPackage, match=r"newer one is needed: pip install '(urdf-ik\[viewer\]|viser)"):
         Viewer(arm, port=0)
 

@@ -23,7 +23,6 @@ from urdf_ik.typing import Array
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from urdf_ik.show.viewer import Viewer
 
 Picture = StrEnum("Picture", ["ARM", "BRANCHES", "OVERLAY", "LIMITS", "WORKSPACE", "PATH", "INTERVALS"])
 _Value = StrEnum("_Value", ["REACH", "SOLUTIONS", "MANIPULABILITY", "MARGIN", "CLEARANCE"])
@@ -57,13 +56,13 @@ def plot(
     path: PathOptions,
     chosen: ArmOptions,
     degrees: bool = False,
-    output: Path | None = None,
+    output: Path,
 ) -> None:
     """Draw an arm, the branches of a pose, joint limits, the workspace or a path.
 
     Branches of a pose stand side by side or overlaid. Limits show all turns of the solutions. A path shows each
-    joint in all branches along it, limits and contacts, and the plan. Without a pose it is the arm's example,
-    without --output a window. The workspace of two turning joints is exact; any other is one layer of --map.
+    joint in all branches along it, limits and contacts, and the plan. Without a pose it is the arm's example. The
+    workspace of two turning joints is exact; any other is one layer of --map.
 
     Examples:
         urdf-ik plot zyyzyz_6r branches -o all_branches.png
@@ -76,15 +75,12 @@ def plot(
 
     Options:
         shapes: The shapes of the links, too, meshes among them.
-        output (-o FILE): PNG, SVG or PDF. Default: a window.
+        output (-o FILE): PNG, SVG or PDF.
     """
     from urdf_ik.show import plot as pictures
-    from urdf_ik.show.plot.slider_panel import require_display
 
     arm, angles = chosen.loaded(degrees, typed)
-    if output is None:
-        require_display()
-    elif output.suffix.lower() not in pictures.SUFFIXES:
+    if output.suffix.lower() not in pictures.SUFFIXES:
         raise ArgumentError(f"{output}: pictures are written as {', '.join(pictures.SUFFIXES)}; name the file so")
     if picture is Picture.PATH:
         figure = pictures.path(followed(arm, angles, typed, path, chosen).plan)
@@ -101,10 +97,7 @@ def plot(
         else:
             world = read_world(path.settings["world"], chosen)
             figure = _of_pose(arm, target, picture, shapes, degrees, world)
-    if output is None:
-        pictures.show(figure)
-    else:
-        pictures.save(figure, output)
+    pictures.save(figure, output)
 
 
 def _of_pose(
@@ -124,7 +117,7 @@ def _of_pose(
 def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> Figure:
     from urdf_ik.maps import workspaces
     from urdf_ik.show import plot
-    from urdf_ik.show.plot.slider_panel import is_two_links
+    from urdf_ik.show.plot.axes import is_two_links
 
     if layer.map is not None:
         found = workspaces.opened(layer.map)
@@ -141,10 +134,7 @@ def view(
     path: PathOptions,
     chosen: ArmOptions,
     degrees: bool = False,
-    host: str = "127.0.0.1",
     port: int | None = None,
-    dark: bool = False,
-    output: Path | None = None,
 ) -> None:
     """Show an arm in the browser: every solution of a target to drag, sliders for the joints.
 
@@ -154,14 +144,10 @@ def view(
     Examples:
         urdf-ik view ur5
         urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000
-        urdf-ik view panda -o panda.html
         urdf-ik view zyyzyz_6r --poses seam.csv --world cell.urdf
 
     Options:
-        host (ADDRESS): Listen there; 0.0.0.0 lets everybody in the network in. Default: 127.0.0.1.
         port (PORT): Default: 8080, or the first free one after it; 0: any free one.
-        dark: Light on dark.
-        output (-o FILE): Write the scene there as one HTML page, and leave.
     """
     from urdf_ik.show.viewer import Viewer
 
@@ -175,23 +161,13 @@ def view(
         plan = followed(arm, angles, target, path, chosen).plan
         if not plan.found:
             console.say(f"no plan:\n{plan.explain()}")
-    if output is not None:
-        with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
-            _begin(viewer, first)
-            console.write(viewer.html(scene=True), output)
-        return
     roots = chosen.mesh_root or ()
-    with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
-        _begin(viewer, first)
+    with Viewer(arm, port=port, mesh_roots=roots, plan=plan, world=world) as viewer:
+        if first is not None:
+            viewer.move_target(first)
+            viewer.settle()
         with suppress(KeyboardInterrupt):  # how the user ends it: the status is 0
             typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
             if viewer.message:
                 console.say(viewer.message)
             viewer.wait()
-
-
-def _begin(viewer: Viewer, first: Array | None) -> None:
-    """Show the target's first pose."""
-    if first is not None:
-        viewer.move_target(first)
-        viewer.settle()

@@ -7,8 +7,7 @@
 >>> plot.save(figure, "all_branches.png")
 
 ``plot.path(arm.follow(T))`` draws a path, found or not. Every function returns a ``matplotlib.figure.Figure`` that no
-window knows of: it is drawn without a display, and a notebook shows it. ``show`` opens a
-window, ``interact`` has sliders in a notebook.
+window knows of: it is drawn without a display, and a notebook shows it. ``interact`` has sliders in a notebook.
 """
 
 from urdf_ik.errors import ArgumentError
@@ -32,7 +31,7 @@ from urdf_ik.show.plot.pictures import (
     save,
     workspace_slice,
 )
-from urdf_ik.show.plot.slider_panel import interact, show
+from urdf_ik.show.plot.sliders import interact
 from urdf_ik.show.plot.waypoints import path
 
 __all__ = [
@@ -46,6 +45,5 @@ __all__ = [
     "placements",
     "planar_workspace",
     "save",
-    "show",
     "workspace_slice",
 ]

@@ -105,6 +105,11 @@ def frame(axes: Any, T: Array, size: float) -> None:
         axes.plot(*np.stack([T[:3, 3], T[:3, 3] + size * T[:3, column]], axis=-1), color=colour, linewidth=1)
 
 
+def is_two_links(arm: Arm) -> bool:
+    """Whether the exact workspace of two turning joints can be drawn."""
+    return arm.solver.control.plane is not None and arm.dof == 2 and not arm.chain.prismatic.any()
+
+
 def regions(axes: Any, region: PlanarWorkspace) -> None:
     """Both elbows' regions, their overlap, and the outer boundary."""
     for name, part in region.regions.items():

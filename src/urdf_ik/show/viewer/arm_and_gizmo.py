@@ -23,14 +23,14 @@ _FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
 _MOST_FACES = 4000
 _ABOVE = 0.45
 """Share of a narrow window's height that the panel below leaves for the arm."""
-_LINE, _LINE_ON_BLACK = (40, 40, 40), (215, 215, 215)
+_LINE = (40, 40, 40)
 _NAMED = 2
 """Greatest number of shapes that could not be read which the page names one by one."""
 
 
-def colours(count: int, dark: bool = False) -> tuple[tuple[int, int, int], ...]:
+def colours(count: int) -> tuple[tuple[int, int, int], ...]:
     """``count`` colours, red, green, blue from 0 to 255: those of every picture, see :mod:`urdf_ik.support.palette`."""
-    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in palette.colours(count, dark))
+    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in palette.colours(count))
 
 
 class Drawing:
@@ -46,12 +46,11 @@ class Drawing:
         has_shapes: whether any link has a shape; where it has not, or lacks some, there are frames and lines.
     """
 
-    def __init__(self, scene: Any, arm: Arm, dark: bool = False) -> None:
-        """Add everything, at the arm's zero configuration; ``dark`` is for a black background."""
+    def __init__(self, scene: Any, arm: Arm) -> None:
+        """Add everything, at the arm's zero configuration."""
         self._arm, self._scene, count = arm, scene, len(arm.structure.branches)
         self._capacity = max(count, 1)
-        self._colours = np.array(colours(self._capacity, dark), dtype=np.uint8)
-        self._own_line = np.array(_LINE_ON_BLACK if dark else _LINE, dtype=np.uint8)
+        self._colours = np.array(colours(self._capacity), dtype=np.uint8)
         shapes, self.missing = link_shapes.read(arm.model)
         self.has_shapes = bool(shapes)
         self.root = scene.add_frame("/robot", show_axes=False)
@@ -198,7 +197,7 @@ class Drawing:
         ]
 
     def _add_lines(self) -> None:
-        self.lines = self._add_segments("line", [self._own_line, *self._colours], [6.0, 3.0])
+        self.lines = self._add_segments("line", [np.array(_LINE, dtype=np.uint8), *self._colours], [6.0, 3.0])
         count = len(self._arm.model.links)
         self._axes = self._scene.add_batched_axes(
             "/robot/axes",

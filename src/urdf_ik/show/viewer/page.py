@@ -22,15 +22,12 @@ from urdf_ik.paths.planned_motion import Plan, Stop
 from urdf_ik.show.viewer import guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
-from urdf_ik.show.viewer.arm_and_gizmo import colours as bytes_of_colours
 from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, WorkPanel, add_sources, plain
 from urdf_ik.show.viewer.playback import Latest, Track
 from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
 from urdf_ik.support import extras
 from urdf_ik.support.palette import colours
-
-"""The command that installs what the viewer needs."""
 
 
 class Viewer:
@@ -54,35 +51,30 @@ class Viewer:
         self,
         arm: Arm,
         *,
-        host: str = "127.0.0.1",
         port: int | None = None,
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
         plan: Plan | None = None,
         world: World | None = None,
-        dark: bool = False,
     ) -> None:
         """Start the server.
 
         Args:
             arm: what to show first.
-            host: interface to listen on; '0.0.0.0' lets everybody in the network in.
-            port: None: 8080, or the first free one after it; 0: any free one.
+            port: on this machine; None: 8080, or the first free one after it; 0: any free one.
             mesh_roots: folders that meshes of arms that the page asks for may be read from.
             plan: of ``arm.follow``, found or not, to be played along its waypoints.
             world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
-            dark: light on dark.
 
         Raises:
             MissingPackage: viser is not installed, or is one whose requests cannot be checked.
-            ArgumentError: the port is in use, the host is not this machine, or the plan is another arm's.
+            ArgumentError: the port is in use, or the plan is another arm's.
         """
         try:
             import viser as _  # noqa: F401
         except ImportError:
             raise extras.missing("the viewer needs viser, which is not installed", "viewer") from None
-        guard.check(host, port)
-        self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
-        self._guard = guard.Guard(host)
+        guard.require_free(port)
+        self._mesh_roots = tuple(mesh_roots)
         self.message = ""
         if plan is not None and plan.obstacles is not None and world is None:
             world = plan.obstacles.model.world
@@ -93,13 +85,13 @@ class Viewer:
         self.path: PathPanel | None = None
         self.path_drawing: PathDrawing | None = None
         self._player = playback.Player(self.go_to, self._ended)
-        first = guard.DEFAULT_PORT if port is None else port
-        self.server = guard.start(self._guard, host, first)
+        self._token = guard.token()
+        self.server = guard.start(self._token, guard.DEFAULT_PORT if port is None else port)
         self._latest = Latest(lambda: self.panel.show_intervals(self.state))
         if port and self.port != port:  # somebody took it since it was looked at
             self.close()
-            raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
-        self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
+            raise ArgumentError(f"port {port} is in use; name another one, or leave it out")
+        self.server.gui.configure_theme(control_width="large", show_share_button=False)
         self.server.gui.add_html(STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
@@ -131,7 +123,7 @@ class Viewer:
     @property
     def url(self) -> str:
         """Address of the page, for a browser on this machine; who knows its token may use the page."""
-        return f"{guard.url(self._host, self.port)}/{self._guard.token}/"
+        return f"http://{guard.HOST}:{self.port}/{self._token}/"
 
     def close(self) -> None:
         """Stop the server."""
@@ -166,15 +158,15 @@ class Viewer:
         """Wait until all that was asked for is shown; false if that takes longer than ``timeout`` [s]."""
         return self._latest.settle(timeout)
 
-    def html(self, *, scene: bool = False) -> str:
-        """Page of :func:`urdf_ik.export.html`; where there is none, beside other things, or asked for: the scene."""
-        if not scene and self.path is None and self.state.world is None:
+    def html(self) -> str:
+        """The page of :func:`urdf_ik.export.html`; where there is none, or with a path or a world: the scene."""
+        if self.path is None and self.state.world is None:
             with suppress(MissingPackage, UnsupportedArm):
                 return str(export.html(self.state.arm, q=self.state.q))
         target = self.drawing.target
         target.visible = False  # handles that would move nothing
         try:
-            return str(with_names(self.server.scene.as_html(), self.state, self._dark))
+            return str(self.server.scene.as_html())
         finally:
             target.visible = True
 
@@ -245,8 +237,8 @@ class Viewer:
     def _show_arm(self, state: State) -> None:
         """Build scene and panel of another arm."""
         self.state, arm = state, state.arm
-        self.drawing = Drawing(self.server.scene, arm, self._dark)
-        self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
+        self.drawing = Drawing(self.server.scene, arm)
+        self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned)
         self.obstacles = Obstacles(self.server.scene, state.world, arm.chain.size)
         self.work = WorkPanel(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
@@ -308,10 +300,8 @@ class Viewer:
         if plan is None:
             return
         self.track = playback.track(plan)
-        self.path = PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self.show_end, self._dark)
-        self.path_drawing = PathDrawing(
-            self.server.scene, self.track, self.state.arm.chain.size, self.show_end, self._dark
-        )
+        self.path = PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self.show_end)
+        self.path_drawing = PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self.show_end)
         self._go_to(0.0)
         self._frame(*self.server.get_clients().values())
 
@@ -382,12 +372,6 @@ class Viewer:
         self._update("redundancy", change, self.panel.redundancies[which])
 
 
-_LEGEND = (
-    "position:fixed;left:1em;bottom:1em;z-index:9;margin:0;padding:.6em .9em;border-radius:.4em;list-style:none;"
-    "font:13px/1.5 sans-serif;pointer-events:none;"
-)
-
-
 def picture(state: State) -> str:
     """The arm and every solution of its target as stick figures, and what they are."""
     arm = state.arm
@@ -399,20 +383,3 @@ def picture(state: State) -> str:
         f"<figure>{stick_picture(arm.chain, figures, shades)}"
         f"<figcaption>{escape(words)}. The page itself needs the viewer to run.</figcaption></figure>"
     )
-
-
-def with_names(page: str, state: State, dark: bool = False) -> str:
-    """The HTML ``page`` of a scene with a list of its solutions in their colours; the arm's own is marked."""
-    shades = bytes_of_colours(max(len(state.arm.structure.branches), 1), dark)
-    lines = []
-    for k, ghost in enumerate(state.ghosts):
-        red, green, blue = shades[ghost.column]
-        here = " (the arm)" if k == state.chosen else ""
-        marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
-        dot = f'<span style="color:rgb({red},{green},{blue})">&#9679;</span>'
-        lines.append(f"<li>{dot} {escape(ghost.branch + marks + here)}</li>")
-    text, ground = ("#eee", "rgba(0,0,0,.6)") if dark else ("#222", "rgba(255,255,255,.8)")
-    title = f"<li><b>{escape(state.arm.name)}</b></li>"
-    legend = f'<ul id="branches" style="{_LEGEND}color:{text};background:{ground}">{title}{"".join(lines)}</ul>'
-    head, end, tail = page.rpartition("</body>")
-    return f"{head}{legend}{end}{tail}" if end else page + legend

@@ -1,6 +1,5 @@
 """The widgets of the viewer's page: arm, path, text and postures, another arm; they mirror a State."""
 
-import json
 import math
 import re
 import threading
@@ -62,7 +61,6 @@ class Panel:
         on_branch: Callable[[int], None],
         on_joint: Callable[[int, float], None],
         on_redundancy: Callable[[int, float], None],
-        dark: bool = False,
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         self._arm = arm
@@ -71,7 +69,7 @@ class Panel:
         with self._folders[-1]:
             self.branches = [
                 gui.add_button(name, color=colour, visible=False)
-                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches), dark), strict=True)
+                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches)), strict=True)
             ]
         for column, button in enumerate(self.branches):
             button.on_click(lambda _, column=column: on_branch(column))
@@ -216,12 +214,11 @@ class PathPanel:
         on_place: Callable[[float], None],
         on_play: Callable[[], None],
         on_end: Callable[[Stop], None],
-        dark: bool = False,
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         plan = track.plan
         names = plan.solver.structure.branches
-        shades = dict(zip(names, colours(len(names), dark), strict=True))
+        shades = dict(zip(names, colours(len(names)), strict=True))
         self._folder = gui.add_folder("Path", order=-1.0)
         with self._folder:
             self.status = gui.add_markdown(_plan_status(track))
@@ -354,8 +351,8 @@ def read(text: str, arm: Arm) -> tuple[str, Array]:
     """What a text says: ('q', (n,) rad or m) or ('pose', (4, 4) m).
 
     Numbers in brackets or without: as many as the arm has joints are a joint vector, 16 a matrix, 7 a position and a
-    quaternion (x, y, z, w), 6 a position and roll, pitch, yaw [rad]. Where that leaves a doubt, and in JSON, a word
-    says what they are: ``q=...``, ``pose=...``, ``{"q": [...]}``, ``{"pose": [...]}``.
+    quaternion (x, y, z, w), 6 a position and roll, pitch, yaw [rad]. Where that leaves a doubt, a word says what they
+    are: ``q=...``, ``pose=...``.
 
     Example:
         >>> import urdf_ik
@@ -389,15 +386,6 @@ def written(q: Array, target: Array) -> str:
 
 def _parsed(text: str) -> tuple[str, Array]:
     """The word that says what the numbers are, 'q', 'pose' or '', and the numbers."""
-    try:
-        data: Any = json.loads(text)
-    except ValueError:
-        data = None
-    if isinstance(data, dict):
-        named = [name for name in ("q", "pose") if name in data]
-        if len(named) != 1:
-            raise ArgumentError("an object with 'q' or with 'pose' is needed, and not with both")
-        return named[0], _numbers(json.dumps(data[named[0]]))
     word, sign, rest = text.partition("=")
     if sign and word.strip() in ("q", "pose", "T"):
         return "q" if word.strip() == "q" else "pose", _numbers(rest)

@@ -17,7 +17,7 @@ from urdf_ik.typing import Array
 
 _COLOUR, _OPACITY = (150, 140, 125), 0.75
 _PLANE_OPACITY = 0.35
-_FOUND, _FOUND_ON_BLACK, _MISSED = (30, 30, 30), (225, 225, 225), (214, 39, 40)
+_FOUND, _MISSED = (30, 30, 30), (214, 39, 40)
 
 
 _FAR = 3.0
@@ -107,20 +107,18 @@ class PathDrawing:
         ends: by waypoint, a ball that can be clicked at.
     """
 
-    def __init__(
-        self, scene: Any, track: Track, size: float, on_end: Callable[[Stop], None], dark: bool = False
-    ) -> None:
+    def __init__(self, scene: Any, track: Track, size: float, on_end: Callable[[Stop], None]) -> None:
         """Add everything; ``size`` is the arm's [m], ``on_end`` is called with the end that was clicked at."""
         points = track.points
         pieces = np.stack([points[:-1], points[1:]], axis=1) if len(points) > 1 else np.repeat(points[None], 2, axis=1)
         reached = np.arange(len(pieces)) < track.reached
-        shades = np.where(reached[:, None], _FOUND_ON_BLACK if dark else _FOUND, _MISSED).astype(np.uint8)
+        shades = np.where(reached[:, None], _FOUND, _MISSED).astype(np.uint8)
         self.line = scene.add_line_segments(
             "/path/line", pieces.astype(np.float32), np.repeat(shades[:, None], 2, axis=1), thickness=4.0,
             thickness_units="screen",
         )  # fmt: skip
         names = track.plan.solver.structure.branches
-        shade_of = dict(zip(names, colours(len(names), dark), strict=True))
+        shade_of = dict(zip(names, colours(len(names)), strict=True))
         self.ends: dict[int, Any] = {}
         for waypoint, stops in track.ends.items():
             ball = scene.add_icosphere(

@@ -1,13 +1,10 @@
-"""Sliders in a notebook, and windows without a display."""
+"""Pictures in a notebook."""
 
-import matplotlib
 import numpy as np
 import pytest
 from pictures import is_png, stick_lines
-from typer.testing import CliRunner
 
 import urdf_ik
-from urdf_ik.cli import app
 from urdf_ik.show import plot
 
 
@@ -32,16 +29,3 @@ def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
 def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
     """Without pyplot: they give their own PNG."""
     assert is_png(plot.arm(arm, shapes=False)._repr_png_())
-
-
-def test_a_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The error says so, and what to do; with a display but no toolkit, too."""
-    arm = urdf_ik.load("planar_2r")
-    with pytest.raises(urdf_ik.ArgumentError, match="no display.*--output"):
-        plot.show(plot.arm(arm))
-    monkeypatch.setenv("DISPLAY", ":99")
-    with matplotlib.rc_context({"backend": "agg"}), pytest.raises(urdf_ik.ArgumentError, match="'agg'.*no windows"):
-        plot.show(plot.arm(arm))
-    monkeypatch.delenv("DISPLAY")
-    result = CliRunner().invoke(app, ["plot", "planar_2r", "arm"])
-    assert result.exit_code == 2 and "no display" in result.stderr
