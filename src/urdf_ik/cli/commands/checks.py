@@ -1,16 +1,22 @@
 """The commands ``check``, ``compare`` and ``judge``."""
 
 import string
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from urdf_ik.cli import console
+from urdf_ik.arm import Arm
+from urdf_ik.arm.loading import read
+from urdf_ik.cli import console, tables
 from urdf_ik.cli.arm_options import ArmOptions, SeveralArms, angles_of, read_world
 from urdf_ik.cli.console import Progress, Status
 from urdf_ik.cli.options import PoseOptions, ReportFormat
+from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError, UrdfIkError
 from urdf_ik.support import files
+from urdf_ik.support.report import Report
 
 
 def check(
@@ -50,31 +56,54 @@ def check(
         complete: Instead: look for missing solutions in a second way, at N random, N nearly singular, N round poses.
         proof: Instead: check the proofs of N random, N nearly singular and N round poses.
     """
-    from urdf_ik.verify import check_proof, completeness, crosscheck, folders
+    from urdf_ik.verify import check_proof, completeness, crosscheck
 
     if complete and collisions is not None:
         raise console.usage("--complete compares solutions and nothing else", "--collisions")
     if proof and (complete or collisions is not None):
         raise console.usage("--proof checks proofs and nothing else", "--proof")
-    folder = Path(chosen.robot).is_dir()
-    if folder and proof:
-        raise console.usage("proofs are checked one arm at a time, and this is a folder", "--proof")
+    if is_folder := Path(chosen.robot).is_dir():
+        chosen.require_only(("base", "tip", "mesh_root"), f"{chosen.robot} is a folder")
     with Progress("checking") as progress:
         question: dict[str, Any] = {"n": n, "seed": seed, "time_limit": time_limit, "progress": progress.tick}
-        report: Any
-        if folder:
-            chosen.require_only(("base", "tip", "mesh_root"), f"{chosen.robot} is a folder")
-            arms: dict[str, Any] = {"base": chosen.base, "tip": chosen.tip, "mesh_roots": chosen.mesh_root or ()}
-            report = folders.check_folder(chosen.robot, complete=complete, collision=collisions, **arms, **question)
-        elif proof:
-            arm = chosen.load()
-            solutions = arm.ik(arm.fk(completeness.planted(arm, n, seed)))
-            report = check_proof(arm, solutions, time_limit=time_limit, progress=progress.tick)
-        elif complete:
-            report = completeness.compare(chosen.load(), **question)
-        else:
-            report = crosscheck.check(chosen.load(), collision=collisions, **question)
-    console.conclude(report, printed_as)
+        question |= {} if complete else {"collision": collisions}
+
+        def checked(arm: Arm) -> Report:
+            if proof:
+                solutions = arm.ik(arm.fk(completeness.planted(arm, n, seed)))
+                return check_proof(arm, solutions, time_limit=time_limit, progress=progress.tick)  # type: ignore[no-any-return]
+            return completeness.compare(arm, **question) if complete else crosscheck.check(arm, **question)
+
+        report = None if is_folder else checked(chosen.load())
+        arms = _of_folder(chosen, checked) if is_folder else []
+    if report is not None:
+        return console.conclude(report, printed_as)
+    passed = all(each["passed"] is not False for each in arms)
+    shown = [{"file": each["file"], "result": each["result"]} for each in arms]
+    console.emit(printed_as, {"passed": passed, "arms": arms}, lambda: tables.render(tables.outline({"arms": shown})))
+    if not passed:
+        raise typer.Exit(Status.FAILED)
+    return None
+
+
+def _of_folder(chosen: ArmOptions, check: Callable[[Arm], Report]) -> list[dict[str, Any]]:
+    """The result of each URDF below a folder; ``passed`` is None for what is no arm, and where no check is for it."""
+    folder = Path(chosen.robot)
+    if not (files := sorted(folder.rglob("*.urdf"))):
+        problem = "the folder holds no file that ends in .urdf"
+        raise UrdfError(problem, source=str(folder), hint="name a folder of URDFs, or a single file")
+    arms = []
+    for file in files:
+        passed: bool | None
+        details = None
+        try:
+            report = check(replace(chosen, robot=str(file)).load())
+            passed, words, details = report.passed, report.verdict(), report.to_dict()
+        except UrdfIkError as error:
+            no_arm = isinstance(error, ChainError) and not read(file, mesh_roots=chosen.mesh_root or ())[0].chains()
+            passed, words = (None if no_arm or isinstance(error, UnsupportedArm) else False), str(error)
+        arms.append({"file": str(file.relative_to(folder)), "passed": passed, "result": words, "report": details})
+    return arms
 
 
 def compare(
@@ -165,7 +194,6 @@ def judge(
     solver: str,
     n: int = 50,
     seed: int = 0,
-    max_error: float | None = None,
     within_limits: bool = False,
     chosen: ArmOptions,
     printed_as: ReportFormat = ReportFormat.TABLE,
@@ -185,7 +213,6 @@ def judge(
 
     Options:
         solver (SPEC): module:function, file.py:function, or process:COMMAND (a line of JSON a pose).
-        max_error (E): Error [m; rad] of a solution. Default: 1e-7.
         within_limits: The solver returns only what is inside the limits.
     """
     from urdf_ik.verify import judging
@@ -197,7 +224,6 @@ def judge(
             solve,
             n=n,
             seed=seed,
-            tolerance=judging.TOLERANCE if max_error is None else max_error,
             within_limits=within_limits,
             name=str(getattr(solve, "__name__", solver)),
             progress=progress.tick,
