@@ -59,11 +59,9 @@ ROOMS = {
     "ik.solver": "The solver of an arm",
     "ik.nearest": "The nearest solution",
     "ik.redundancy.interval_search": "Search of intervals",
-    "ik.redundancy.sweep": "Sweeps",
     "ik.redundancy.values": "Values of redundancy parameters",
     "kinematics.velocity": "Velocities",
     "ik.tasks": "Tasks",
-    "ik.cuspidality": "Cuspidality",
     "model.poses": "Notations of poses",
     "ik.redundancy": "Redundancy parameters",
 }

@@ -111,9 +111,8 @@ def test_an_axis_that_is_the_last_joints_moves_only_that_joint() -> None:
     assert max(far.max(), off.max()) < 1e-11
     before, after = arm.ik(arm.fk(q)), arm.ik(arm.fk(q), redundancy=0.3)
     np.testing.assert_allclose(after.q[..., :5], before.q[..., :5], atol=1e-9)
-    sweep = arm.sweep(arm.fk(q[0]), n=12)
-    assert sweep.intervals.round(6).tolist() == [[-3.141593, 3.141593]]
-    assert sweep.solutions.valid.all()
+    every = arm.intervals(arm.fk(q[0]), within_limits=False).merged()
+    assert every.round(6).tolist() == [[-3.141593, 3.141593]]
 
 
 def test_seven_joints_have_two_parameters() -> None:

@@ -95,7 +95,8 @@ def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: u
     assert (native.column >= 0).tolist() == near.valid[:, 0].tolist()
     assert np.array_equal(native.nearest, near.q[:, 0], equal_nan=True)
     for i in range(0, POSES, 7):
-        images = list(limits.iter_turns(row[i], arm.limits, arm.chain.image_turns))
+        turned = limits.turns(row[i : i + 1], arm.limits, arm.chain.image_turns)
+        images = turned.q[turned.valid]
         assert native.count[i] == len(images)
         assert np.array_equal(native.images[i, : len(images)], np.array(images[:4]).reshape(-1, arm.dof))
 

@@ -165,34 +165,11 @@ def test_missing_and_singular_solutions_have_no_derivative() -> None:
         assert lost.any()
         np.testing.assert_array_equal(np.isnan(s.dq_dT()).all(axis=(-2, -1)), lost)
         np.testing.assert_array_equal(np.isnan(s.dq_dT()).any(axis=(-2, -1)), lost)
-        np.testing.assert_array_equal(np.isnan(s.dq_dT_error()), lost)
 
 
-@pytest.mark.parametrize("kind", tuple(KINDS)[:6])
-def test_the_error_is_within_its_bound(kind: str) -> None:
-    """The distance from the inverse of Pinocchio's Jacobian at the joint vector that made the pose is below it."""
-    case = member(kind, 1)
-    q = case.oracle.draw(np.random.default_rng(6), 40)
-    s = case.arm.ik(case.oracle.poses(q))
-    X, bound, checked = s.dq_dT(), s.dq_dT_error(), 0
-    size = np.where(np.arange(6) < 3, case.arm.chain.size, 1.0)
-    for i, x in enumerate(q):
-        gap = np.abs((s.q[i] - x + np.pi) % (2.0 * np.pi) - np.pi).max(axis=-1)
-        b = int(np.nanargmin(gap))
-        if gap[b] < 1e-6 and np.isfinite(bound[i, b]):
-            checked += 1
-            exact = np.linalg.inv(case.oracle.jacobian(x))
-            assert np.linalg.norm((X[i, b] - exact) * size) <= bound[i, b]
-            assert bound[i, b] < 1e-6 * np.linalg.norm(exact * size) ** 3 + 1e-9
-    assert checked > 30
-
-
-@pytest.mark.parametrize("name", ["puma_560", "srs_7r"])
+@pytest.mark.parametrize("name", ["puma_560", "panda"])
 def test_solutions_of_changed_urdfs_lie_where_the_derivative_says(name: str) -> None:
-    """A URDF whose numbers differ a little has its solutions where dq_dgeometry says, for every branch.
-
-    A swivel angle is held as the other arm measures it, whose axes meet no more.
-    """
+    """A URDF whose numbers differ a little has its solutions where dq_dgeometry says, for every branch."""
     case = from_catalogue(name)
     _, T = drawn(case, 7, 3)
     at = {"redundancy": 0.4} if case.arm.solver.parameters else {}
@@ -228,23 +205,14 @@ def _changed(arm: urdf_ik.Arm, joint: str, field: str, part: int, by: float) -> 
     return str(etree.tostring(root).decode())
 
 
-@pytest.mark.parametrize("name", ["puma_560", "scara_rrpr", "panda", "srs_7r"])
-def test_second_derivatives_are_how_the_first_change(name: str) -> None:
-    """They are central differences of dq_dT along a motion with a constant twist."""
-    arm = urdf_ik.load(name)
-    T = arm.fk(np.random.default_rng(8).uniform(-1.0, 1.0, (3, arm.dof)))
-    V, W = (np.array([0.1, -0.2, 0.3, 0.0, 0.0, 0.4]), np.array([-0.3, 0.1, 0.2, 0.0, 0.0, -0.2]))
-    s = arm.ik(T)
-    steady = np.linalg.norm(s.dq_dT(), axis=(-2, -1)) < 40.0
-    assert steady.any()
-    ends = []
-    for sign in (-1.0, 1.0):
-        near = arm.ik(moved(T, W, sign * STEP))
-        gaps = np.abs((near.q[:, None] - s.q[:, :, None] + np.pi) % (2.0 * np.pi) - np.pi).max(axis=-1)
-        best = np.where(np.isnan(gaps), np.inf, gaps).argmin(axis=-1)
-        ends.append(np.take_along_axis(near.dq_dT() @ V, best[..., None], axis=1))
-    change = (ends[1] - ends[0]) / (2.0 * STEP)
-    np.testing.assert_allclose(s.d2q_dT2(V, W)[steady], change[steady], rtol=1e-4, atol=1e-3)
+def test_a_swivel_angle_is_no_parameter_to_change_the_urdf_at() -> None:
+    """The angle is measured by axes that the URDF moves: the refusal names what holds a joint instead."""
+    arm = urdf_ik.load("srs_7r")
+    s = arm.ik(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
+    with pytest.raises(urdf_ik.UnsupportedArm, match=r"with_redundancy\('joint_1'\)"):
+        s.dq_dgeometry()
+    held = arm.with_redundancy("joint_1")
+    assert held.ik(held.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])).dq_dgeometry().shape[-2] == 7
 
 
 def test_filtered_solutions_keep_their_derivatives() -> None:

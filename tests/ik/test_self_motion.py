@@ -6,7 +6,7 @@ from arms_seven import random_seven
 from cases import Array, Case, described, worst_error
 
 import urdf_ik
-from urdf_ik import ArgumentError, PoseError, UrdfIkError
+from urdf_ik import ArgumentError
 
 KINDS = ("S-R-S", "S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6")
 
@@ -117,64 +117,6 @@ def test_nearest_without_a_solution(case: Case) -> None:
         case.arm.ik_nearest(far, np.zeros(6))
     with pytest.raises(ArgumentError, match="one a pose"):
         case.arm.ik_nearest(np.stack([far, far]), np.zeros((3, 7)))
-
-
-def test_sweep_covers_what_can_be_reached(case: Case) -> None:
-    """Each value has a solution; intervals end where solutions end; at most 2 % of values outside have one."""
-    arm = case.arm
-    rng = np.random.default_rng(5)
-    edges = 0
-    for within in (False, True):
-        for T in case.oracle.poses(inside(arm, rng, 5)):
-            sweep = arm.sweep(T, n=33, within_limits=within)
-            assert sweep.solutions.q.shape[0] == len(sweep.redundancy) == 33
-            assert sweep.solutions.count.all()
-
-            def solved(values: Array, T: Array = T, within: bool = within) -> Array:
-                solutions = arm.ik(T, redundancy=values)
-                return (solutions.within_limits() if within else solutions).count > 0
-
-            low, high = arm.redundancy.range if not arm.redundancy.round else (-np.pi, np.pi)
-            values = rng.uniform(low, high, 500)
-            images = values[:, None, None] + 2.0 * np.pi * np.array([0.0, 1.0])[:, None]
-            near = (images > sweep.intervals[:, 0] - 1e-6) & (images < sweep.intervals[:, 1] + 1e-6)
-            outside = values[~near.any(axis=(1, 2))]
-            # An interval that is narrower than the grid's step may be missed.
-            assert np.count_nonzero(solved(outside)) <= 0.02 * 500
-            for a, b in sweep.intervals:
-                for edge, side in ((a, -1.0), (b, 1.0)):
-                    at_end = not arm.redundancy.round and (edge in (low, high))
-                    if not at_end and b - a < 2.0 * np.pi - 1e-9:
-                        edges += 1
-                        assert solved(np.array([edge - side * 1e-8]))[0]
-                        assert not solved(np.array([edge + side * 1e-6]))[0]
-    assert edges or arm.redundancy.kind == "swivel"
-
-
-def test_sweep_without_solutions_and_with_few_values(case: Case) -> None:
-    """Out of reach there is no interval; fewer values than intervals go to the widest; the text names the places."""
-    far = case.arm.sweep(urdf_ik.pose([50.0, 0.0, 0.0]), n=5)
-    assert far.intervals.shape == (0, 2)
-    assert len(far.redundancy) == 5
-    assert not far.solutions.count.any()
-    assert "no value" in str(far)
-    q = inside(case.arm, np.random.default_rng(6), 1)[0]
-    one = case.arm.sweep(case.oracle.pose(q), n=1)
-    assert one.solutions.q.shape[0] == 1
-    assert str(case.arm.redundancy) in str(one)
-    with pytest.raises(PoseError, match="single pose"):
-        case.arm.sweep(np.tile(np.eye(4), (2, 1, 1)))
-    with pytest.raises(UrdfIkError, match="a whole number from 1"):
-        case.arm.sweep(np.eye(4), n=0)
-
-
-def test_sweep_of_a_swivel_without_limits_is_the_whole_circle() -> None:
-    """At right angles shoulder and wrist take any direction: every swivel angle has its eight solutions."""
-    case = described(random_seven("S-R-S", 1, orthogonal=True, aligned=True))
-    sweep = case.arm.sweep(case.oracle.pose(np.linspace(0.3, 0.9, 7)), n=16)
-    np.testing.assert_allclose(sweep.intervals, [[-np.pi, np.pi]])
-    assert (sweep.solutions.count == 8).all()
-    np.testing.assert_allclose(np.diff(sweep.redundancy), 2.0 * np.pi / 16)
 
 
 WEIGHTS = np.array([4.0, 1.0, 0.5, 2.0, 1.0, 0.25, 1.0])

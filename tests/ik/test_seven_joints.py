@@ -272,10 +272,10 @@ def test_a_lift(joint: int, given: str) -> None:
         found = rows(arm.ik(T, redundancy=arm.redundancy_of(q)))
         assert max(oracle.error(x, T) for x in found) < 1e-9
         assert min(np.abs(x[joint - 1] - q[joint - 1]) + angle_distance(x, q) for x in found) < 1e-6
-    sweep = arm.sweep(T, n=9)
-    assert len(sweep.intervals)
-    assert (sweep.intervals >= 0.0).all()
-    assert (sweep.intervals <= 0.8).all()
+    reached = arm.intervals(T, within_limits=False).merged()
+    assert len(reached)
+    assert (reached >= 0.0).all()
+    assert (reached <= 0.8).all()
 
 
 def test_general_arms_hold_the_end_that_is_solved_more_surely() -> None:
@@ -297,7 +297,7 @@ def test_more_than_nine_joints_ask_for_locked_ones() -> None:
     assert arm.redundancy is None
     q = np.linspace(-1.0, 1.0, 10)
     np.testing.assert_allclose(arm.fk(q), oracle.pose(q), atol=1e-13)
-    for ask in (arm.ik, arm.explain, arm.sweep, lambda T: arm.ik_nearest(T, q), lambda T: arm.ik(T, redundancy=0.0)):
+    for ask in (arm.ik, arm.explain, arm.intervals, lambda T: arm.ik_nearest(T, q)):
         with pytest.raises(UnsupportedArm) as error:
             ask(np.eye(4))
         assert all(name in str(error.value) for name in arm.joint_names)
@@ -314,7 +314,7 @@ def test_an_empty_answer_tells_where_there_are_solutions() -> None:
     case = member("one behind wrist, 1x2", 0)
     explained = 0
     for q, T in zip(*draw(case, 12, 12)[:2], strict=True):
-        intervals = case.arm.sweep(T).intervals
+        intervals = case.arm.intervals(T, within_limits=False).merged()
         values = np.linspace(-3.1, 3.1, 40)
         for value in values[case.arm.ik(T, redundancy=values).count == 0][:2]:
             text = case.arm.ik(T, redundancy=value).explain()

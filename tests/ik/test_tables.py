@@ -1,4 +1,4 @@
-"""Answers as data frames, data sets and HTML: the same values, names that cannot break a page."""
+"""Answers as data frames and HTML: the same values, names that cannot break a page."""
 
 import sys
 from xml.etree import ElementTree
@@ -72,24 +72,11 @@ def test_puma_straight_wrist_is_a_word_in_the_frame(arm: urdf_ik.Arm) -> None:
     assert "WRIST" in set(arm.ik(arm.fk(q)).to_frame()["singular"])
 
 
-def test_a_data_set_has_names_and_units(arm: urdf_ik.Arm) -> None:
-    """Values can be picked by branch and joint; what is not valid is NaN; the poses are part of it."""
-    pytest.importorskip("xarray")
-    batch = arm.ik(arm.fk(np.stack([Q, 0.5 * Q])))
-    data = batch.to_xarray()
-    branch = batch.branches[3]
-    assert float(data["q"].sel(branch=branch, joint=arm.joint_names[2])[1]) == batch.q[1, 3, 2]
-    assert dict(data.sizes) == {"pose": 2, "branch": 8, "joint": 6, "row": 4, "column": 4}
-    assert (data["unit"] == "rad").all() and data.attrs["base"] == arm.base
-    assert set(urdf_ik.load("scara_rrpr").ik(np.eye(4)).to_xarray()["unit"].values) == {"rad", "m"}
-
-
 def test_missing_packages_are_named(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without pandas or xarray the error says what pip installs."""
-    for package, method in (("pandas", "to_frame"), ("xarray", "to_xarray")):
-        monkeypatch.setitem(sys.modules, package, None)
-        with pytest.raises(MissingPackage, match=r"pip install .*(urdf-ik\[tables\]|pandas)"):
-            getattr(arm.ik(arm.fk(Q)), method)()
+    """Without pandas the error says what pip installs."""
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingPackage, match=r"pip install .*(urdf-ik\[tables\]|pandas)"):
+        arm.ik(arm.fk(Q)).to_frame()
 
 
 def test_html_is_well_formed_and_names_are_escaped() -> None:

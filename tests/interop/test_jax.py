@@ -46,8 +46,8 @@ def test_jit_vmap_and_the_urdf() -> None:
 
 def test_vmap_is_one_call_for_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
     """Poses, angles and geometries under vmap, one of them or together, nested, beside a batch: those of each."""
-    arm = urdf_ik.load("srs_7r")
-    poses = arm.fk(np.random.default_rng(0).uniform(-1.0, 1.0, (3, 2, 7)))
+    arm = SIX.with_free_axis("z")
+    poses = arm.fk(np.random.default_rng(0).uniform(-1.0, 1.0, (3, 2, 6)))
     angles, numbers = np.array([0.1, 0.2, 0.3]), urdf_ik.jax.geometry(arm)
 
     def ik(T: Any, at: Any, g: Any = None) -> Any:

@@ -16,12 +16,11 @@ FIRST_CALLS = """
     import os, sys, threading, time
 
     import urdf_ik
-    from urdf_ik.ik.cuspidality import is_cuspidal
 
     def work():
         arm = urdf_ik.load("zyyzyz_6r")
         q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
-        assert len(arm.ik(arm.fk(q))) == 8 and is_cuspidal(arm.solver) is False
+        assert len(arm.ik(arm.fk(q))) == 8 and arm.structure.cuspidal is False
         assert not arm.cell.collisions.in_collision(q)
         world = urdf_ik.World()
         world.add("ball", urdf_ik.Sphere(0.1), urdf_ik.pose([3.0, 0.0, 0.0]))

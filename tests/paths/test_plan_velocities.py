@@ -1,4 +1,4 @@
-"""Joint velocities and accelerations of plans, against differences of the plan's own joint vectors."""
+"""Joint velocities of plans, against differences of the plan's own joint vectors."""
 
 import numpy as np
 import pytest
@@ -21,10 +21,7 @@ def test_they_are_the_differences_of_a_finely_sampled_line(name: str) -> None:
     turn = T0[:3, :3] @ to_rotvec(np.linalg.inv(T0) @ T1)
     twist = np.concatenate([T1[:3, 3] - T0[:3, 3], turn])
     dt = 1.0 / (COUNT - 1)
-    speed, change = plan.velocities(twist), plan.accelerations(twist)
-    np.testing.assert_allclose(speed[1:-1], (plan.q[2:] - plan.q[:-2]) / (2.0 * dt), atol=1e-4)
-    np.testing.assert_allclose(change[1:-1], (plan.q[2:] - 2.0 * plan.q[1:-1] + plan.q[:-2]) / dt**2, atol=2e-3)
-    np.testing.assert_allclose(plan.accelerations(0.0 * twist, twist), speed, atol=1e-12)
+    np.testing.assert_allclose(plan.velocities(twist)[1:-1], (plan.q[2:] - plan.q[:-2]) / (2.0 * dt), atol=1e-4)
 
 
 def test_a_redundancy_parameters_rate_moves_the_joints_alone() -> None:

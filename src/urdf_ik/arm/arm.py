@@ -17,9 +17,8 @@ from urdf_ik.cell.tool import Shapes
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.nearest import nearest
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.redundancy import Intervals, Sweep, values
+from urdf_ik.ik.redundancy import Intervals, values
 from urdf_ik.ik.redundancy.interval_search import intervals
-from urdf_ik.ik.redundancy.sweep import sweep
 from urdf_ik.ik.solutions import IKSolutions, limits
 from urdf_ik.ik.solutions.tables import stick_picture
 from urdf_ik.ik.solver import Solver, prepare
@@ -277,33 +276,12 @@ class Arm:
         """
         return explain(self.solver, T, redundancy)
 
-    def intervals(
-        self,
-        T: Any,
-        within_limits: bool = True,
-        world: World | None = None,
-        *,
-        threads: Threads = 1,
-    ) -> Intervals:
+    def intervals(self, T: Any, within_limits: bool = True, *, threads: Threads = 1) -> Intervals:
         """The intervals of the redundancy parameter in which each branch has solutions, and the cause of each end.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.interval_search.intervals`.
         """
-        return intervals(self.solver, T, within_limits=within_limits, world=world, threads=threads)
-
-    def sweep(
-        self,
-        T: Any,
-        n: int = 64,
-        *,
-        within_limits: bool = False,
-        threads: Threads = 1,
-    ) -> Sweep:
-        """The solutions of one pose at ``n`` values of the redundancy parameter, and the intervals that hold any.
-
-        Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.sweep.sweep`.
-        """
-        return sweep(self.solver, T, n, within_limits=within_limits, threads=threads)
+        return intervals(self.solver, T, within_limits=within_limits, threads=threads)
 
     def redundancy_of(self, q: ArrayLike, T: Any = None) -> Array:
         """Values of the redundancy parameters at joint vectors; ``ik`` at these values returns the joint vectors.

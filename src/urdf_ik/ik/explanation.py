@@ -7,11 +7,10 @@ from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.redundancy import sweep
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.redundancy import spread
-from urdf_ik.support.angles import amount
+from urdf_ik.support.angles import amount, shown
 from urdf_ik.typing import Array
 
 
@@ -73,7 +72,7 @@ def _why_none(solver: Solver, target: Array, redundancy: ArrayLike | None) -> st
         return member.why(target)
     redundant = solver.redundant_member
     if len(redundant.parameters) == 1 and redundant.self_motion is not None:
-        return sweep.explanation(solver, target, redundancy)
+        return _along_parameter(solver, target, redundancy)
     _, values = spread(redundant.parameters, target, redundant.defaults if redundancy is None else redundancy)
     if values.ndim != 1:
         raise ArgumentError(
@@ -90,3 +89,18 @@ def _why_none(solver: Solver, target: Array, redundancy: ArrayLike | None) -> st
         return f"{why}; no other values were found"
     named = zip(redundant.parameters, other, strict=True)
     return f"{why}; there are solutions at " + ", ".join(f"{p.label} {amount(x, p.unit, '.4f')}" for p, x in named)
+
+
+def _along_parameter(solver: Solver, T: Array, redundancy: ArrayLike | None) -> str:
+    """Why one pose (4, 4) has no solution at a value of the only parameter, and at which values it has."""
+    member = solver.redundant_member
+    parameter = member.parameters[0]
+    value = parameter.check(parameter.default if redundancy is None else redundancy)
+    if value.ndim:
+        raise ArgumentError(f"redundancy of shape {value.shape} given; explain takes a single value")
+    places = ", ".join(
+        f"{shown(low, parameter.unit):.4f} to {amount(high, parameter.unit, '.4f')}"
+        for low, high in intervals(solver, T, within_limits=False).merged()
+    )
+    why = member.explain(T, value.reshape(1))
+    return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")

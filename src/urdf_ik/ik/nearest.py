@@ -43,7 +43,7 @@ def _along_parameter(
     values = np.full(len(stack), np.nan)
     for limited in (True, False) if within_limits else (False,):
         open_ = np.flatnonzero(np.isnan(values))
-        found = intervals(solver, stack[open_], within_limits=limited, world=None, threads=threads)
+        found = intervals(solver, stack[open_], within_limits=limited, threads=threads)
         values[open_] = found.nearest_values(
             each[open_], metric=metric, weights=weights, within=within, within_limits=within_limits
         )

@@ -9,11 +9,11 @@ from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import IKSolutions
-from urdf_ik.ik.solutions.derivatives import inverse, swivel_points
+from urdf_ik.ik.solutions.derivatives import inverse, no_swivel
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
-from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
-from urdf_ik.kinematics.derivatives import WrittenChain, slopes, written
+from urdf_ik.kinematics.chain.redundancy import FREE_AXIS
+from urdf_ik.kinematics.derivatives import WrittenChain, written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
@@ -55,9 +55,7 @@ class Differentiable:
         geometry: the chain by the numbers of its URDF.
         free_axis: the line about which the target may turn, where its angle is the first redundancy parameter.
         held: indices of the joints that are redundancy parameters.
-        swivelling: whether a swivel angle is one.
         count: number of redundancy parameters.
-        rows: number of those that are functions of the joints.
         defaults: (count,) their values where none are given.
         branches: number of columns.
     """
@@ -67,23 +65,18 @@ class Differentiable:
 
         Raises:
             ArgumentError: an unknown ``at_folds``.
-            UnsupportedArm: a swivel angle stands beside other redundancy parameters.
+            UnsupportedArm: a swivel angle is a redundancy parameter.
         """
         self._at_folds = inputs.choice(at_folds, "at_folds", FOLDS)
         self._solver: Solver = arm.solver
         self._solver.require_member()
         parameters = arm.solver.parameters
         others = [each for each in parameters if each.kind != FREE_AXIS]
-        if len(others) > 1 and any(each.kind == SWIVEL for each in others):
-            raise UnsupportedArm(
-                f"{arm.name}: derivatives with a swivel angle beside other redundancy parameters are not computed; "
-                "hold a joint: arm.with_locked({name: value})"
-            )
+        no_swivel(self._solver, "derivatives in torch and jax")
         self.geometry: WrittenChain = written(arm.chain)
         self.free_axis: FreeAxis | None = arm.solver.free_axis if len(others) < len(parameters) else None
-        self.held = [arm.joint_names.index(each.joint) for each in others if each.kind == LOCKED_JOINT]
-        self.swivelling = bool(others) and not self.held
-        self.count, self.rows = len(parameters), len(others)
+        self.held = [arm.joint_names.index(each.joint) for each in others]
+        self.count = len(parameters)
         self.defaults: Array = arm.solver.redundant_member.defaults if parameters else np.zeros(0)
         self.branches = len(self._solver.branches)
 
@@ -104,7 +97,7 @@ class Differentiable:
         poses = np.ascontiguousarray(T, dtype=np.float64)
         found = solve(solver, poses, None, redundancy)
         columns = self._columns(solver)
-        X = inverse(found)[..., : 6 + self.rows]
+        X = inverse(found)[..., : 6 + len(self.held)]
         folded = found.valid & np.isnan(X).any(axis=(-2, -1))
         if folded.any():
             X = self._at_fold(found, X, folded)
@@ -128,8 +121,6 @@ class Differentiable:
         own = np.where(chain.prismatic, chain.size, 1.0)
         A = chain.jacobian(found.q[folded]) * share[:, None]
         rows = np.broadcast_to(np.eye(chain.n)[self.held], (len(A), len(self.held), chain.n))
-        if (points := swivel_points(found.solver)) is not None:
-            rows = slopes(chain, points, found.q[folded])[:, None]
         U, s, Vt = np.linalg.svd(np.concatenate([A, rows], axis=1) * own, full_matrices=False)
         damped = np.swapaxes(Vt, 1, 2) @ ((s / (s**2 + DEFAULT.damped**2))[..., None] * np.swapaxes(U, 1, 2))
         damped = damped * own[:, None]

@@ -69,7 +69,7 @@ def _compiled(arm: Arm, at_folds: str) -> Any:
     jax = _jax()
     jnp = jax.numpy
     function = _differentiable(arm, at_folds)
-    n, k, rows = arm.dof, function.count, function.rows
+    n, k, rows = arm.dof, function.count, len(function.held)
 
     def branches(T: Any, numbers: Any, *at: Any) -> tuple[Any, Any]:
         batch = T.shape[:-2]

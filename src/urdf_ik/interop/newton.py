@@ -12,14 +12,12 @@ import numpy as np
 
 from urdf_ik.interop.differentiable import Answers, Differentiable
 from urdf_ik.kinematics.chain.free_axis import turning
-from urdf_ik.kinematics.derivatives import ELBOW, SHOULDER, WRIST, Points, WrittenChain
-
-Lines = dict[int, tuple[Any, Any]]
+from urdf_ik.kinematics.derivatives import WrittenChain
 
 _UNITS = np.eye(3)
 
 
-def residual(xp: Any, tip: tuple[Any, Any, Lines], target: tuple[Any, Any]) -> Any:
+def residual(xp: Any, tip: tuple[Any, Any], target: tuple[Any, Any]) -> Any:
     """How far tips are from targets (...): (..., B, 6), zero at a solution.
 
     The rotation counts by the skew part of R R_T^T. It is zero at the rotation nearest to R_T, so that entries of a
@@ -35,40 +33,7 @@ def residual(xp: Any, tip: tuple[Any, Any, Lines], target: tuple[Any, Any]) -> A
     return xp.stack([off[..., 0], off[..., 1], off[..., 2], *turn], -1)
 
 
-def swivel(xp: Any, points: Points, R: Any, p: Any, axes: Lines) -> tuple[Any, Any]:
-    """Cosine and sine (..., B) of the swivel angle, as the core measures it (swivel.hpp), of tips and axes 4."""
-    W = p + (R @ points.wrist[:, None])[..., 0] - points.shoulder
-    axis = axes[ELBOW][1]
-    normal = _cross(xp, points.up, W)
-    across = _cross(xp, W / xp.sqrt((W * W).sum(-1))[..., None], normal)
-    c, s = (axis * normal).sum(-1), (axis * across).sum(-1)
-    length = xp.sqrt(c * c + s * s)
-    return c / length, s / length
-
-
-def swivel_points(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, values: Any) -> Points:
-    """What a swivel angle is measured from, by numbers (p,) of a URDF, in the library's arrays."""
-    columns = range(geometry.dof)
-    R, p, axes = fk(xp, constant, geometry, constant(np.zeros(geometry.dof)), values, tuple(columns))
-    shoulder, wrist = (_meeting(xp, constant, [axes[k] for k in columns[part]]) for part in (SHOULDER, WRIST))
-    return Points((R.swapaxes(-1, -2) @ (wrist - p)[:, None])[..., 0], shoulder, axes[0][1])
-
-
-def _meeting(xp: Any, constant: Callable[[Any], Any], lines: list[tuple[Any, Any]]) -> Any:
-    """The point (3,) with the least sum of squared distances from lines."""
-    across = [constant(_UNITS) - h[:, None] * h[None, :] for _, h in lines]
-    total = across[0] + across[1] + across[2]
-    return xp.linalg.solve(total, sum((P @ p[:, None])[..., 0] for P, (p, _) in zip(across, lines, strict=True)))
-
-
-def _cross(xp: Any, a: Any, b: Any) -> Any:
-    pairs = ((1, 2), (2, 0), (0, 1))
-    return xp.stack([a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in pairs], -1)
-
-
-def fk(
-    xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, values: Any, lines: tuple[int, ...] = ()
-) -> tuple[Any, Any, Lines]:
+def fk(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, values: Any) -> tuple[Any, Any]:
     """Rotations (..., 3, 3) and positions (..., 3) of the tip at joint vectors (..., n), by numbers (p,) of a URDF.
 
     Args:
@@ -77,19 +42,14 @@ def fk(
         geometry: the chain.
         q: joint vectors.
         values: the numbers.
-        lines: columns of turning joints whose axes are asked for.
-
-    Returns:
-        The rotations, the positions, and for each of these joints a point (..., 3) on its axis and its direction.
     """
     one, zero = constant(1.0), constant(0.0)
     eye, cross = constant(_UNITS), constant(np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1))
     R, p = eye, constant(np.zeros(3))
-    axes: Lines = {}
     for joint, up, start in zip(geometry.joints, geometry.upwards, geometry.starts, strict=True):
         own = [values[start + k] for k in range(10 if joint.driver else 6)]
         turn = _about(xp, own[5], 2, one, zero) @ _about(xp, own[4], 1, one, zero) @ _about(xp, own[3], 0, one, zero)
-        origin, shift, axis = turn, xp.stack(own[:3], -1), None
+        shift = xp.stack(own[:3], -1)
         if joint.driver:
             axis = xp.stack(own[6:9], -1)
             axis = axis / xp.sqrt((axis * axis).sum())
@@ -100,17 +60,13 @@ def fk(
                 s, c = xp.sin(value)[..., None, None], xp.cos(value)[..., None, None]
                 along = axis[:, None] * axis[None, :]
                 turn = turn @ (c * eye + (1.0 - c) * along - s * (cross @ axis))
-        before, point = R, p
         if up:
-            R = before = R @ turn.swapaxes(-1, -2)
+            R = R @ turn.swapaxes(-1, -2)
             p = p - (R @ shift[..., None])[..., 0]
         else:
-            p = point = p + (R @ shift[..., None])[..., 0]
+            p = p + (R @ shift[..., None])[..., 0]
             R = R @ turn
-        if joint.column in lines:
-            sign = -np.sign(joint.multiplier) if up else np.sign(joint.multiplier)
-            axes[joint.column] = point, float(sign) * (before @ (origin @ axis)[..., None])[..., 0]
-    return R, p, axes
+    return R, p
 
 
 def _about(xp: Any, angle: Any, axis: int, one: Any, zero: Any) -> Any:
@@ -152,21 +108,13 @@ def step(
         v = values[..., 0, None, None]
         turn = fixed + xp.cos(v) * cosine + xp.sin(v) * sine
         target = R @ turn[..., :3], (R @ turn[..., 3:])[..., 0] + p
-    own = values[..., values.shape[-1] - function.rows :]
-    q, lines = answers.q, (ELBOW,) if function.swivelling else ()
-    if function.swivelling:
-        points = swivel_points(xp, constant, function.geometry, numbers)
-        start = [still(each) for each in swivel(xp, points, *fk(xp, constant, function.geometry, q, numbers, lines))]
+    own = values[..., values.shape[-1] - len(function.held) :]
+    q = answers.q
     for _ in range(2):
-        tip = fk(xp, constant, function.geometry, q, numbers, lines)
-        parts = [residual(xp, tip, target)]
+        parts = [residual(xp, fk(xp, constant, function.geometry, q, numbers), target)]
         if function.held:
             moved = xp.stack([q[..., k] - answers.q[..., k] for k in function.held], -1)
             parts.append(moved - (own - still(own))[..., None, :])
-        elif function.swivelling:
-            (c, s), (c_start, s_start) = swivel(xp, points, *tip), start
-            change = (own - still(own))[..., 0, None]
-            parts.append((s * c_start - c * s_start - change)[..., None])
         off = xp.concatenate([xp.broadcast_to(each, (*q.shape[:-1], each.shape[-1])) for each in parts], -1)
         q = q - (answers.inverse @ off[..., None])[..., 0]
     return q

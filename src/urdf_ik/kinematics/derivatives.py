@@ -1,7 +1,4 @@
-"""Derivatives of forward kinematics: by the numbers of the URDF as written, of second order by the joints.
-
-The swivel angle of an S-R-S arm has them, too.
-"""
+"""Derivatives of forward kinematics by the numbers of the URDF as written."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +12,6 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.mimic import follows
 from urdf_ik.kinematics.chain.serial import TreeJoint
-from urdf_ik.kinematics.structure import meeting_point
 from urdf_ik.model.poses import from_rpy
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
@@ -161,33 +157,6 @@ class WrittenChain(Frozen):
         frames = self._frames(Q, numbers)
         return self._asked(self._rates(Q, numbers, frames, frames[-1][..., :3, 3]), parameters)
 
-    def axis(self, column: int, q: ArrayLike, parameters: Sequence[Any] | None = None) -> tuple[Array, Array, Array]:
-        """The line of a joint's axis, and how it moves with each of the URDF's numbers, the joints held still.
-
-        Args:
-            column: index of the joint, which mimics no other.
-            q: (..., n) rad or m.
-            parameters: those that are asked for; default: all.
-
-        Returns:
-            A point on the axis (..., 3) m and its unit direction (..., 3), in base axes; and their rates (..., 6, k),
-            the point's above the direction's.
-        """
-        Q, numbers = self._checked(q, None)
-        k = next((k for k, joint in enumerate(self.joints) if joint.column == column), None)
-        if k is None:
-            raise ArgumentError(f"column {column} given; there are {self.dof} joints")
-        frames = self._frames(Q, numbers)[: k + 1]
-        R = frames[-1][..., :3, :3]
-        point, direction = (R @ each for each in self._line(k, self._own(k, numbers)))
-        point = frames[-1][..., :3, 3] + point
-        rates = self._rates(Q, numbers, frames, point)
-        rates[..., 3:, :] = np.cross(rates[..., 3:, :], direction[..., None], axis=-2)
-        own = np.concatenate(self._line(k, self._stepped(k, numbers, 0)), axis=-1).imag.T / _STEP
-        part = slice(self.starts[k], self.starts[k] + own.shape[1])
-        rates[..., part] = np.concatenate([R @ own[:3], R @ own[3:]], axis=-2)
-        return point, direction, self._asked(rates, parameters)
-
     def _asked(self, rates: Array, parameters: Sequence[Any] | None) -> Array:
         return rates if parameters is None else rates[..., self.columns(parameters)]
 
@@ -266,163 +235,3 @@ def written(chain: Chain) -> WrittenChain:
     numbers = np.array(values, dtype=np.float64)
     numbers.setflags(write=False)
     return WrittenChain(tuple(joints), tuple(upwards), chain.n, numbers, chain.axes is not chain)
-
-
-def curvature(chain: Chain, q: Array, along: Array, moving: Array) -> Array:
-    """The rate of the twist ``J(q) along`` when the joints move with the velocities ``moving``: (dJ/dq moving) along.
-
-    With joint i before joint k on the way to the tip, column k of the Jacobian is (v_k, z_k), and
-    dv_k/dq_i = z_i x v_k, dv_i/dq_k = z_i x v_k, dz_k/dq_i = z_i x z_k, dz_i/dq_k = 0 (Hourtash, "The kinematic Hessian
-    and higher derivatives", IEEE CIRA 2005). With ``along`` = ``moving`` it is the term that joint velocities add to
-    the tip's acceleration.
-
-    Args:
-        chain: the arm.
-        q: (..., n) rad or m, finite.
-        along: (..., n) rad/s or m/s.
-        moving: (..., n) rad/s or m/s; the leading dimensions broadcast.
-
-    Returns:
-        (..., 6) m/s^2 and rad/s^2 at the tip, in base axes.
-    """
-    axes = chain.axes
-    if axes is not chain:
-        gain: Array = chain.gain  # type: ignore[attr-defined]  # where axes differ from joints, the chain is coupled
-        q, along, moving = (each @ gain.T for each in (q, along, moving))
-    J = axes.jacobian(q)
-    v, z = J[..., :3, :], np.where(axes.prismatic, 0.0, J[..., 3:, :])
-    a, b = along[..., None, :], moving[..., None, :]
-    # Sums over the joints before each one.
-    before_a, before_b = (np.cumsum(z * each, axis=-1) - z * each for each in (a, b))
-    linear = np.cross(before_a, v * b, axis=-2) + np.cross(before_b, v * a, axis=-2) + np.cross(z * a, v * b, axis=-2)
-    angular = np.cross(before_b, z * a, axis=-2)
-    return np.concatenate([linear.sum(axis=-1), angular.sum(axis=-1)], axis=-1)
-
-
-SHOULDER, ELBOW, WRIST = slice(0, 3), 3, slice(4, 7)
-
-
-class Points(NamedTuple):
-    """What a swivel angle is measured from.
-
-    Attributes:
-        wrist: (3,) m in the tip, where axes 5, 6 and 7 meet.
-        shoulder: (3,) m in the base, where axes 1, 2 and 3 meet.
-        up: (3,) direction of axis 1 in the base.
-    """
-
-    wrist: Array
-    shoulder: Array
-    up: Array
-
-
-class Seen(NamedTuple):
-    """The vectors that a swivel angle is a function of, or their rates.
-
-    Attributes:
-        line: (..., 3) m from shoulder to wrist.
-        axis: (..., 3) direction of axis 4.
-        up: (..., 3) direction of axis 1.
-    """
-
-    line: Any
-    axis: Any
-    up: Any
-
-
-def rate(at: Seen, by: Seen) -> Any:
-    """The rate of the swivel angle (...) when its vectors have rates; of complex numbers too.
-
-    It is the angle about the line, from the normal of the plane of line and axis 1 to axis 4; see swivel.hpp.
-    """
-    length = np.sqrt((at.line * at.line).sum(-1))[..., None]
-    w = at.line / length
-    w_rate = (by.line - w * (w * by.line).sum(-1)[..., None]) / length
-    normal = np.cross(at.up, w)
-    normal_rate = np.cross(by.up, w) + np.cross(at.up, w_rate)
-    across = np.cross(w, normal)
-    across_rate = np.cross(w_rate, normal) + np.cross(w, normal_rate)
-    c, s = (at.axis * normal).sum(-1), (at.axis * across).sum(-1)
-    c_rate = (by.axis * normal + at.axis * normal_rate).sum(-1)
-    s_rate = (by.axis * across + at.axis * across_rate).sum(-1)
-    return (c * s_rate - s * c_rate) / (c * c + s * s)
-
-
-def slopes(chain: Chain, points: Points, q: Array) -> Array:
-    """The derivatives (..., 7) of the swivel angle by the joints (..., 7)."""
-    T, J = chain.fk(q), chain.jacobian(q)
-    arm = (T[..., :3, :3] @ points.wrist[:, None])[..., 0]
-    z = np.swapaxes(J[..., 3:, :], -1, -2)
-    axis = z[..., ELBOW, :]
-    lines = np.swapaxes(J[..., :3, :], -1, -2) + np.cross(z, arm[..., None, :])
-    # Axis 4 is turned by the joints before it.
-    axes = np.where(np.arange(chain.n)[:, None] < ELBOW, np.cross(z, axis[..., None, :]), 0.0)
-    at = Seen((T[..., :3, 3] + arm - points.shoulder)[..., None, :], axis[..., None, :], points.up)
-    return np.asarray(rate(at, Seen(lines, axes, np.zeros(3))))
-
-
-def second_rate(chain: Chain, points: Points, q: Array, along: Array, moving: Array) -> Array:
-    """The rate of the swivel angle's rate along joint velocities, when the joints move with others.
-
-    Args:
-        chain: the arm of seven joints.
-        points: what the angle is measured from.
-        q: (..., 7) rad, finite.
-        along: (..., 7) rad/s.
-        moving: (..., 7) rad/s.
-
-    Returns:
-        (...) rad/s^2, symmetric in the two velocities.
-    """
-    T, J, bent = chain.fk(q), chain.jacobian(q), curvature(chain, q, along, moving)
-    arm = (T[..., :3, :3] @ points.wrist[:, None])[..., 0]
-    z = J[..., 3:, :]
-    twists = [(J @ each[..., None])[..., 0] for each in (along, moving)]
-    lines = [each[..., :3] + np.cross(each[..., 3:], arm) for each in twists]
-    bent_line = (
-        bent[..., :3] + np.cross(bent[..., 3:], arm) + np.cross(twists[0][..., 3:], np.cross(twists[1][..., 3:], arm))
-    )
-    turns = [(z[..., :ELBOW] @ each[..., :ELBOW, None])[..., 0] for each in (along, moving)]
-    axis, still = z[..., ELBOW], np.zeros((*q.shape[:-1], 3))
-    axes = [np.cross(each, axis) for each in turns]
-    passed = np.cumsum(z[..., :ELBOW] * moving[..., None, :ELBOW], axis=-1) - z[..., :ELBOW] * moving[..., None, :ELBOW]
-    bent_turn = np.cross(passed, z[..., :ELBOW] * along[..., None, :ELBOW], axis=-2).sum(axis=-1)
-    bent_axis = np.cross(bent_turn, axis) + np.cross(turns[0], axes[1])
-    at = Seen(T[..., :3, 3] + arm - points.shoulder, axis, np.broadcast_to(points.up, still.shape))
-    moved = Seen(at.line + 1j * _STEP * lines[1], at.axis + 1j * _STEP * axes[1], at.up)
-    by = Seen(lines[0] + 1j * _STEP * bent_line, axes[0] + 1j * _STEP * bent_axis, still)
-    return np.asarray(rate(moved, by).imag / _STEP)
-
-
-def rates_by_geometry(chain: Chain, points: Points, q: Array, parameters: Sequence[Any] | None = None) -> Array:
-    """Rates (..., k) of the swivel angle by numbers of the URDF, the joints held still.
-
-    Shoulder and wrist are the points with the least squared distances from their three axes where all joints are zero,
-    as the solver takes them: they follow every change of the numbers, also one after which the axes meet no more.
-    """
-    geometry, zero = written(chain), np.zeros(chain.n)
-    T0, twists0 = chain.fk(zero), geometry.twists(zero, parameters=parameters)
-    shoulder_rate = _meeting_rates(*(geometry.axis(k, zero, parameters) for k in range(chain.n)[SHOULDER]))
-    wrist_rate = _meeting_rates(*(geometry.axis(k, zero, parameters) for k in range(chain.n)[WRIST]))
-    up_rate = geometry.axis(0, zero, parameters)[2][3:]
-    arm0 = (T0[:3, :3] @ points.wrist)[:, None]
-    own = wrist_rate - twists0[:3] - np.cross(twists0[3:], arm0, axis=0)  # of the wrist against the tip, in the base
-
-    T, twists = chain.fk(q), geometry.twists(q, parameters=parameters)
-    R = T[..., :3, :3]
-    arm = R @ points.wrist[:, None]
-    _, axis, axis_rates = geometry.axis(ELBOW, q, parameters)
-    line_rates = (
-        twists[..., :3, :] + np.cross(twists[..., 3:, :], arm, axis=-2) + R @ (T0[:3, :3].T @ own) - shoulder_rate
-    )
-    line = T[..., :3, 3] + arm[..., 0] - points.shoulder
-    at = Seen(line[..., None, :], axis[..., None, :], points.up)
-    by = Seen(*(np.swapaxes(each, -1, -2) for each in (line_rates, axis_rates[..., 3:, :], up_rate)))
-    return np.asarray(rate(at, by))
-
-
-def _meeting_rates(*axes: tuple[Array, Array, Array]) -> Array:
-    """Rates (3, k) of the point with the least sum of squared distances from lines, by a complex step."""
-    lines, rates = (np.stack(each) for each in zip(*((np.stack(axis[:2]), axis[2]) for axis in axes), strict=True))
-    stepped = lines[..., None] + 1j * _STEP * rates.reshape(len(axes), 2, 3, -1)
-    return np.stack([meeting_point(*np.swapaxes(each, 0, 1)).imag / _STEP for each in np.moveaxis(stepped, -1, 0)], 1)

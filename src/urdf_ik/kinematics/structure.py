@@ -129,6 +129,17 @@ class Structure:
         """Greatest number of solutions that a pose can have, away from singularities; 0 where unknown."""
         return len(self.branches)
 
+    @property
+    def cuspidal(self) -> bool | None:
+        """False where an arm of six turning joints cannot change its branch without crossing a singularity; else None.
+
+        Where each joint angle is a root of a quadratic, the Jacobian's determinant is the product of the steps'
+        derivatives, but for factors that never vanish. The two roots of a step have derivatives of opposite sign, so on
+        a path without a singularity each step keeps its root (Wenger, A new general formalism for the kinematic
+        analysis of all nonredundant manipulators, 1992).
+        """
+        return False if self.is_6r and self.by_quadratics else None
+
     def is_parallel(self, first: int) -> bool:
         """Whether axes ``first`` and ``first + 1`` are parallel or coincident."""
         return self._pair(first).relation in ("parallel", "coincident")

@@ -169,24 +169,6 @@ class Plan(Report):
         """
         return joint_rates(self._solutions(), twists, rates)[..., 0, :]
 
-    def accelerations(self, twists: ArrayLike, twist_rates: ArrayLike | None = None) -> Array:
-        """Joint accelerations (m, n) rad/s^2 or m/s^2 at the waypoints, redundancy parameters held.
-
-        Args:
-            twists: (m, 6) or (6,) as in :meth:`velocities`.
-            twist_rates: (m, 6) or (6,) m/s^2 and rad/s^2, at which the twists change, in base axes; default: zeros.
-
-        Returns:
-            NaN at a singular waypoint.
-
-        Raises:
-            ArgumentError: there is no plan, or an argument does not fit.
-            UnsupportedArm: the arm is solved for the task 'position and axis'.
-        """
-        solutions = self._solutions()
-        changes = np.zeros(6) if twist_rates is None else twist_rates
-        return joint_rates(solutions, changes, bent=solutions.d2q_dT2(twists))[..., 0, :]
-
     def _solutions(self) -> IKSolutions:
         """The plan's joint vectors as solutions of its waypoints, one column."""
         self._require()

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.cell.cell import Cell
-from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.ik.redundancy.values import nearest_values, only_parameter
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.ik.solver import Solver
 from urdf_ik.paths import waypoints
 from urdf_ik.paths.path_settings import END_TOLERANCE, LOOSER, CheckedSettings, Obstacles, PathSettings, checked
 from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop, followed
 from urdf_ik.paths.planner import nodes as node_sets
-from urdf_ik.paths.planner import redundant, several_parameters
+from urdf_ik.paths.planner import redundant
 from urdf_ik.paths.planner.assembly import cut, made, not_found, offer, priced
 from urdf_ik.paths.planner.nodes import WIDEST_STEP
 from urdf_ik.paths.planner.search import Search
@@ -33,8 +33,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     straight segment. Where it would leave it, ``follow`` adds waypoints; ``Plan.motion`` holds them. A redundancy
     parameter is searched on a coarse grid, then on finer grids around the path found; the plan is the cheapest in
     that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation about it does not count, and
-    the plan never costs more than with the rotation fixed. With several parameters, all but one are first held at a few
-    values, then all are moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
+    the plan never costs more than with the rotation fixed.
 
     Args:
         solver: the arm's solver.
@@ -49,10 +48,11 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
         ArgumentError: waypoints or a setting do not fit; the message names the valid values.
         PoseError: a waypoint is not a pose.
         UrdfError: a world is given, or ``collisions="require"``, and not all collision shapes can be read.
-        UnsupportedArm: no solver takes this arm.
+        UnsupportedArm: no solver takes this arm, or it has several redundancy parameters.
     """
     path, wanted = waypoints.read(T), PathSettings(**settings)
-    solver.require_member()
+    if solver.require_member().parameters:
+        only_parameter(solver, "follow")
     path = path if wanted.first is None else _nearest(solver, path, wanted.first, wanted.start)
     margin = inputs.number(wanted.margin, "margin", low=0.0, unit="m")
     bodies, unchecked = cell.to_check(wanted.collisions, wanted.world)
@@ -143,8 +143,6 @@ def _first_beyond(settings: CheckedSettings, plan: Plan) -> Stop | None:
 
 def _plan(settings: CheckedSettings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
-    if len(settings.solver.parameters) > 1:
-        return several_parameters.plan(settings, path, _plan)
     if settings.solver.free_axis is not None:
         return _with_free_axis(settings, path)
     if settings.solver.parameter is not None:

@@ -16,7 +16,6 @@ import numpy as np
 from urdf_ik.arm import Arm, Robot, loaded
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions.branch_names import short
 from urdf_ik.model.poses import as_pose_array, check_poses
@@ -161,13 +160,13 @@ def _structure(a: Arm, b: Arm) -> tuple["_Fact", ...]:
     def known(arm: Arm) -> dict[str, str]:
         structure = arm.structure
         kinds = "".join("P" if slides else "R" for slides in arm.chain.prismatic)
-        words = {None: "not known", True: "yes", False: "no"}
+        words = {None: "not known", False: "no"}
         facts = {
             "joints": f"{arm.dof} ({kinds})",
             "family": structure.family or "none that is solved",
             "controls": arm.task,
             "solutions at most": str(structure.max_solutions),
-            "cuspidal": words[is_cuspidal(arm.solver)],
+            "cuspidal": words[structure.cuspidal],
         }
         if structure.family:
             facts["exact"] = "yes" if structure.is_exact or structure.is_general else _off(arm)

@@ -20,6 +20,7 @@ _SIGN = "the sign of the Jacobian's determinant, which changes only across a sin
 _NUMBERED = f"where geometry gives no name: {_NUMBER}"
 _SIGNED = f"where geometry gives no name: {_SIGN}, and {_NUMBER}"
 _UNSOLVED = "none: no solver takes this structure"
+_NOT_CUSPIDAL = "no: every change from one solution of a pose to another crosses a singularity"
 _JOINT = ("name", "type", "axis", "lower", "upper")
 _PAIR = ("axes", "relation", "angle", "distance", "off_angle", "off_distance")
 _TRIPLE = ("axes", "relation", "off_angle", "off_distance", "point")
@@ -69,8 +70,6 @@ def info(
 
 def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
     """The same facts as data; a limit that is not there is null."""
-    from urdf_ik.ik.cuspidality import is_cuspidal
-
     structure = arm.structure
     angle, distance = structure.imperfection
     joints = zip(arm.joint_names, arm.chain.joint_types, arm.chain.directions, *angles.shown(arm.limits.T), strict=True)
@@ -106,7 +105,7 @@ def _data(arm: Arm, angles: Angles) -> dict[str, Any]:
             "task": arm.task,
             "method": structure.method or None,
             "exact": structure.is_exact if structure.family else None,
-            "cuspidal": is_cuspidal(arm.solver),
+            "cuspidal": structure.cuspidal,
             "max_solutions": structure.max_solutions,
             "branches": structure.branches,
         },
@@ -120,7 +119,6 @@ def _redundancy(parameter: Redundancy) -> dict[str, Any]:
 
 def as_text(arm: Arm, angles: Angles) -> str:
     """Tables and lines for people."""
-    from urdf_ik.ik.cuspidality import in_words, is_cuspidal
     from urdf_ik.ik.solutions import branch_names
 
     structure, data, unit = arm.structure, _data(arm, angles), f"[{angles.unit}]"
@@ -153,7 +151,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         "solver": structure.method,
         "solutions": structure.solutions_in_words(),
         "imperfection": structure.imperfection_in_words(),
-        "cuspidal": in_words(is_cuspidal(arm.solver)) if structure.is_6r else "",
+        "cuspidal": _NOT_CUSPIDAL if structure.cuspidal is False else "not known" if structure.is_6r else "",
         "redundancy": "" if arm.redundancy is None else str(arm.redundancy),
         "names": "" if not local else _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED,
     }

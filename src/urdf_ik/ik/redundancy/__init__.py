@@ -5,7 +5,6 @@ from __future__ import annotations
 from urdf_ik.ik.redundancy.curves import End
 from urdf_ik.ik.redundancy.intervals import Interval, Intervals
 from urdf_ik.ik.redundancy.region import Region
-from urdf_ik.ik.redundancy.sweep import Sweep
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 
-__all__ = ["End", "Interval", "Intervals", "Redundancy", "Region", "Sweep"]
+__all__ = ["End", "Interval", "Intervals", "Redundancy", "Region"]

@@ -24,12 +24,11 @@ CAUSES = {
     "reach": "edge of reach",
     "singularity": "singularity",
     "limit": "a joint's limit",
-    "contact": "contact",
     "range": "end of the parameter's range",
 }
 """Why an interval ends, and words for it. 'none': it is the whole circle, or a part of a curve that passes some values
 more than once; 'fold': two branches become one and end there; 'reach': the same, and beyond it no branch has a
-solution; 'singularity': the joints could not be followed further; 'contact': two bodies touch."""
+solution; 'singularity': the joints could not be followed further."""
 
 
 @dataclass(frozen=True)
@@ -40,19 +39,15 @@ class End:
         cause: one of ``CAUSES``.
         joint: whose limit it is, for 'limit'.
         upper: whether it is the upper limit, for 'limit'.
-        pair: the two that touch, for 'contact': links or obstacles.
     """
 
     cause: str
     joint: str | None = None
     upper: bool | None = None
-    pair: tuple[str, str] | None = None
 
     def __str__(self) -> str:
         if self.cause == "limit":
             return f"{'upper' if self.upper else 'lower'} limit of joint {quoted(self.joint)}"
-        if self.cause == "contact" and self.pair is not None:
-            return f"contact of {quoted(self.pair[0])} and {quoted(self.pair[1])}"
         return CAUSES[self.cause]
 
 
@@ -121,13 +116,11 @@ class Curves:
         core: what follows them, of seven joints.
         parameter: the redundancy parameter.
         appended: whether the parameter stands behind the arm's joints as a seventh one, since it is none of them.
-        turning: (n,) the arm's joints that turn.
     """
 
     core: SelfMotion
     parameter: Redundancy
     appended: bool
-    turning: NDArray[np.bool_]
 
     @classmethod
     def of(cls, solver: Solver) -> Curves:
@@ -143,7 +136,7 @@ class Curves:
                 "others, that have several parameters, or whose joints do not move the tip in every way; "
                 "ik(T, redundancy=values) solves at values"
             )
-        return cls(member.self_motion, member.parameters[0], solver.dof < 7, ~solver.chain.prismatic)
+        return cls(member.self_motion, member.parameters[0], solver.dof < 7)
 
     def seven(self, q: Array, values: Array) -> Array:
         """Joint vectors (..., n) with the parameter's values (...) behind them where it is none of the joints."""
@@ -157,12 +150,6 @@ class Curves:
         """(k, 17) joint vectors (k, n) of one curve of a pose (4, 4), at growing values (k,), as the core has them."""
         seven = np.ascontiguousarray(self.seven(q, values))
         return np.asarray(self.core.samples(np.ascontiguousarray(T), seven, np.ascontiguousarray(values)))
-
-    def at(self, T: Array, q: Array, values: Array) -> Array:
-        """Joint vectors (k, n) that hold poses (k, 4, 4) at values (k,), from others near them; NaN where none do."""
-        values = self.parameter.wrapped(np.ascontiguousarray(values))
-        near = np.ascontiguousarray(self.seven(q, values))
-        return self.joints(np.asarray(self.core.at(np.ascontiguousarray(T), near, values)))
 
 
 def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Array]:

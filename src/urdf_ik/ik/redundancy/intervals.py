@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -82,39 +81,21 @@ class Intervals:
         (26, True)
     """
 
-    def __init__(
-        self,
-        solver: Solver,
-        T: Array,
-        found: Found,
-        within_limits: bool,
-        sampled: Callable[[Solver, Array, Found], Found],
-    ) -> None:
-        """Keep what was found for poses ``T`` (..., 4, 4); ``sampled`` adds samples to intervals of a stack."""
-        curves = Curves.of(solver)
+    def __init__(self, solver: Solver, T: Array, found: Found, within_limits: bool) -> None:
+        """Keep what was found for poses ``T`` (..., 4, 4)."""
         self.solver = solver
-        self.parameter: Redundancy = curves.parameter
         self.within_limits = within_limits
-        self._T = T
-        self._curves = curves
-        self._found = found
-        self._sampled = sampled
+        self._T, self._found = T, found
 
-    def __reduce__(self) -> tuple[type[Intervals], tuple[Any, ...]]:
-        return Intervals, (self.solver, self._T, self._found, self.within_limits, self._sampled)
+    @property
+    def parameter(self) -> Redundancy:
+        """The redundancy parameter."""
+        return self.solver.redundant_member.parameters[0]
 
     @property
     def arm(self) -> Any:
         """The :class:`urdf_ik.Arm` that they are intervals of."""
         return self.solver.arm
-
-    @cached_property
-    def _full(self) -> Found:
-        """The intervals with samples."""
-        found = self._found
-        if len(found.value) or not len(found.low):
-            return found
-        return self._sampled(self.solver, self._T.reshape(-1, 4, 4), found)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -144,7 +125,7 @@ class Intervals:
             raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
-        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled)
+        return Intervals(self.solver, self._T[index], found, self.within_limits)
 
     def samples(self, k: int) -> tuple[Array, Array]:
         """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
@@ -153,7 +134,7 @@ class Intervals:
             ArgumentError: these are the intervals of a batch.
         """
         self._single("samples()")
-        found = self._full
+        found = self._found
         k = place_of(len(found.low), k, "intervals of this pose")
         part = slice(found.first[k], found.first[k] + found.count[k])
         return found.value[part], found.q[part]
@@ -272,7 +253,7 @@ class Intervals:
     def _least(self, cost: curves.Cost) -> Array:
         """(...) the values at which a cost is least; NaN for poses without an interval."""
         stack = self._T.reshape(-1, 4, 4)
-        value, _ = curves.least(self._curves, stack, self._full, cost)
+        value, _ = curves.least(Curves.of(self.solver), stack, self._found, cost)
         return value.reshape(self.shape)
 
     def _at(self, values: Array) -> IKSolutions:

@@ -15,14 +15,12 @@ from urdf_ik.ik.solutions.solution import KeptSolutions
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import POSE
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT, SWIVEL
-from urdf_ik.kinematics.derivatives import Points, curvature, rates_by_geometry, second_rate, written
+from urdf_ik.kinematics.derivatives import written
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 AXES = ("base", "tip")
-# Rounding of a Jacobian and of its inverse, in units in the last place of its largest entries, a joint.
-_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
 
 
 def inverse(solutions: KeptSolutions) -> Array:
@@ -36,29 +34,22 @@ def inverse(solutions: KeptSolutions) -> Array:
     held = [each for each in solver.parameters if each.kind != FREE_AXIS]
     weights = _controlled(solutions)
     if weights is None and chain.axes is chain and 0 < chain.n <= 7 and len(held) == int(chain.n == 7):
-        q, points = np.ascontiguousarray(solutions.q), swivel_points(solver)
+        q, ends = np.ascontiguousarray(solutions.q), solver.redundant_member.swivel if held else None
         if not held:
             X = chain.motion.inverse(q, chain.size, DEFAULT.singular, solver.mirrors)
-        elif points is None:
+        elif ends is None:
             joint = chain.joint_names.index(held[0].joint)
             mirrors = [(first, parallel) for first, parallel in solver.mirrors if not first <= joint < first + 3]
             X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular, mirrors)
         else:
-            ends = (each.tolist() for each in points)
-            X = chain.motion.inverse_holding_swivel(q, *ends, chain.size, DEFAULT.singular, solver.mirrors)
+            seen = (each.tolist() for each in (ends.tool_point, ends.base_origin, ends.base_rotation[2]))
+            X = chain.motion.inverse_holding_swivel(q, *seen, chain.size, DEFAULT.singular, solver.mirrors)
     else:
         X = _inverse_of_any(solutions, held, weights)
     singular = solutions.singular
     if singular.any():
         X[singular != 0] = np.nan
     return np.asarray(X)
-
-
-def swivel_points(solver: Solver) -> Points | None:
-    """What the swivel angle is measured from, where that is the redundancy parameter."""
-    swivelling = any(each.kind == SWIVEL for each in solver.parameters)
-    ends = solver.redundant_member.swivel if swivelling else None
-    return None if ends is None else Points(ends.tool_point, ends.base_origin, ends.base_rotation[2])
 
 
 def _inverse_of_any(solutions: KeptSolutions, held: list[Any], weights: Array | None) -> Array:
@@ -150,18 +141,6 @@ def _target(solutions: KeptSolutions) -> Array:
     return solutions.poses[..., None, :, :] if solutions.solver.task == "pose" else _reached(solutions)
 
 
-def _turned_target(solutions: KeptSolutions) -> Array | None:
-    """The poses that the tip is to reach; None where a target leaves them open."""
-    solver = solutions.solver
-    if solver.task != "pose" or (solver.free_axis is not None and not solver.parameters):
-        return None
-    if solver.free_axis is None:
-        return _target(solutions)
-    values = np.asarray(solutions.redundancy)
-    first = values if len(solver.parameters) == 1 else values[..., 0]
-    return np.asarray(_target(solutions) @ solver.free_axis.rotation(first)[..., None, :, :])
-
-
 def _twists(given: ArrayLike, name: str, batch: tuple[int, ...]) -> Array:
     """Twists (..., 6), one for all poses or one each."""
     V = inputs.array(given, name, (..., 6))
@@ -217,35 +196,6 @@ class DifferentiableSolutions(KeptSolutions):
         R = _target(self)[..., :3, :3]
         return np.concatenate([X[..., :3] @ R, X[..., 3:] @ R], axis=-1)
 
-    def dq_dT_error(self) -> Array:
-        """A bound (..., B) on the error of :meth:`dq_dT`, as the Frobenius norm, lengths as shares of the chain's size.
-
-        It follows from the distance between the tip and its target, from rounding, and from the inverse itself: near a
-        singularity all three grow. Infinite where it says nothing: at a swivel angle, with joints that mimic others.
-        """
-        solver, chain = self.solver, self.solver.chain
-        n, size = chain.n, chain.size
-        X = inverse(self) / np.where(chain.prismatic, size, 1.0)[:, None]
-        X[..., :3] *= size
-        length = np.linalg.norm(X, axis=(-2, -1))
-        if any(each.kind == SWIVEL for each in solver.parameters) or chain.axes is not chain:
-            return np.where(np.isnan(length), length, np.inf)
-        reached, target = _reached(self), _turned_target(self)
-        if target is None:
-            apart = np.full(length.shape, DEFAULT.contract)
-        else:
-            off = reached - target
-            apart = np.hypot(
-                np.linalg.norm(off[..., :3, 3], axis=-1) / size, np.linalg.norm(off[..., :3, :3], axis=(-2, -1))
-            )
-        # The joints are off by at most X times the error of the pose. A column of the Jacobian changes by at most
-        # sqrt(5) times the sum of the joints' changes: its direction turns, its lever of at most 1 turns, and both ends
-        # move.
-        change = np.sqrt(5.0) * n * length * (apart + n * _ROUNDING) + n * _ROUNDING
-        with np.errstate(invalid="ignore", divide="ignore"):
-            bound = np.where(length * change < 1.0, length**2 * change / (1.0 - length * change), np.inf)
-        return np.where(np.isnan(length), np.nan, bound)
-
     def dq_dredundancy(self) -> Array:
         """The derivative (..., B, n, k) of every solution by the k redundancy parameters, the pose held.
 
@@ -267,9 +217,6 @@ class DifferentiableSolutions(KeptSolutions):
     def dq_dgeometry(self, parameters: Any = None) -> Array:
         """The derivative of every solution by the numbers of the URDF, the pose and the redundancy parameters held.
 
-        A swivel angle is held as the changed arm measures it: shoulder and wrist are the points nearest to their three
-        axes where all joints are zero, which follow the numbers also where the axes meet no more.
-
         Args:
             parameters: tuples (joint, field, part), where the field is 'xyz', 'rpy' or 'axis' as written, or 'offset'
                 (part 0), what is added to a joint's value; default: all those of the chain's joints, in the order of
@@ -280,61 +227,28 @@ class DifferentiableSolutions(KeptSolutions):
 
         Raises:
             ArgumentError: there is no such parameter.
-            UnsupportedArm: a swivel angle beside other redundancy parameters.
+            UnsupportedArm: a swivel angle is held, which changes with the URDF.
         """
-        solver, q = self.solver, _finite(self)
-        X, rates = inverse(self), written(solver.chain).twists(q, parameters=parameters)
-        if (points := swivel_points(solver)) is None:
-            return -(X[..., :6] @ rates)
-        turned = rates_by_geometry(solver.chain, points, q, parameters)
-        return np.asarray(-(X @ np.concatenate([rates, turned[..., None, :]], axis=-2)))
-
-    def d2q_dT2(self, V: ArrayLike, W: ArrayLike | None = None) -> Array:
-        """Second directional derivative: the rate of ``dq_dT() @ V`` when the target moves with the twist ``W``.
-
-        Args:
-            V: (6,) or (..., 6) a twist, constant in base axes.
-            W: the same; default: ``V``, which gives the joints' accelerations along a motion with a constant twist.
-
-        Returns:
-            (..., B, n), NaN as in :meth:`dq_dT`.
-
-        Raises:
-            ArgumentError: a twist does not fit.
-            UnsupportedArm: the arm is solved for the task 'position and axis', or a swivel angle stands beside other
-                redundancy parameters.
-        """
-        solver = self.solver
-        if solver.task == "position and axis" or (solver.asked != POSE and solver.asked.components != "position"):
-            task = solver.task if solver.asked == POSE else str(solver.asked)
-            raise UnsupportedArm(
-                f"{solver.name}: second derivatives with the task {task!r} are not computed; first ones are: dq_dT()"
-            )
-        along = _twists(V, "V", self.shape)
-        moving = along if W is None else _twists(W, "W", self.shape)
-        first = self.dq_dT()
-        q_along, q_moving = ((first @ each[..., None, :, None])[..., 0] for each in (along, moving))
-        still = np.isnan(q_along)
-        q, q_along, q_moving = _finite(self), np.where(still, 0.0, q_along), np.where(still, 0.0, q_moving)
-        bent = -curvature(solver.chain, q, q_along, q_moving)
-        if solver.free_axis is not None and solver.parameters:
-            arm = _reached(self)[..., :3, 3] - _target(self)[..., :3, 3]
-            bent[..., :3] += np.cross(along[..., None, 3:], np.cross(moving[..., None, 3:], arm))
-        if (points := swivel_points(solver)) is not None:
-            bent = np.concatenate([bent, -second_rate(solver.chain, points, q, q_along, q_moving)[..., None]], axis=-1)
-        return np.asarray((inverse(self)[..., : bent.shape[-1]] @ bent[..., None])[..., 0])
+        no_swivel(self.solver, "derivatives by the URDF's numbers")
+        return -(inverse(self)[..., :6] @ written(self.solver.chain).twists(_finite(self), parameters=parameters))
 
 
-def joint_rates(
-    solutions: DifferentiableSolutions, twists: ArrayLike, rates: ArrayLike | None = None, bent: Array | None = None
-) -> Array:
+def no_swivel(solver: Solver, what: str) -> None:
+    """Refuse an arm whose redundancy parameter is a swivel angle, with what to do instead."""
+    if any(each.kind == SWIVEL for each in solver.parameters):
+        raise UnsupportedArm(
+            f"{solver.name}: {what} need a joint as the redundancy parameter, not the swivel angle: "
+            f"arm.with_redundancy({solver.joint_names[0]!r})"
+        )
+
+
+def joint_rates(solutions: DifferentiableSolutions, twists: ArrayLike, rates: ArrayLike | None = None) -> Array:
     """Joint velocities (..., B, n) for twists (..., 6) of the targets and rates (..., k) of redundancy parameters.
 
     Args:
         solutions: the joint vectors.
         twists: (..., 6) m/s and rad/s in base axes, at the targets' origins.
         rates: (..., k) of the redundancy parameters; default: they are held.
-        bent: (..., B, n) added: second derivatives, where accelerations are asked for.
     """
     out = (solutions.dq_dT() @ _twists(twists, "twists", solutions.shape)[..., None, :, None])[..., 0]
     if rates is not None:
@@ -343,4 +257,4 @@ def joint_rates(
         if given.ndim == 0 or given.shape[-1] != count:
             raise ArgumentError(f"rates of shape {given.shape} given; the arm has {count} redundancy parameters")
         out = out + (solutions.dq_dredundancy() @ given[..., None, :, None])[..., 0]
-    return np.asarray(out if bent is None else out + bent)
+    return np.asarray(out)

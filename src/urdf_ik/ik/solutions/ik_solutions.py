@@ -1,6 +1,5 @@
 """``IKSolutions``, the result of ``arm.ik``: filters, turns, and the choice of a solution."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -8,13 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import distances, limits, tables
-from urdf_ik.ik.solutions.branch_names import suffix, turned_branches
+from urdf_ik.ik.solutions.branch_names import turned_branches
 from urdf_ik.ik.solutions.derivatives import DifferentiableSolutions
 from urdf_ik.ik.solutions.proof import Proof, proof_of
-from urdf_ik.ik.solutions.solution import Singular, Solution, Step
+from urdf_ik.ik.solutions.solution import Step
 from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
-from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
@@ -71,7 +69,7 @@ class IKSolutions(DifferentiableSolutions):
             tol: rad or m that a returned value may exceed a limit by.
 
         Raises:
-            ArgumentError: ``tol`` is not finite, or there are too many images for one array; see ``iter_turns``.
+            ArgumentError: ``tol`` is not finite, or there are too many images for one array.
 
         Example:
             >>> import urdf_ik
@@ -91,21 +89,6 @@ class IKSolutions(DifferentiableSolutions):
         branches = turned_branches(self._branches, total, turned.ranks)
         step = Step("turns", self, np.broadcast_to(columns, info.shape), tol)
         return self._derived(turned.q, info, branches, step)
-
-    def iter_turns(self, tol: float = limits.LIMIT_TOLERANCE) -> Iterator[Solution]:
-        """The solutions of ``turns()`` for a single pose one by one; ``index`` is the column in these solutions.
-
-        Each is made when the iteration reaches it, so that their number does not matter.
-
-        Raises:
-            ArgumentError: this is a batch.
-        """
-        columns, names, turning = self._columns("iter_turns()"), self.names, self._turning
-        is_turned = "turns" in self.filters
-        for column in columns:
-            for q in limits.iter_turns(self._q[column], self.solver.limits, turning, tol):
-                name = names[column] if is_turned else names[column] + suffix(self._turns_of(q))
-                yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
 
     def nearest(
         self,
@@ -364,18 +347,6 @@ class IKSolutions(DifferentiableSolutions):
             (8, 2, 'joint_1')
         """
         return tables.to_frame(self, contacts)
-
-    def to_xarray(self) -> Any:
-        """The whole answer as an ``xarray.Dataset``, by pose, branch and joint.
-
-        Variables: ``q`` [rad or m], NaN where there is no solution; ``valid``; ``singular``, bits of ``Singular``;
-        ``within_limits``, whether that filter keeps it; ``status`` and ``T`` [m], of the poses. Branches and joints are
-        coordinates, with their names; ``unit`` is that of each joint.
-
-        Raises:
-            MissingPackage: xarray is not installed.
-        """
-        return tables.to_xarray(self)
 
     def _repr_html_(self) -> str:
         return tables.html(self)

@@ -4,7 +4,7 @@ Pure functions over joint vectors (..., B, n), NaN rows where there is no soluti
 intervals, widened by a tolerance: half a turn and limits such as 3.1416 or 3.14 mean what they say.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -222,7 +222,7 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
         images = " x ".join(f"{count:.4g}" for count in per_joint)
         raise ArgumentError(
             f"the joints have {images} images inside their limits: {entries:.3g} joint values, more than "
-            f"{MAX_ENTRIES:.3g} in one array; iter_turns() gives the images of one pose one by one"
+            f"{MAX_ENTRIES:.3g} in one array; nearest(q, within_limits=True) chooses among them without listing them"
         )
     steps = []
     for i, count in enumerate(per_joint):
@@ -240,14 +240,6 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
     valid = np.asarray(~np.isnan(out).any(axis=-1))
     out[~valid] = np.nan
     return _Turned(out, valid, tuple(steps), ranks)
-
-
-def iter_turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Iterator[Array]:
-    """The images (n,) of one joint vector (n,) inside the limits, one by one, in the order of :func:`turns`."""
-    first, last = image_range(q, limits, turning, tol)
-    if (first <= last).all():
-        for k in _combinations(q, first, last):
-            yield q + np.array(k) * _turns(turning)[1]
 
 
 def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
@@ -284,25 +276,3 @@ def _bounds(limits: Array, turning: Mask | Array, tol: float) -> tuple[Array, Ar
 def _turns(turning: Mask | Array) -> tuple[Mask, Array]:
     """Which joints have images, and how far [rad] these are apart."""
     return np.asarray(turning, dtype=np.bool_), TURN * np.where(turning, turning, 1.0)
-
-
-def _combinations(q: Array, first: Array, last: Array) -> Iterator[tuple[float, ...]]:
-    """Every choice of one whole number a joint, lazily: a winch's limits may hold 1e15 of them."""
-    if not len(q):
-        yield ()
-        return
-    for k in _outwards(float(first[0]), float(last[0]), float(q[0])):
-        for rest in _combinations(q[1:], first[1:], last[1:]):
-            yield (k, *rest)
-
-
-def _outwards(first: float, last: float, value: float) -> Iterator[float]:
-    """Whole numbers first..last, the one nearest to zero first; of k and -k the one that takes ``value`` to zero."""
-    k = max(first, min(0.0, last))
-    towards = 1.0 if value < 0.0 else -1.0
-    size = abs(k)
-    while size <= max(abs(first), abs(last)):
-        for candidate in (size * towards, -size * towards) if size else (0.0,):
-            if first <= candidate <= last:
-                yield candidate
-        size += 1.0

@@ -172,34 +172,6 @@ def to_frame(solutions: Any, contacts: bool = True) -> Any:
     return frame
 
 
-def to_xarray(solutions: Any) -> Any:
-    """See :meth:`urdf_ik.IKSolutions.to_xarray`."""
-    try:
-        import xarray
-    except ImportError:
-        raise extras.missing("to_xarray() needs xarray", "tables") from None
-    pose_axes = solutions.valid.ndim - 1
-    poses = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
-    solver = solutions.solver
-    units = ["m" if kind == "prismatic" else "rad" for kind in solver.chain.joint_types]
-    return xarray.Dataset(
-        {
-            "q": ((*poses, "branch", "joint"), solutions.q),
-            "valid": ((*poses, "branch"), solutions.valid),
-            "singular": ((*poses, "branch"), solutions.singular),
-            "within_limits": ((*poses, "branch"), _within(solutions)),
-            "status": (tuple(poses), solutions.status),
-            "T": ((*poses, "row", "column"), solutions.poses),
-        },
-        coords={
-            "branch": list(solutions.branches),
-            "joint": list(solver.joint_names),
-            "unit": ("joint", units),
-        },
-        attrs={"arm": solver.name, "base": solver.chain.base, "tip": solver.chain.tip},
-    )
-
-
 def html(solutions: Any) -> str:
     """A table of the solutions and a small picture of them; of a batch, the number of solutions of its poses."""
     solver = solutions.solver

@@ -218,11 +218,10 @@ def solved(
 def nearest_solutions(solver: Solver, joints: Joints, T: Array, q: Array, values: Array | None) -> tuple[Array, Array]:
     """The solutions (k, n) of poses T (k, 4, 4) nearest to joint vectors q (k, n), and their distances (k,).
 
-    ``values`` (k, v) are the redundancy parameters, None for an arm without one. The distance is the largest change of
-    a joint [rad or m], infinite where a pose has no solution.
+    ``values`` (k, 1) are those of the redundancy parameter, None for an arm without one. The distance is the largest
+    change of a joint [rad or m], infinite where a pose has no solution.
     """
-    one = values is not None and values.shape[1] == 1
-    solutions = solve(solver, T) if values is None else solve(solver, T, redundancy=values[:, 0] if one else values)
+    solutions = solve(solver, T, redundancy=None if values is None else values[:, 0])
     steps = joints.step(q[:, None], solutions.q)
     distance = np.where(solutions.valid, np.abs(steps).max(axis=2), np.inf)
     best = np.arange(len(q)), np.argmin(distance, axis=1)

@@ -1,7 +1,7 @@
 """Smoothing of a route: its joint vectors move to where the sum of squared steps is least, without changing poses.
 
-Every joint vector moves by N a, where N spans the null space of the task's Jacobian. To first order the sum of squared
-steps is a quadratic function of all a that couples only neighbours, so its minimum solves a block tridiagonal system
+Every joint vector moves by N a, where N is in the null space of the task's Jacobian. To first order the sum of squared
+steps is a quadratic function of all a that couples only neighbours, so its minimum solves a tridiagonal system
 (Gauss-Newton). Joint vectors that would leave the limits or make contact stay where they were.
 """
 
@@ -47,7 +47,7 @@ def _least(settings: CheckedSettings, refined: Refined, q: Array, obstacles: Obs
     for _ in range(MOST_STEPS):
         N = _null_space(settings, refined, q)
         N[fixed] = 0.0
-        step = np.einsum("knj,kj->kn", N, newton_step(q, N, factor))
+        step = N * newton_step(q, N, factor)[:, None]
         longest = np.abs(step).max()
         step *= min(1.0, LONGEST_STEP / longest) if longest else 1.0
         best = None
@@ -75,36 +75,28 @@ def sum_of_squares(q: Array, factor: Array) -> float:
 
 
 def newton_step(q: Array, N: Array, factor: Array) -> Array:
-    """Coefficients (k, j) with which q + N a minimises the sum of squares; N (k, n, j) are directions of motion."""
-    k, _, j = N.shape
-    left, right = N[:-1] * factor[:, :, None], N[1:] * factor[:, :, None]
-    gap = np.diff(q, axis=0) * factor
-    diagonal, slope = np.zeros((k, j, j)), np.zeros((k, j))
-    diagonal[:-1] += np.einsum("kni,knj->kij", left, left)
-    diagonal[1:] += np.einsum("kni,knj->kij", right, right)
-    slope[:-1] += np.einsum("kni,kn->ki", left, gap)
-    slope[1:] -= np.einsum("kni,kn->ki", right, gap)
-    coupling = -np.einsum("kni,knj->kij", left, right)
+    """Coefficients (k,) with which q + N a minimises the sum of squares; N (k, n) are directions of motion."""
+    left, right, gap = N[:-1] * factor, N[1:] * factor, np.diff(q, axis=0) * factor
+    diagonal, slope = np.zeros(len(q)), np.zeros(len(q))
+    diagonal[:-1] += (left * left).sum(axis=1)
+    diagonal[1:] += (right * right).sum(axis=1)
+    slope[:-1] += (left * gap).sum(axis=1)
+    slope[1:] -= (right * gap).sum(axis=1)
     # The added diagonal keeps the system regular where the whole route can slide, or a joint vector is fixed.
-    diagonal += 1e-9 * np.eye(j) * max(float(np.abs(diagonal).max()), 1e-12)
-    banded = np.zeros((2 * j, k * j))
-    for a in range(j):
-        for b in range(j):
-            if a <= b:
-                banded[2 * j - 1 + a - b, b::j] = diagonal[:, a, b]
-            banded[j - 1 + a - b, j + b :: j] = coupling[:, a, b]
-    return np.asarray(solveh_banded(banded, slope.ravel(), check_finite=False)).reshape(k, j)
+    diagonal += 1e-9 * max(float(diagonal.max()), 1e-12)
+    banded = np.stack([np.append(0.0, -(left * right).sum(axis=1)), diagonal])
+    return np.asarray(solveh_banded(banded, slope, check_finite=False))
 
 
 def _null_space(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
-    """(k, n, j) orthonormal basis of the null space of the task's Jacobian; lengths count in arm sizes."""
+    """(k, n) unit vectors of the null space of the task's Jacobian; lengths count in arm sizes."""
     solver = settings.solver
     J = solver.chain.jacobian(q)
     if solver.free_axis is not None:
         J = solver.free_axis.reduced(refined.T[:, :3, :3], J)
     J = np.concatenate([J[:, :3] / solver.chain.size, J[:, 3:]], axis=1)
-    # The last columns of Q in J^T = Q R are at right angles to all rows of J, of whatever rank.
-    return np.ascontiguousarray(np.linalg.qr(np.swapaxes(J, 1, 2), mode="complete")[0][:, :, -len(solver.parameters) :])
+    # The last column of Q in J^T = Q R is at right angles to all rows of J, of whatever rank.
+    return np.ascontiguousarray(np.linalg.qr(np.swapaxes(J, 1, 2), mode="complete")[0][:, :, -1])
 
 
 def restored(settings: CheckedSettings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -23,7 +23,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.paths.planner.nodes import WIDEST_STEP, Joints, chosen, joined, nearest_solutions
@@ -190,8 +189,6 @@ def bisected(
         half_value = pieces.value[:, 0] + 0.5 * steps
         wanted = pieces.q + 0.5 * pieces.dq
         values = None if solver.parameter is None else half_value[:, None]
-        if len(solver.parameters) > 1:
-            values = nearest_values(solver, wanted, middle)
         c, distance = nearest_solutions(solver, joints, middle, wanted, values)
         halves = np.maximum(np.abs(c - pieces.q).max(axis=1), np.abs(pieces.q + pieces.dq - c).max(axis=1))
         good = np.isfinite(distance) & (halves <= WIDEST_STEP)
