@@ -99,8 +99,6 @@ def test_seven_joints_held_in_the_middle_lose_no_pose(name: str) -> None:
     arm = urdf_ik.load(SEVEN[name].text(rng), "base", "tool")
     assert arm.redundancy is not None
     assert_reached(arm, planted(arm, rng, 12))
-    T = arm.fk(planted(arm, rng, 1)[0])
-    assert len(arm.intervals(T, within_limits=False))
 
 
 @pytest.mark.parametrize("name", [name for name in SEVEN if "are one" in name and "rank" not in name])

@@ -73,8 +73,7 @@ def _text(arm: Arm, poses: Array, quats: Array, rpy: Array, angles: Angles) -> s
     return tables.render(head, "", matrix, "", tables.pose_lines(poses[0], 6), last)
 
 
-_TABLE_FILES = (".csv", ".json")
-DHFormat = StrEnum("DHFormat", ["TABLE", "JSON", "CSV", "URDF"])
+DHFormat = StrEnum("DHFormat", ["TABLE", "CSV", "URDF"])
 
 
 def dh(
@@ -86,7 +85,7 @@ def dh(
     printed_as: DHFormat | None = None,
     output: Path | None = None,
 ) -> None:
-    """Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).
+    """Denavit-Hartenberg table of an arm, or an arm from a table (CSV).
 
     Examples:
         urdf-ik dh dh_6r --convention modified
@@ -95,7 +94,7 @@ def dh(
         urdf-ik dh ur5.csv -o my_ur5.urdf
 
     Positional:
-        robot (FILE): URDF file, a catalogue name, - for a URDF on stdin, or a table: .csv or .json.
+        robot (FILE): URDF file, a catalogue name, - for a URDF on stdin, or a table: .csv.
 
     Options:
         convention (standard|modified): Convention of the printed table, and of a table file that does not name its
@@ -106,12 +105,13 @@ def dh(
     from urdf_ik.kinematics.dh import DHTable, files
 
     notes: list[str] = []
-    if Path(chosen.robot).suffix.lower() in _TABLE_FILES:
+    if Path(chosen.robot).suffix.lower() == ".csv":
         if snap is not None:
             raise console.usage("a table has no axes to snap; the option is for URDFs", "--snap")
         chosen.require_only(("base", "tip"), f"{chosen.robot} is a table")
         table = DHTable.read(chosen.robot, convention, degrees=degrees)
-        table = table.converted(convention or table.convention)
+        if convention not in (None, table.convention):
+            table = DHTable.from_chain(table.chain(), convention, name=table.name)
         base, tip = chosen.base or "base_link", chosen.tip or "tool0"
     else:
         arm = chosen.load(degrees)
@@ -126,7 +126,7 @@ def dh(
     elif kind is DHFormat.TABLE:
         text = tables.render(files.as_text(table, degrees), notes)
     else:
-        text = (table.to_csv if kind is DHFormat.CSV else table.to_json)(degrees=degrees)
+        text = table.to_csv(degrees=degrees)
     console.write(text, output)
     if output is not None:
         turned = degrees and kind is not DHFormat.URDF

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
@@ -67,9 +67,17 @@ class DHTable(Frozen):
 
     def __post_init__(self) -> None:
         for field in (*COLUMNS, "limits", "base", "tool"):
-            values = inputs.real(getattr(self, field), repr(field), "an array of numbers", UrdfError)
-            object.__setattr__(self, field, frozen(values.copy()))
-        _check(self)
+            object.__setattr__(self, field, frozen(np.array(getattr(self, field), dtype=np.float64)))
+        check_convention(self.convention)
+        if self.n == 0:
+            raise table_error("the table has no rows; one row a joint is needed")
+        if len(set(self.joint_names)) != self.n or not all(str(name).strip() for name in self.joint_names):
+            shown = ", ".join(map(repr, self.joint_names))
+            raise table_error(f"joint names {shown}; {self.n} different ones are needed")
+        for row, (kind, (lower, upper)) in enumerate(zip(self.joint_types, self.limits, strict=True), start=1):
+            if kind != "continuous" and not (np.isfinite([lower, upper]).all() and lower <= upper):
+                needed = f"two finite limits of a {kind} joint are needed, the lower one first"
+                raise table_error(f"{needed}, not {lower} and {upper}", row=row, column="lower")
 
     @property
     def n(self) -> int:
@@ -130,27 +138,23 @@ class DHTable(Frozen):
             (('joint_1', 'joint_2', 'joint_3'), [0.325, 0.275, 0.0])
         """
         table = inputs.array(rows, "rows", (None, 4), UrdfError).copy()
-        n = len(table)
-        kinds = _joint_types(joint_types, n)
+        n, words = len(table), _joint_types(joint_types, len(table))
+        turning = np.array([kind != "prismatic" for kind in words], dtype=np.bool_)
         bounds = np.tile([-np.inf, np.inf], (n, 1)) if limits is None else np.array(limits, dtype=np.float64)
         if bounds.shape != (n, 2):
             raise table_error(f"limits of shape {bounds.shape} given; ({n}, 2) is needed, lower and upper")
-        turning = np.array([kind != "prismatic" for kind in kinds], dtype=np.bool_)
         if degrees:
             table[:, [0, 3]] = np.deg2rad(table[:, [0, 3]])
             bounds = np.where(turning[:, None], np.deg2rad(bounds), bounds)
         endless = np.isinf(bounds).all(axis=1) & turning
+        kinds = tuple("continuous" if e else kind for e, kind in zip(endless, words, strict=True))
+        round_for_ever = np.array([kind == "continuous" for kind in kinds], dtype=np.bool_)
         return cls(
             convention=convention,
-            alpha=table[:, 0],
-            a=table[:, 1],
-            d=table[:, 2],
-            theta=table[:, 3],
-            joint_types=tuple("continuous" if e else kind for e, kind in zip(endless, kinds, strict=True)),
+            **dict(zip(COLUMNS, table.T, strict=True)),
+            joint_types=kinds,
             joint_names=tuple(f"joint_{i + 1}" for i in range(n)) if joint_names is None else tuple(joint_names),
-            limits=np.where(
-                np.array([kind == "continuous" for kind in kinds], dtype=np.bool_)[:, None], [-np.inf, np.inf], bounds
-            ),
+            limits=np.where(round_for_ever[:, None], [-np.inf, np.inf], bounds),
             base=_transform(base, "base"),
             tool=_transform(tool, "tool"),
             name=name,
@@ -158,10 +162,10 @@ class DHTable(Frozen):
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], convention: str | None = None, *, degrees: bool = False) -> "DHTable":
-        """Read a table from a CSV or JSON file, in the form that :meth:`to_csv` and :meth:`to_json` write.
+        """Read a table from a CSV file, in the form that :meth:`to_csv` writes.
 
         Args:
-            path: the file; what it holds decides the format.
+            path: the file.
             convention: of a file that does not say its own.
             degrees: whether the angles of a file that does not say its unit are in degrees instead of rad.
 
@@ -227,12 +231,12 @@ class DHTable(Frozen):
             )
         return table
 
-    def chain(self, base: str = "base_link", tip: str = "tool0") -> Chain:
-        """The table as screw axes between links of these names."""
+    def chain(self) -> Chain:
+        """The table as screw axes from ``base_link`` to ``tool0``."""
         frames = np.array([*accumulate(self.origins(), np.matmul)])
         return Chain(
-            base=base,
-            tip=tip,
+            base="base_link",
+            tip="tool0",
             joint_names=self.joint_names,
             joint_types=self.joint_types,
             H=frames[:-1, :3, 2].copy(),
@@ -245,23 +249,8 @@ class DHTable(Frozen):
         """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
         return self.chain().fk(q)
 
-    def converted(self, convention: str) -> "DHTable":
-        """The same arm in the other convention; what has no room in the table goes to base or tool."""
-        check_convention(convention)
-        if convention == self.convention:
-            return self
-        if convention == "modified":
-            tool = step_x(self.a[-1], self.alpha[-1]) @ self.tool
-            alpha, a = np.append(0.0, self.alpha[:-1]), np.append(0.0, self.a[:-1])
-            return replace(self, convention=convention, alpha=alpha, a=a, tool=tool)
-        base = self.base @ step_x(self.a[0], self.alpha[0])
-        alpha, a = np.append(self.alpha[1:], 0.0), np.append(self.a[1:], 0.0)
-        return replace(self, convention=convention, alpha=alpha, a=a, base=base)
-
     def deviation(self, chain: Chain) -> float:
         """Greatest difference from the chain's poses over sampled joint vectors, in rad and shares of its size."""
-        if chain.n != self.n:
-            raise table_error(f"the chain has {chain.n} joints, and the table {self.n}")
         Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, chain.n))
         Q = np.where(chain.prismatic, Q * chain.size / np.pi, Q)
         apart = self.fk(Q) - chain.fk(Q)
@@ -297,33 +286,8 @@ class DHTable(Frozen):
         """
         return files.as_csv(self, degrees)
 
-    def to_json(self, *, degrees: bool = False) -> str:
-        """JSON text that :meth:`read` takes, with every digit."""
-        return files.as_json(self, degrees)
-
     def __str__(self) -> str:
         return files.as_text(self)
-
-
-def _check(table: DHTable) -> None:
-    """Check every field of the table."""
-    check_convention(table.convention)
-    n = table.alpha.size
-    if n == 0:
-        raise table_error("the table has no rows; one row a joint is needed")
-    for column in COLUMNS:
-        values = getattr(table, column)
-        if values.shape != (n,):
-            raise table_error(f"column {column!r} has the shape {values.shape}, {n} numbers are needed")
-        if (bad := inputs.first_bad(values)) is not None:
-            problem = "is no finite number" if not np.isfinite(values[bad]) else f"given; {inputs.why_bad(values[bad])}"
-            raise table_error(f"{values[bad]} {problem}", row=bad[0] + 1, column=column)
-    _joint_types(table.joint_types, n)
-    if len(set(table.joint_names)) != n or not all(str(name).strip() for name in table.joint_names):
-        raise table_error(f"joint names {', '.join(map(repr, table.joint_names))}; {n} different ones are needed")
-    _check_limits(table)
-    for name in ("base", "tool"):
-        _transform(getattr(table, name), name)
 
 
 def _joint_types(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
@@ -354,12 +318,3 @@ def _transform(value: ArrayLike | None, name: str) -> Array:
     if T.shape != (4, 4):
         raise table_error(f"{name} transform of shape {T.shape} given; one pose (4, 4) is needed")
     return T
-
-
-def _check_limits(table: DHTable) -> None:
-    if table.limits.shape != (len(table.alpha), 2):
-        raise table_error(f"limits of shape {table.limits.shape} given; ({len(table.alpha)}, 2) is needed")
-    for row, (kind, (lower, upper)) in enumerate(zip(table.joint_types, table.limits, strict=True), start=1):
-        if kind != "continuous" and not (np.isfinite([lower, upper]).all() and lower <= upper):
-            needed = f"two finite limits of a {kind} joint are needed, the lower one first"
-            raise table_error(f"{needed}, not {lower} and {upper}", row=row, column="lower")
