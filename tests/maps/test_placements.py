@@ -1,7 +1,6 @@
-"""Base positions: scores against ``arm.ik`` pose by pose, the published helix, a shelf, stores, what is refused."""
+"""Base positions: scores against ``arm.ik`` pose by pose, the published helix, a shelf, what is refused."""
 
 import re
-from pathlib import Path
 from typing import Any
 
 import arms_general
@@ -10,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.maps import placements
 
 Array = NDArray[np.float64]
 
@@ -126,33 +124,6 @@ def test_seven_joints_are_asked_at_many_values() -> None:
     found = urdf_ik.maps.placement(arm, targets, bounds=[[0, 0, 0], [0, 0, 0]], step=1.0)
     alone = int(arm.ik(targets).within_limits().valid.any(axis=1).sum())
     assert alone < int(found.reached[0, 0, 0, 0]) <= 40
-
-
-def test_a_store_is_gone_on_with(tmp_path: Path) -> None:
-    """Interrupted and gone on with: the map of memory; plain xarray; another question is refused."""
-    xarray = pytest.importorskip("xarray")
-    arm, path = urdf_ik.load("zyyzyz_6r"), tmp_path / "bases.zarr"
-    line = urdf_ik.line(urdf_ik.pose([1.0, -0.2, 1.0]), urdf_ik.pose([1.0, 0.2, 1.0]), 12)
-    options: dict[str, Any] = {"bounds": [[-0.5, 0, 0], [0.5, 0, 0]], "step": 0.25, "turns": 2, "path": True}
-    whole = urdf_ik.maps.placement(arm, line, **options)
-
-    def stop(done: int, total: int) -> None:
-        if done > 0:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt, match="blocks are kept"):
-        urdf_ik.maps.placement(arm, line, **options, store=path, progress=stop)
-    with pytest.raises(urdf_ik.JobError, match="not complete"):
-        placements.opened(path)
-    found = urdf_ik.maps.placement(arm, line, **options, store=path)
-    for name in ("reached", "solutions", "branches", "margin", "followed", "cost", "targets"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(whole, name))
-    assert found.about == whole.about and found.clearance is None
-    plain = xarray.open_zarr(path)
-    assert plain.reached.dims == ("x", "y", "z", "heading") and plain.attrs["complete"] is True
-    np.testing.assert_allclose(plain.x.values, [-0.5, -0.25, 0.0, 0.25, 0.5], atol=1e-12)
-    with pytest.raises(urdf_ik.JobError, match=r"targets\.count is 12 in the store and 11 now"):
-        urdf_ik.maps.placement(arm, line[1:], **options, store=path)
 
 
 def test_a_picture_and_what_is_refused() -> None:

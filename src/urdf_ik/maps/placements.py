@@ -9,10 +9,9 @@
 (2, True)
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps.grid import Grid, Part, checked_bounds
-from urdf_ik.maps.store import BlockStore, Coordinate, Progress, Question, Variable, digest, fill, require_memory
+from urdf_ik.maps.grid import Grid, checked_bounds
+from urdf_ik.maps.store import Progress, Variable, about_arm, digest, require_memory
 from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.model.poses import as_pose_array, pose
 from urdf_ik.support import inputs
@@ -29,9 +28,8 @@ from urdf_ik.support.angles import TURN
 from urdf_ik.support.tolerances import DEFAULT, LARGEST
 from urdf_ik.typing import Array, Threads
 
-__all__ = ["BASES", "BASES_OF_A_PATH", "SHOWN", "Place", "PlacementMap", "opened", "placement"]
+__all__ = ["SHOWN", "Place", "PlacementMap", "placement"]
 
-FORMAT = "urdf-ik placements"
 SCORES = {
     "reached": Variable(np.uint32, "heading", "number of targets that are reached"),
     "solutions": Variable(np.uint16, "heading", "least number of solutions of any target"),
@@ -159,19 +157,6 @@ class PlacementMap:
         return Place(self.base(index), **scores)
 
 
-def opened(path: str | os.PathLike[str]) -> PlacementMap:
-    """A map that ``urdf_ik.maps.placement(..., store=path)`` computed, in memory.
-
-    Raises:
-        JobError: the folder is no such store, or is not complete.
-    """
-    store = BlockStore(path, FORMAT)
-    headings, mount = (np.array(store.about[name], dtype=np.float64) for name in ("headings", "mount"))
-    targets = np.asarray(store.group["targets"][...])
-    arrays = {name: store.array(name, store.grid.whole) for name in store.names}
-    return PlacementMap(store.about, store.grid, headings, mount, targets, arrays)
-
-
 def base_pose(position: ArrayLike, heading: float, mount: Array) -> Array:
     """(4, 4) pose of the base link in the cell."""
     T = pose(position, rotvec=[0.0, 0.0, heading])
@@ -183,10 +168,6 @@ MOST_TURNS = 3600
 """Headings at each position."""
 MOST_POSITIONS = 10**9
 """Positions of the base, at one heading."""
-BASES = 64
-"""Base positions of a block where only poses are asked for."""
-BASES_OF_A_PATH = 8
-"""The same where a path is followed from each."""
 FREE_VALUES = 16
 """Values of a redundancy parameter at which a target is solved; of a path all are searched."""
 _CHUNK = 4096  # poses that are solved at a time
@@ -205,8 +186,6 @@ def placement(
     world: World | None = None,
     margin: float = 0.0,
     collisions: bool | None = None,
-    store: str | os.PathLike[str] | None = None,
-    client: Any = None,
     threads: Threads = 1,
     progress: Progress | None = None,
 ) -> PlacementMap:
@@ -229,8 +208,6 @@ def placement(
         world: obstacles, placed in the cell.
         margin: m that bodies must stay apart.
         collisions: whether collisions are looked for; default: where there is a world.
-        store: folder of a Zarr group to compute the map in; after a kill it is continued. Default: in memory.
-        client: a ``distributed.Client`` whose workers fill the store; default: this process does.
         threads: number of threads that solve, or 'auto'.
         progress: called with the number of finished positions, and of all.
 
@@ -239,8 +216,6 @@ def placement(
         PoseError: a target is no pose.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are looked for.
-        JobError: the store is one of another question, does not fit on the disk or cannot be written; or the scheduler
-            or the workers cannot go on.
 
     Example:
         >>> import urdf_ik
@@ -255,110 +230,68 @@ def placement(
     targets = np.ascontiguousarray(as_pose_array(T).reshape(-1, 4, 4))
     if not len(targets):
         raise ArgumentError("no targets given; one is the least")
-    if store is None and client is not None:
-        raise ArgumentError("client is for maps in a store; give store='bases.zarr', too")
     if world is not None and collisions is False:
         raise ArgumentError("a world is given with collisions=False; leave one of the two out")
     collisions = world is not None if collisions is None else collisions
-    turns = inputs.whole(turns, "turns", low=1, high=MOST_TURNS)
+    turns, grid = inputs.whole(turns, "turns", low=1, high=MOST_TURNS), _positions(bounds, step)
+    headings, R = TURN * np.arange(turns) / turns, _mount(mount)
+    margin = inputs.number(margin, "margin", low=0.0, unit="m")
     without = (set() if collisions else {"clearance"}) | (set() if path else {"followed", "cost"})
-    question = _Question(
-        arm=arm,
-        world=world,
-        grid=_positions(bounds, step),
-        names=tuple(name for name in SCORES if name not in without),
-        most=max(1, (BASES_OF_A_PATH if path else BASES) // turns),
-        threads=inputs.threads(threads),
-        pairs=arm.cell.collisions.checked_pairs if collisions else None,
-        lengths={"heading": turns},
-        targets=targets,
-        headings=TURN * np.arange(turns) / turns,
-        mount=_mount(mount),
-        is_path=path,
-        margin=inputs.number(margin, "margin", low=0.0, unit="m"),
-        collisions=collisions,
-    )
-    count = question.grid.count
-    what = f"{count:.4g} base positions x {turns} headings"
+    names = [name for name in SCORES if name not in without]
+    bases = _Bases(arm, targets, world, path, margin, collisions, inputs.threads(threads))
+    needed = grid.count * turns * sum(np.dtype(SCORES[name].kind).itemsize for name in names)
     hint = "take a larger step, fewer turns or narrower bounds"
-    require_memory(question.size(count), what, hint)  # the map of a store is read when it is complete
-    if store is not None:
-        fill(store, question, client, progress, count)
-        return opened(store)
-    arrays = question.computed(progress, count)
-    return PlacementMap(
-        question.described(), question.grid, question.headings, question.mount, question.targets, arrays
-    )
+    require_memory(needed, f"{grid.count:.4g} base positions x {turns} headings", hint)
+    arrays: dict[str, NDArray[Any]] = {
+        name: np.full((*grid.shape, turns), SCORES[name].fill, SCORES[name].kind) for name in names
+    }
+    for done, place in enumerate(np.ndindex(grid.shape), 1):
+        position = [grid.coordinates(axis)[k] for axis, k in enumerate(place)]
+        for k, heading in enumerate(headings.tolist()):
+            into_base = np.linalg.inv(base_pose(position, heading, R)).astype(np.float64)
+            for name, value in bases.scores(into_base).items():
+                arrays[name][(*place, k)] = value
+        if progress is not None:
+            progress(done, grid.count)
+    for array in arrays.values():
+        array.setflags(write=False)
+    about = {
+        **about_arm(arm, arm.cell.collisions.checked_pairs if collisions else None, world),
+        "targets": {"count": len(targets), "sha256": digest(targets.tobytes())},
+        "grid": grid.described(),
+        "headings": headings.tolist(),
+        "mount": R.tolist(),
+        "is_path": path,
+        "margin": margin,
+        "holds": names,
+    }
+    return PlacementMap(about, grid, headings, R, targets, arrays)
 
 
-@dataclass(frozen=True, eq=False)
-class _Question(Question):
-    """All that the scores of base positions depend on.
+class _Bases:
+    """The scores of poses of the base."""
 
-    Attributes:
-        targets: (m, 4, 4) m, poses of the tip in the cell.
-        headings: (h,) rad, turns of the base link about the cell's z axis.
-        mount: (3, 3) the base link's rotation at heading zero.
-        is_path: whether the targets are waypoints to be followed.
-        margin: m that bodies must stay apart.
-        collisions: whether collisions are looked for.
-    """
+    def __init__(
+        self,
+        arm: Arm,
+        targets: Array,
+        world: World | None,
+        is_path: bool,
+        margin: float,
+        collisions: bool,
+        threads: int,
+    ) -> None:
+        self.arm, self.targets, self.is_path, self.margin = arm, targets, is_path, margin
+        self.collisions, self.threads = collisions, threads
+        self._cell = tuple(world or ())
+        self._world = None if world is None else World()
+        for name, shape, placed in self._cell:
+            self._world.add(name, shape, placed)  # type: ignore[union-attr]
 
-    FORMAT: ClassVar[str] = FORMAT
-    VARIABLES: ClassVar[Mapping[str, Variable]] = SCORES
-
-    targets: Array
-    headings: Array
-    mount: Array
-    is_path: bool
-    margin: float
-    collisions: bool
-
-    @property
-    def coordinates(self) -> dict[str, Coordinate]:
-        """The positions, the headings and the targets."""
-        return {
-            **super().coordinates,
-            "heading": (("heading",), self.headings, {"units": "rad"}),
-            "targets": (("target", "row", "column"), self.targets, {"units": "m"}),
-        }
-
-    def described(self) -> dict[str, Any]:
-        """The question in JSON."""
-        # The order of the command's output.
-        about = super().described()
-        grid, names = about.pop("grid"), about.pop("holds")
-        return {
-            **about,
-            "targets": {"count": len(self.targets), "sha256": digest(self.targets.tobytes())},
-            "grid": grid,
-            "headings": self.headings.tolist(),
-            "mount": self.mount.tolist(),
-            "is_path": self.is_path,
-            "margin": self.margin,
-            "holds": names,
-        }
-
-    def solved(self, part: Part) -> dict[str, NDArray[Any]]:
-        """The scores of a box of positions."""
-        world = None if self.world is None else World()
-        for name, shape, placed in self.world or ():
-            world.add(name, shape, placed)  # type: ignore[union-attr]
-        rows = [
-            self._scores(np.linalg.inv(base_pose(position, heading, self.mount)).astype(np.float64), world)
-            for position in self.grid.centres_in(part)
-            for heading in self.headings.tolist()
-        ]
-        sides = (*(side.stop - side.start for side in part), len(self.headings))
-        return {
-            name: np.array([row[name] for row in rows], dtype=SCORES[name].kind).reshape(sides) for name in self.names
-        }
-
-    def _scores(self, into_base: Array, world: World | None) -> dict[str, float]:
+    def scores(self, into_base: Array) -> dict[str, float]:
         """The scores of one pose of the base; ``into_base`` is the cell's pose in it."""
-        found = {name: SCORES[name].fill for name in self.names}
-        in_base = into_base @ self.targets
-        for obstacle in self.world or ():
+        in_base, world = into_base @ self.targets, self._world
+        for obstacle in self._cell:
             world.move(obstacle.name, into_base @ obstacle.pose)  # type: ignore[union-attr]
         counts: list[Any] = []
         margins, clearances, common = np.inf, np.inf, np.ones(len(self.arm.structure.branches), np.bool_)
@@ -375,7 +308,7 @@ class _Question(Question):
                 if self.collisions:
                     clearances = min(clearances, float(counting.greatest(counting.clearance(world)).min()))
         solutions = np.concatenate(counts)
-        found["reached"] = int((solutions > 0).sum())
+        found: dict[str, float] = {"reached": int((solutions > 0).sum())}
         if not solutions.all():
             return found
         found |= {"solutions": int(solutions.min()), "branches": int(common.sum()), "margin": margins}

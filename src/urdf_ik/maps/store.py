@@ -124,19 +124,9 @@ class Question:
 
     def described(self) -> dict[str, Any]:
         """The question in JSON, for a store."""
-        return {
-            "robot": self.arm.name,
-            "urdf_sha256": digest(self.arm.model.xml),
-            "base": self.arm.base,
-            "tip": self.arm.tip,
-            "locked": dict(self.arm.chain.locked),
-            "pairs_sha256": None if self.pairs is None else digest(repr(self.pairs).encode()),
-            "world": None if self.world is None else self.world.digest(),
-            "made_by": cluster.versions()["urdf-ik"],
-            "instructions": cluster.versions()["instructions"],
-            "grid": self.grid.described(),
-            "holds": list(self.names),
-        }
+        versions = {"instructions": cluster.versions()["instructions"]}
+        about = about_arm(self.arm, self.pairs, self.world) | versions
+        return about | {"grid": self.grid.described(), "holds": list(self.names)}
 
     def computed(self, progress: Progress | None, units: int) -> dict[str, NDArray[Any]]:
         """All arrays in memory, block by block, read-only; ``progress``: finished units, and their number."""
@@ -158,6 +148,20 @@ class Question:
         if self.pairs is not None:
             cell = self.arm.cell
             self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(self.pairs)))
+
+
+def about_arm(arm: Arm, pairs: Pairs | None, world: World | None) -> dict[str, Any]:
+    """The arm and the cell of a question in JSON; ``pairs``: those that are checked, None without collisions."""
+    return {
+        "robot": arm.name,
+        "urdf_sha256": digest(arm.model.xml),
+        "base": arm.base,
+        "tip": arm.tip,
+        "locked": dict(arm.chain.locked),
+        "pairs_sha256": None if pairs is None else digest(repr(pairs).encode()),
+        "world": None if world is None else world.digest(),
+        "made_by": cluster.versions()["urdf-ik"],
+    }
 
 
 def digest(data: bytes) -> str:

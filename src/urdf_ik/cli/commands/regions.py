@@ -199,7 +199,6 @@ def placement(
     places: int = 5,
     show: str = "reached",
     threads: int = 1,
-    work: StoreOptions,
     chosen: ArmOptions,
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
@@ -209,12 +208,12 @@ def placement(
 
     The scores are the number of targets that are reached within the limits, the number of branches, the least limit
     margin and clearance, and with --path whether the path can be followed. The best places are printed; --output
-    draws the map. With --store it is computed on the disk and continues after a kill.
+    draws the map.
 
     Examples:
         urdf-ik placement zyyzyz_6r --poses seam.csv --bounds=-0.5,-0.5,0,0.5,0.5,0 --step 0.25
         urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-0.5,0,0,0.5,0,0 --step 0.5 --path --world cell.urdf
-        urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-1,-1,0,1,1,0 --step 0.5 --headings 4 --store bases.zarr
+        urdf-ik placement zyyzyz_6r -p seam.csv --bounds=-1,-1,0,1,1,0 --step 0.5 --headings 4 -o bases.png
 
     Options:
         bounds (X0,Y0,Z0,X1,Y1,Z1): Box of the base's positions in the cell [m]; equal numbers: one position.
@@ -242,7 +241,7 @@ def placement(
     obstacles = read_world(world, chosen)
     arm, angles = chosen.loaded(degrees, typed)
     target = targets.required(arm, typed, angles, "targets")
-    with work.client() as client, Progress("scoring positions") as progress:
+    with Progress("scoring positions") as progress:
         found = placements.placement(
             arm,
             target.poses,
@@ -255,8 +254,6 @@ def placement(
             margin=margin or 0.0,
             collisions=collisions,
             threads=threads,
-            store=work.store,
-            client=client,
             progress=progress.tick,
         )
     if output is not None:
