@@ -281,14 +281,12 @@ def test_incomplete_geometry_is_said_and_never_called_free(shapes: tuple[str, st
     body = CollisionModel(urdf.read(tmp_path / "arm.urdf"))
     assert not body.has_geometry
     assert re.search(says, body.missing)
-    poses = {name: np.eye(4) for name in ("base", "rail", "tool")}
     q = [1.0, 0.0]
     for ask in (body.in_collision, body.distance, body.colliding_pairs, body.nearest_pair):
         with pytest.raises(UrdfError, match=says):
             ask(q)
-    for place in (body.in_collision_with, body.distance_with):
-        with pytest.raises(UrdfError, match=says):
-            place(poses)
+    with pytest.raises(UrdfError, match=says):
+        body.distance_with({name: np.eye(4) for name in ("base", "rail", "tool")})
 
 
 @pytest.mark.parametrize("ending", ["stl", "obj"])
@@ -393,34 +391,14 @@ def test_an_answer_does_not_depend_on_earlier_ones() -> None:
             np.testing.assert_array_equal(got, distances)
 
 
-# ---------------------------------------------------------------- placed by link poses
-
-
-@pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5"])
-def test_shapes_follow_given_link_poses(name: str) -> None:
-    """With Pinocchio's own link poses, moved as a whole, verdict and distance are those of the joint vector."""
-    from urdf_ik.cell.pinocchio_reference import Reference
-
-    body, entry = from_catalogue(name), catalogue.resolve(name)
-    q = np.random.default_rng(8).uniform(-3, 3, (20, 6))
-    turn = pin.SE3(pin.exp3(np.array([0.3, -1.0, 2.0])), np.array([1.0, -2.0, 0.5])).homogeneous
-    poses = {k: turn @ T for k, T in Reference(entry.path, entry.base, entry.tip).link_poses(q).items()}
-    np.testing.assert_array_equal(body.in_collision_with(poses), body.in_collision(q))
-    np.testing.assert_allclose(body.distance_with(poses), body.distance(q), atol=2e-6)
-
-
 def test_a_link_out_of_place_is_seen() -> None:
-    """A millimetre in one link's pose is a millimetre in the distance; a NaN pose is not checked."""
+    """A millimetre in one link's pose is a millimetre in the distance; a NaN pose is refused."""
     body = model(SPHERES)
     poses = {"base": np.eye(4), "rail": np.eye(4), "tool": np.eye(4)}
     poses["tool"][0, 3] = 1.0
     assert body.distance_with(poses) == pytest.approx(0.7, abs=1e-9)
     poses["tool"][0, 3] += 1e-3
     assert body.distance_with(poses) == pytest.approx(0.701, abs=1e-9)
-    assert body.in_collision_with(poses) is False
-    poses["tool"][0, 3] = 0.2
-    assert body.in_collision_with(poses) is True
     poses["tool"][0, 0] = np.nan
     with pytest.raises(PoseError, match="link 'tool' is not finite"):
-        body.in_collision_with(poses)
-    assert np.isnan(body.distance_with(poses))
+        body.distance_with(poses)

@@ -106,7 +106,6 @@ def test_the_same_as_pair_by_pair(name: str, reach: float, count: int) -> None:
         assert set(found) == touching | among
         assert list(found) == [pair for pair in model.checked_pairs if pair in touching | among]
         assert model.distance_with(arm.link_poses(q)) == pytest.approx(least, abs=5e-6)
-        assert model.in_collision_with(arm.link_poses(q)) == (least == 0.0)
         hits.append(least == 0.0)
     assert any(hits) or count == 5
 

@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.cell import allowed_collisions, coal_shapes, swept_motions
 from urdf_ik.cell.allowed_collisions import Table
 from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, ShapePair
-from urdf_ik.cell.pinocchio_reference import Reference, finite
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.cell.swept_motions import Motions
 from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.kinematics.chain import Chain, from_urdf
 from urdf_ik.model import srdf as srdf_reader
-from urdf_ik.model.poses import as_pose_array
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
@@ -415,38 +414,26 @@ class CollisionModel:
         swept_motions.check_length(start, end, self.joint_names)
         return swept_motions.motions(self.present_check(), start, end, margin)
 
-    def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
-        """:meth:`in_collision` with the links at given poses instead of Pinocchio's.
+    def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float:
+        """:meth:`distance` with the links at given poses instead of Pinocchio's, pair by pair, without bounds.
 
         Args:
-            link_poses: link name to (..., 4, 4) [m], all in one frame.
-
-        Returns:
-            A bool for one set of poses, else (...) bool.
+            link_poses: link name to (4, 4) [m], all in one frame.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4), or not finite.
+            PoseError: a link that has a shape has no pose, or a pose is not finite.
         """
-        hits: bool | NDArray[np.bool_] = self._each_placing(link_poses, False)
-        return hits
-
-    def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float | Array:
-        """:meth:`distance` with the links at given poses instead of Pinocchio's.
-
-        Args:
-            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
-                NaN.
-
-        Returns:
-            A float for one set of poses, else (...) [m].
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
-        """
-        distances: float | Array = self._each_placing(link_poses, np.nan)
-        return distances
+        self._require_geometry()
+        check = self.present_check()
+        needed = dict.fromkeys([*self.shapes.links, *([self.reference.base] if check.obstacles else [])])
+        if absent := sorted(set(needed) - set(link_poses)):
+            raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
+        poses = {link: np.asarray(link_poses[link], dtype=np.float64) for link in needed}
+        if bad := next((link for link, T in poses.items() if inputs.first_bad(T) is not None), None):
+            raise PoseError(f"the pose of link {quoted(bad)} is not finite: {poses[bad].tolist()}")
+        pairs = check.every_pair()
+        return check.nearest(self.shapes.place_at(poses), pairs, [-np.inf] * len(pairs))[1]
 
     def _require_geometry(self) -> None:
         if self._error is not None:
@@ -471,30 +458,6 @@ class CollisionModel:
             for i, pairs in check.bounds.near_in_rows(placed, margin):
                 placing = check.arm.place(Q[part.start + i])
                 yield part.start + i, (pair for pair in pairs if check.touches(placing, pair, margin))
-
-    def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
-        """Whether each set of link poses collides if ``otherwise`` is False; else the distances, or NaN."""
-        self._require_geometry()
-        check = self.present_check()
-        needed = dict.fromkeys([*self.shapes.links, *([self.reference.base] if check.obstacles else [])])
-        if absent := sorted(set(needed) - set(link_poses)):
-            raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
-        try:
-            poses = np.broadcast_arrays(*(as_pose_array(link_poses[link]) for link in needed))
-        except ValueError:
-            raise PoseError("the link poses are stacks whose shapes do not broadcast") from None
-        for link, T in zip(needed, poses, strict=True):
-            if otherwise is False and (bad := inputs.first_bad(T)) is not None:
-                raise PoseError(f"the pose of link {quoted(link)} is not finite: {T[bad]}", bad[:-2] or None)
-        stack = np.stack(poses, axis=-3)
-        out, pairs = np.full(stack.shape[:-3], otherwise), check.every_pair()
-        for index in finite(stack.reshape(*out.shape, -1)):
-            placing = self.shapes.place_at(dict(zip(needed, stack[index], strict=True)))
-            if otherwise is False:
-                out[index] = any(check.touches(placing, pair) for pair in pairs)
-            else:
-                out[index] = check.nearest(placing, pairs, [-np.inf] * len(pairs))[1]
-        return out.item() if out.ndim == 0 else out
 
 
 def _ask_about_millimetres(shapes: ArmShapes, chain: Chain) -> None:

@@ -11,7 +11,7 @@ from urdf_ik.model.urdf.checks import Defects, UrdfWarning
 from urdf_ik.model.xml import child, children, open_source, parse, tag
 from urdf_ik.support.text import meant
 
-__all__ = ["chain_groups", "disabled_pairs", "group_states", "groups_beside", "states_beside"]
+__all__ = ["chain_groups", "disabled_pairs", "groups_beside"]
 
 _FOLDERS = (".", "../srdf", "../config", "../moveit")
 """Folders that may hold a URDF's SRDF, relative to the URDF's folder."""
@@ -109,35 +109,6 @@ def chain_groups(
         if len(found) == 1 and group.get("name") and (strict or all(end in links for end in ends)):
             groups.append((group.get("name"), _two_links(found[0], "base_link", "tip_link", links, name)))
     return tuple(groups)
-
-
-def group_states(source: str | os.PathLike[str] | bytes) -> dict[str, dict[str, float]]:
-    """Read the ``<group_state>`` elements of an SRDF: postures by name, each the values of joints.
-
-    Args:
-        source: a path, or XML text.
-
-    Returns:
-        Joint names and values [rad or m] by the posture's name; joints with several values are left out.
-
-    Raises:
-        UrdfError: the SRDF cannot be read.
-    """
-    states: dict[str, dict[str, float]] = {}
-    for each in children(_opened(source)[0], "group_state"):
-        values = states.setdefault(each.get("name") or "", {})
-        for joint in children(each, "joint"):
-            with suppress(ValueError):
-                values[joint.get("name") or ""] = float(joint.get("value") or "")
-    return {name: values for name, values in states.items() if name and values}
-
-
-def states_beside(path: Path, robot: str) -> dict[str, dict[str, float]]:
-    """The postures of the SRDFs beside a URDF; see :func:`group_states` and :func:`groups_beside`."""
-    states: dict[str, dict[str, float]] = {}
-    for file in _beside(path, robot):
-        states = group_states(file) | states
-    return states
 
 
 def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, tuple[str, str]]:

@@ -452,7 +452,7 @@ class _Tallies:
             poses = self._arm.link_poses(q)
             theirs, hit = float(shapes.distance(q)), bool(shapes.in_collision(q))
             try:
-                ours, felt = float(shapes.distance_with(poses)), bool(shapes.in_collision_with(poses))
+                ours = shapes.distance_with(poses)
             except PoseError as error:
                 distance.add(np.inf, index, q, str(error))
                 verdict.add(1, index, q, str(error))
@@ -461,7 +461,7 @@ class _Tallies:
             apart = 0.0 if ours == theirs else abs(ours - theirs)  # both infinite: no pair is checked
             distance.add(apart, index, q, "" if nearest is None else " and ".join(nearest.links))
             # Where shapes touch to within coal's own tolerance, either verdict is right.
-            differ = hit != felt and not max(ours, theirs) <= CONTACT
+            differ = hit != (ours == 0.0) and not max(ours, theirs) <= CONTACT
             verdict.add(int(differ), index, q, ", ".join(map(" and ".join, shapes.colliding_pairs(q))))
         return len(every)
 

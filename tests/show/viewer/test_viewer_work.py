@@ -1,7 +1,6 @@
-"""The viewer as a tool: what is copied can be pasted; postures, keys."""
+"""The viewer as a tool: what is copied can be pasted; keys."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from wire import WirePage, wait
 
 import urdf_ik
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.model import catalogue
 
 pytest.importorskip("viser")
 
@@ -17,10 +15,7 @@ from urdf_ik.show.viewer import Viewer, panels  # noqa: E402
 from urdf_ik.show.viewer import state as states  # noqa: E402
 from urdf_ik.show.viewer.surroundings import points_beside  # noqa: E402
 
-ARM = "zyyzyz_6r"
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
-SRDF = """<robot name="{name}"><group_state name="home" group="arm">{joints}</group_state>
-<group_state name="half" group="arm"><joint name="joint_1" value="0.5"/></group_state></robot>"""
 
 
 @pytest.fixture(scope="module")
@@ -80,20 +75,6 @@ def test_pasting_moves_the_arm_and_says_what_is_wrong(viewer: Viewer, arm: urdf_
         page.change("Pose or q", "1 2")
         wait(lambda: "2 numbers given" in viewer.message)
         assert viewer.state is before
-
-
-def test_postures_come_from_the_srdf_beside(tmp_path: Path) -> None:
-    """A group state that names every joint is one; one that leaves joints open is not; zero is always there."""
-    file = tmp_path / "arm.urdf"
-    file.write_bytes(catalogue.resolve(ARM).path.read_bytes())
-    joints = "".join(f'<joint name="joint_{k + 1}" value="{value}"/>' for k, value in enumerate(Q))
-    arm = urdf_ik.load(file)
-    (tmp_path / "arm.srdf").write_text(SRDF.format(name=arm.model.name, joints=joints))
-    named = states.postures(arm)
-    assert named["home"].tolist() == Q.tolist() and named["zero"].tolist() == [0.0] * 6 and "half" not in named
-    with Viewer(arm, port=0) as viewer, WirePage(viewer) as page:
-        page.change("Posture", "home")
-        wait(lambda: np.allclose(viewer.state.q, Q, rtol=0.0, atol=1e-12))
 
 
 def test_the_keys_steps_go_round_the_solutions(arm: urdf_ik.Arm) -> None:

@@ -38,7 +38,7 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
-        work: the widgets to paste, copy and choose postures.
+        work: the widgets to paste and copy.
         path: the widgets of the plan that is shown, or None.
         path_drawing: the path in the scene, or None.
         track: the plan that is shown, or None.

@@ -1,4 +1,4 @@
-"""The widgets of the viewer's page: arm, path, text and postures, another arm; they mirror a State."""
+"""The widgets of the viewer's page: arm, path, text, another arm; they mirror a State."""
 
 import math
 import re
@@ -29,7 +29,7 @@ READING = threading.Lock()
 older value after a newer one."""
 _STEP, _DIGITS = 0.001, 3  # rad or m
 _PLACE_STEP = 0.1  # waypoints
-_NO_POSTURE, _NO_CHOICE = "posture ...", "catalogue ..."
+_NO_CHOICE = "catalogue ..."
 _LETTERS = 54
 """As many fit on a button of a wide window."""
 STYLE = """<style>
@@ -267,11 +267,10 @@ def _plan_status(track: Track) -> str:
 
 
 class WorkPanel:
-    """A pose or joint vector to paste or copy, postures by name, and keys.
+    """A pose or joint vector to paste or copy, and keys.
 
     Attributes:
         text: where a pose or a joint vector is pasted.
-        postures: names of postures.
         copied: the joint vector and the target as Python, to be selected and copied.
     """
 
@@ -280,16 +279,13 @@ class WorkPanel:
     ) -> None:
         """Add the widgets; ``change`` is called with what makes the next state, ``say`` with what is wrong."""
         self._arm, self._change, self._say = arm, change, say
-        self._postures = states.postures(arm)
-        self._folder = gui.add_folder("Paste, copy, postures", expand_by_default=False, order=5e8)
+        self._folder = gui.add_folder("Paste, copy", expand_by_default=False, order=5e8)
         with self._folder:
             hint = "q = [...], 16 numbers of a matrix, or x y z and a quaternion"
             self.text = gui.add_text("Pose or q", "", hint=hint)
-            self.postures = gui.add_dropdown("Posture", (_NO_POSTURE, *self._postures))
             self.copied = gui.add_markdown("")
         self._keys = [gui.add_command("Next solution", hotkey="N"), gui.add_command("Previous solution", hotkey="P")]
         on_change(self.text, self._typed)
-        on_change(self.postures, self._posed)
         for key, step in zip(self._keys, (1, -1), strict=True):
             key.on_trigger(lambda _, step=step: change(lambda state: states.with_next(state, step)))
 
@@ -313,10 +309,6 @@ class WorkPanel:
         self._say("")
         step = states.with_joints if kind == "q" else states.with_target
         self._change(lambda state: step(state, value))
-
-    def _posed(self, name: str) -> None:
-        if (q := self._postures.get(name)) is not None:
-            self._change(lambda state: states.with_joints(state, q))
 
 
 def add_sources(gui: Any, choose: Callable[[str], None], name: Callable[[], str], page: Callable[[], str]) -> None:

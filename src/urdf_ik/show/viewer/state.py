@@ -12,8 +12,7 @@ from urdf_ik.cell import CollisionModel, World
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.export.page import example
 from urdf_ik.ik.redundancy import Intervals
-from urdf_ik.ik.solutions import IKSolutions, Singular, distances, limits
-from urdf_ik.model import srdf
+from urdf_ik.ik.solutions import IKSolutions, Singular, distances
 from urdf_ik.typing import Array
 
 # rad or m: the arm stands at a solution that is this close to it.
@@ -149,21 +148,6 @@ def with_next(state: State, step: int) -> State:
     at = state.nearest(tuple(inside))
     there = state.chosen is not None and at is not None and state.ghosts[state.chosen] is inside[at]
     return replace(state, q=inside[((at or 0) + step * there) % len(inside)].q)
-
-
-def postures(arm: Arm) -> dict[str, Array]:
-    """Named joint vectors (n,) rad or m: zero, the middle of the limits, and those of SRDFs beside the URDF.
-
-    Those that leave a joint of the arm open, or stand outside the limits, are left out.
-    """
-    named = {"zero": np.zeros(arm.dof)}
-    if np.isfinite(arm.limits).all():
-        named["middle of the limits"] = arm.limits.mean(axis=1)
-    states = {} if arm.model.path is None else srdf.states_beside(arm.model.path, arm.model.name)
-    for name, values in states.items():
-        if set(arm.joint_names) <= set(values):
-            named[name] = np.array([values[joint] for joint in arm.joint_names])
-    return {name: q for name, q in named.items() if limits.room(q, arm.limits) >= -limits.LIMIT_TOLERANCE}
 
 
 def _moved(state: State) -> State:
