@@ -75,16 +75,16 @@ class ArmShapes:
         work, model, base = self._work, self.reference.pin_model, self.reference.base_frame
         pin.updateGeometryPlacements(model, work.data, self.geometry, work.geometry, self.reference.configuration(q))
         frame = model.frames[base]
-        return Placing(work.geometry.oMg, work.data.oMi[frame.parentJoint] * frame.placement, {}, {})
+        return _Placing(work.geometry.oMg, work.data.oMi[frame.parentJoint] * frame.placement, {}, {})
 
     def place_at(self, link_poses: Mapping[str, Array]) -> "Placing":
         """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
         shapes = [se3[link] * offset for link, offset in zip(self.links, self.offsets, strict=True)]
-        return Placing(shapes, se3.get(self.reference.base), {}, {})
+        return _Placing(shapes, se3.get(self.reference.base), {}, {})
 
 
-class Placing(NamedTuple):
+class _Placing(NamedTuple):
     """Where everything is.
 
     Attributes:
@@ -175,7 +175,7 @@ class CoalCheck:
         shape, obstacle = self._with_obstacle(pair)
         return self.arm.links[shape], self.obstacles.standing[obstacle].name
 
-    def touches(self, placing: Placing, pair: int, margin: float = 0.0, *, hulls: bool = False) -> bool:
+    def touches(self, placing: _Placing, pair: int, margin: float = 0.0, *, hulls: bool = False) -> bool:
         """Whether a pair comes within a margin [m], its convex hulls first; ``hulls``: whether these do."""
         request = self.arm.request
         for first, second, grown, (at, there) in self._solids(placing, pair, hulls):
@@ -184,7 +184,7 @@ class CoalCheck:
                 return False
         return True
 
-    def distance(self, placing: Placing, pair: int, hulls: bool = False) -> float:
+    def distance(self, placing: _Placing, pair: int, hulls: bool = False) -> float:
         """Distance of a pair [m], or of its hulls, which is a lower bound; zero or less in collision."""
         *_, (first, second, grown, (at, there)) = self._solids(placing, pair, hulls)
         result = coal.DistanceResult()
@@ -198,7 +198,7 @@ class CoalCheck:
         shape, obstacle = self._with_obstacle(pair)
         return self.arm.solids[shape], self.obstacles.bounds[obstacle].solid
 
-    def _solids(self, placing: Placing, pair: int, hulls: bool) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
+    def _solids(self, placing: _Placing, pair: int, hulls: bool) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
         """Coal's geometries of a pair, the second one's inflation [m], and the poses of both."""
         one, other = self._both(pair)
         if pair < len(self.pairs):
@@ -215,7 +215,7 @@ class CoalCheck:
 
     def nearest(
         self,
-        placing: Placing,
+        placing: _Placing,
         pairs: Sequence[int],
         least: Sequence[float],
         known: dict[tuple[int, bool], float] | None = None,

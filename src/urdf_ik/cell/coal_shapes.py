@@ -85,7 +85,7 @@ def build(model: UrdfModel, pin_model: Any) -> tuple[Any, list["Solid"]]:
         placed = pin.buildGeomFromUrdfString(pin_model, etree.tostring(tree).decode(), pin.GeometryType.COLLISION)
         for file in files.values():
             if file not in solids:
-                solids[file] = MeshFile(*file, model.source)
+                solids[file] = _MeshFile(*file, model.source)
     except (OSError, ValueError, RuntimeError, MemoryError) as error:
         raise UrdfError(f"a collision shape cannot be read: {_reason(error)}", source=model.source) from None
     if not placed.ngeoms:
@@ -192,7 +192,7 @@ class Solid:
         return centres, radii
 
 
-class MeshFile(Solid):
+class _MeshFile(Solid):
     """A mesh's file. Coal reads it when a query first comes near it.
 
     Its hull and its balls are kept in the user's cache folder, by the content of the file.
@@ -298,7 +298,7 @@ def _farthest(points: Array, centre: Array) -> float:
     return float(np.sqrt(np.einsum("ki,ki->k", away, away).max()))
 
 
-class Bounded(NamedTuple):
+class _Bounded(NamedTuple):
     """A shape of a world as coal has it, within a rounded box: exact for boxes, spheres, capsules and half-spaces.
 
     Attributes:
@@ -316,20 +316,20 @@ class Bounded(NamedTuple):
     cloud: Any = None
 
 
-def _bounded(shape: Shape) -> Bounded:
+def _bounded(shape: Shape) -> _Bounded:
     solid = Solid(geometry(shape))
     match shape:
         case Sphere(radius):
-            return Bounded(solid, np.eye(4), (np.zeros(3), np.zeros(3)), radius)
+            return _Bounded(solid, np.eye(4), (np.zeros(3), np.zeros(3)), radius)
         case Capsule(radius, length):
             end = np.array([0.0, 0.0, 0.5 * length])
-            return Bounded(solid, np.eye(4), (-end, end), radius)
+            return _Bounded(solid, np.eye(4), (-end, end), radius)
         case HalfSpace(normal, offset):
             frame = np.eye(4)
             # Any orthonormal axes whose z is the normal.
             frame[:3, :3] = np.roll(np.linalg.svd(np.array(normal)[:, None])[0], -1, axis=1)
             frame[:3, 2] = normal
-            return Bounded(solid, frame, (np.full(3, -np.inf), np.array([np.inf, np.inf, offset])), 0.0)
+            return _Bounded(solid, frame, (np.full(3, -np.inf), np.array([np.inf, np.inf, offset])), 0.0)
     solid.exact.computeLocalAABB()
     box = solid.exact.aabb_local
     cloud = None
@@ -337,13 +337,13 @@ def _bounded(shape: Shape) -> Bounded:
         from scipy.spatial import cKDTree  # slow to import, and only clouds need it
 
         cloud = cKDTree(shape.points)
-    return Bounded(solid, np.eye(4), (np.array(box.min_), np.array(box.max_)), shape.inflation, cloud)
+    return _Bounded(solid, np.eye(4), (np.array(box.min_), np.array(box.max_)), shape.inflation, cloud)
 
 
-_BOUNDED: dict[int, tuple[weakref.ref[Shape], Bounded]] = {}
+_BOUNDED: dict[int, tuple[weakref.ref[Shape], _Bounded]] = {}
 
 
-def bounded(shape: Shape) -> Bounded:
+def bounded(shape: Shape) -> _Bounded:
     """A shape as coal has it, made once and kept as long as the shape is."""
     key = id(shape)
     if key not in _BOUNDED:

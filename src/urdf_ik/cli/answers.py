@@ -24,7 +24,7 @@ _BATCH = 512
 
 
 @dataclass(frozen=True)
-class CheckedSolutions:
+class _CheckedSolutions:
     """The solutions of N poses, each with its checks; an array is None where its check was not asked for.
 
     Attributes:
@@ -181,7 +181,7 @@ def checked(
     collisions: bool,
     world: World | None = None,
     tick: Callable[[int, int], None],
-) -> CheckedSolutions:
+) -> _CheckedSolutions:
     """Check the solutions of poses (N, 4, 4); ``tick(done, total)`` reports how far the checks are.
 
     ``world``: obstacles that count as collisions.
@@ -212,7 +212,7 @@ def checked(
                 if not free[i, b]:
                     hits[int(i), int(b)] = body.colliding_pairs(q[i, b])
                 tick(done + 1, len(todo))
-    return CheckedSolutions(arm, poses, solutions, angles, within, turned, free, hits, unchecked, measured, unmeasured)
+    return _CheckedSolutions(arm, poses, solutions, angles, within, turned, free, hits, unchecked, measured, unmeasured)
 
 
 def flags(singular: int) -> list[str]:
@@ -220,7 +220,7 @@ def flags(singular: int) -> list[str]:
     return [str(flag.name).lower() for flag in Singular if flag & int(singular)] if singular else []
 
 
-def as_text(answer: CheckedSolutions, note: str) -> str:
+def as_text(answer: _CheckedSolutions, note: str) -> str:
     """The solutions of a few poses, or a summary of many."""
     arm, angles = answer.arm, answer.angles
     head = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}"]
@@ -248,7 +248,7 @@ def as_text(answer: CheckedSolutions, note: str) -> str:
     return tables.render(*lines)
 
 
-def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
+def _solutions(answer: _CheckedSolutions, pose: int) -> list[str]:
     """Every solution of one pose: branch, joint values, checks; in two tables where one would be too wide."""
     angles, names = answer.angles, answer.solutions.names[pose]
     places = np.flatnonzero(answer.solutions.valid[pose]).tolist()
@@ -279,7 +279,7 @@ def _solutions(answer: CheckedSolutions, pose: int) -> list[str]:
     return [*whole, *notes]
 
 
-def _checks(answer: CheckedSolutions, pose: int, b: int) -> dict[str, str]:
+def _checks(answer: _CheckedSolutions, pose: int, b: int) -> dict[str, str]:
     """The checks of a solution by the heads of their columns."""
     row = {} if answer.configurations is None else {"configuration": str(answer.configurations[pose, b])}
     row["in limits"] = "yes" if answer.within[pose, b] else "by turns" if answer.turned[pose, b] else "no"
@@ -292,7 +292,7 @@ def _checks(answer: CheckedSolutions, pose: int, b: int) -> dict[str, str]:
     return row
 
 
-def _summary(answer: CheckedSolutions) -> list[str]:
+def _summary(answer: _CheckedSolutions) -> list[str]:
     """Many poses in a few lines: how many were solved, how many solutions they have, the worst error."""
     counts, columns = answer.counts, answer.columns
     solved, total = int((counts > 0).sum()), int(counts.sum())

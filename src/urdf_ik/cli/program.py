@@ -43,7 +43,7 @@ _STEPS = """urdf-ik {version}: every inverse-kinematics solution of a robot arm,
 urdf-ik --help lists every command, urdf-ik COMMAND --help its options."""
 
 
-class GroupedCommand(TyperCommand):
+class _GroupedCommand(TyperCommand):
     """A command whose options stand in named groups, and whose lists of numbers may be typed with spaces."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -90,7 +90,7 @@ def with_commas(args: Sequence[str], lists: Collection[str]) -> list[str]:
 def _command(name: str, file: str) -> Any:
     function = getattr(import_module(f"urdf_ik.cli.commands.{file}"), name)
     one = typer.Typer(add_completion=False, **_STYLE)
-    one.command(name, cls=GroupedCommand, help=_help(function.__doc__))(options.expanded(function))
+    one.command(name, cls=_GroupedCommand, help=_help(function.__doc__))(options.expanded(function))
     return typer.main.get_command(one)
 
 
@@ -101,7 +101,7 @@ def _help(docstring: str) -> str:
     return f"{text}\n\n\b\nExamples:\n{examples}"
 
 
-class Commands(TyperGroup):
+class _Commands(TyperGroup):
     """The group of all commands; an error of this package becomes one message on stderr and an exit status."""
 
     def __init__(self, **attributes: Any) -> None:
@@ -173,7 +173,7 @@ def _not_written(error: OSError) -> Status:
 
 app = typer.Typer(
     name="urdf-ik",
-    cls=Commands,
+    cls=_Commands,
     help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
     context_settings={"help_option_names": ["-h", "--help"]},
     **_STYLE,

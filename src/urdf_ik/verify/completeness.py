@@ -354,7 +354,7 @@ STEP, STEPS = 0.02, 2000
 
 
 @dataclass
-class Unmatched:
+class _Unmatched:
     """Solutions that only one of two answers to a pose has.
 
     Attributes:
@@ -401,9 +401,9 @@ class Sameness:
         self._chain = chain
         self._fold = fold
 
-    def unmatched(self, T: Array, planted: Array, first: Array, second: Array) -> Unmatched:
+    def unmatched(self, T: Array, planted: Array, first: Array, second: Array) -> _Unmatched:
         """Compare two answers (k, 6), (m, 6) to the pose T (4, 4), made of a planted joint vector (6,)."""
-        out = Unmatched(np.concatenate([first, second, planted[None]]))
+        out = _Unmatched(np.concatenate([first, second, planted[None]]))
         for mine, theirs, only in ((first, second, out.only_first), (second, first, out.only_second)):
             position, rotation = self.reference.errors(mine, T)
             for i, q in enumerate(mine):
@@ -423,7 +423,7 @@ class Sameness:
         far = largest_apart(others, q)
         return float(far[far > SAME].min(initial=np.inf))
 
-    def has(self, T: Array, q: Array, others: Array, count: Unmatched | None = None) -> bool:
+    def has(self, T: Array, q: Array, others: Array, count: _Unmatched | None = None) -> bool:
         """Whether q (6,) is one of the others (k, 6), solutions of the pose T (4, 4).
 
         ``count`` counts double roots and continua.

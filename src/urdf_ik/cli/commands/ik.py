@@ -27,7 +27,7 @@ First = Literal["position", "orientation"]
 
 
 @dataclass(frozen=True)
-class Choice(options.Record):
+class _Choice(options.Record):
     """Options that choose solutions, as typed.
 
     Options:
@@ -201,7 +201,7 @@ def ik(
     axis: str | None = None,
     redundancy: str | None = None,
     nearest_posture: Nearest,
-    choice: Choice,
+    choice: _Choice,
     world: Path | None = None,
     check: bool | None = None,
     chosen: ArmOptions,

@@ -94,7 +94,7 @@ class PathOptions(options.Record):
         return out
 
 
-class Followed(NamedTuple):
+class _Followed(NamedTuple):
     """A plan, the arm that follows it, the file of its waypoints, its world, the cost that is least, and seconds."""
 
     arm: Arm
@@ -107,14 +107,14 @@ class Followed(NamedTuple):
 
 def followed(
     arm: Arm, angles: Angles, waypoints: PoseOptions | targets.Target, path: PathOptions, chosen: ArmOptions
-) -> Followed:
+) -> _Followed:
     """Read the waypoints, if they are not read yet, and the world, and follow them."""
     settings = PathSettings(**path.in_rad(angles, chosen, arm.joint_names))
     with Progress("following the path") as progress:
         if isinstance(waypoints, PoseOptions):
             waypoints = targets.required(arm, waypoints, angles, "waypoints")
         plan = arm.follow(waypoints.poses, **vars(settings) | {"progress": progress.say})
-    return Followed(arm, plan, waypoints.source, settings.world, settings.cost, progress.seconds)
+    return _Followed(arm, plan, waypoints.source, settings.world, settings.cost, progress.seconds)
 
 
 def path(
@@ -180,7 +180,7 @@ def path(
         raise typer.Exit(Status.FAILED)
 
 
-def _text(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
+def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     head = f"{arm.name}: {arm.base} to {arm.tip}, {counted(len(plan.poses), 'waypoint')} from {found.source}"
@@ -214,7 +214,7 @@ def _text(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[
     return tables.render(head, tables.outline(about | {"joints": joints, "changes": changes, "branches": branches}))
 
 
-def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> dict[str, str]:
+def _facts(found: _Followed, angles: Angles, in_time: Timed | None) -> dict[str, str]:
     """What is known of a plan, by its heading."""
     plan, arm, margins = found.plan, found.arm, found.plan.margins
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
@@ -243,7 +243,7 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> dict[str, 
     return facts
 
 
-def _cost(found: Followed, plan: Plan, angles: Angles) -> float:
+def _cost(found: _Followed, plan: Plan, angles: Angles) -> float:
     """The cost as shown: of an arm that turns only, in the unit of its angles."""
     if found.cost == "time" or not angles.turning.all():
         return plan.cost
@@ -262,7 +262,7 @@ def _clearance(plan: Plan) -> float:
     return np.nan if np.isnan(clearance).all() else float(np.nanmin(clearance))
 
 
-def _data(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> dict[str, Any]:
+def _data(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> dict[str, Any]:
     """The plan with its margins, or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     turned = angles.degrees and angles.turning.all() and found.cost != "time"

@@ -22,7 +22,7 @@ _VALUES = ("collision-free", "manipulability", "margin", "clearance")
 
 
 @dataclass(frozen=True)
-class StoreOptions(options.Record):
+class _StoreOptions(options.Record):
     """The folder that keeps long work and the workers that do it, as typed.
 
     Options:
@@ -53,7 +53,7 @@ class StoreOptions(options.Record):
 
 
 @dataclass(frozen=True)
-class MapOptions(options.Record):
+class _MapOptions(options.Record):
     """Options of a map that have the names of ``urdf_ik.maps.workspace``'s arguments.
 
     Options:
@@ -73,7 +73,7 @@ class MapOptions(options.Record):
 
     def changed(self) -> dict[str, Any]:
         """The options that differ from their defaults."""
-        out = {name: value for name, value in asdict(self).items() if value != getattr(MapOptions, name)}
+        out = {name: value for name, value in asdict(self).items() if value != getattr(_MapOptions, name)}
         for kind in console.split(out.pop("values", "")):
             if kind not in _VALUES:
                 raise usage(f"no value is called {kind!r}; there are {', '.join(_VALUES)}", "--values")
@@ -83,9 +83,9 @@ class MapOptions(options.Record):
 
 def workspace(
     *,
-    map: MapOptions,  # noqa: A002  the group of its options
+    map: _MapOptions,  # noqa: A002  the group of its options
     world: Path | None = None,
-    work: StoreOptions,
+    work: _StoreOptions,
     chosen: ArmOptions,
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,

@@ -38,7 +38,7 @@ _DASHES = 40
 _FORBIDDEN, _CONTACT, _REACH = "0.87", "tab:red", "tab:purple"
 
 
-class Background(NamedTuple):
+class _Background(NamedTuple):
     """All solutions at some waypoints.
 
     Attributes:
@@ -108,7 +108,7 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
     return figure
 
 
-def background(plan: Plan) -> Background:
+def background(plan: Plan) -> _Background:
     """All solutions of a path's waypoints, or of as many as can be drawn, and what forbids them."""
     arm, parameter = plan.solver.arm, plan.solver.parameter
     count = len(plan.poses)
@@ -128,7 +128,7 @@ def background(plan: Plan) -> Background:
     free = np.ones(inside.shape, dtype=np.bool_)
     if plan.obstacles is not None and inside.any():
         free[inside] = plan.obstacles.free(best[inside])
-    return Background(at, q, branch, inside, free)
+    return _Background(at, q, branch, inside, free)
 
 
 def _with_others(plan: Plan, at: NDArray[np.intp], grid: Array) -> Array:
@@ -143,7 +143,7 @@ def _with_others(plan: Plan, at: NDArray[np.intp], grid: Array) -> Array:
     return np.asarray(values)
 
 
-def _panel(axes: Any, plan: Plan, found: Background, joint: int, shades: list[Any], scale: float, ends: Array) -> None:
+def _panel(axes: Any, plan: Plan, found: _Background, joint: int, shades: list[Any], scale: float, ends: Array) -> None:
     """One joint: limits, shaded waypoints, all solutions, and the plan."""
     low, high = ends
     if plan.found:
@@ -172,7 +172,7 @@ def _panel(axes: Any, plan: Plan, found: Background, joint: int, shades: list[An
 
 
 def _curves(
-    arm: Arm, found: Background, joint: int, shades: list[Any], bottom: float, top: float
+    arm: Arm, found: _Background, joint: int, shades: list[Any], bottom: float, top: float
 ) -> tuple[Array, Array, Array]:
     """Pieces (k, 2, 2) of the solutions' curves between neighbouring waypoints, and the width and colour of each."""
     q, slides = found.q[..., joint], bool(arm.chain.prismatic[joint])
@@ -211,7 +211,7 @@ def _curves(
     return np.concatenate(pieces)[order], width[chosen][order], colour[chosen][order]
 
 
-def _closed(plan: Plan, found: Background) -> list[tuple[float, float, Any]]:
+def _closed(plan: Plan, found: _Background) -> list[tuple[float, float, Any]]:
     """Runs of waypoints at which nothing is left: first and last, and the colour of why."""
     if plan.found:
         return []
@@ -242,7 +242,7 @@ def _plan(axes: Any, plan: Plan, values: Array) -> None:
     axes.plot(place[[0, -1]], values[[0, -1]], "o", color="black", markersize=3.5, zorder=6)
 
 
-def _stops(axes: Any, plan: Plan, found: Background, joint: int, shades: list[Any], scale: float) -> None:
+def _stops(axes: Any, plan: Plan, found: _Background, joint: int, shades: list[Any], scale: float) -> None:
     """Where the ways from each start branch end: a line, and a cross on the branch's own curve where it has one."""
     names = plan.solver.structure.branches
     low, high = axes.get_ylim()
@@ -271,7 +271,7 @@ def _title(plan: Plan) -> str:
     return f"{name}: {count} waypoints, cost {plan.cost:.4g}{changes}"
 
 
-def _legend(plan: Plan, found: Background, shades: list[Any]) -> list[Any]:
+def _legend(plan: Plan, found: _Background, shades: list[Any]) -> list[Any]:
     """What the lines and shades mean, of those that are there."""
     handles: list[Any] = []
     if plan.found:
