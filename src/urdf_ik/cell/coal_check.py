@@ -70,14 +70,14 @@ class ArmShapes:
         """The calling thread's request to coal; the caller sets its margin."""
         return self._work.request
 
-    def place(self, q: Array) -> "Placing":
+    def place(self, q: Array) -> "_Placing":
         """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
         work, model, base = self._work, self.reference.pin_model, self.reference.base_frame
         pin.updateGeometryPlacements(model, work.data, self.geometry, work.geometry, self.reference.configuration(q))
         frame = model.frames[base]
         return _Placing(work.geometry.oMg, work.data.oMi[frame.parentJoint] * frame.placement, {}, {})
 
-    def place_at(self, link_poses: Mapping[str, Array]) -> "Placing":
+    def place_at(self, link_poses: Mapping[str, Array]) -> "_Placing":
         """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
         shapes = [se3[link] * offset for link, offset in zip(self.links, self.offsets, strict=True)]

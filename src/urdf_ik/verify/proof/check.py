@@ -1,8 +1,7 @@
 """check_proof(): whether answers that claim to be complete are, by theorems evaluated in ball arithmetic."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -13,23 +12,23 @@ from urdf_ik.support.report import Report
 from urdf_ik.support.watch import Watch
 
 try:
-    from flint import acb, arb
+    from flint import acb
 except ImportError as error:  # python-flint is an extra
     raise extras.missing("proofs are checked in ball arithmetic", "proof") from error
 
 from urdf_ik.arm import Arm
-from urdf_ik.ik.solutions import Cluster, IKSolutions, Proof
+from urdf_ik.ik.solutions import IKSolutions, Proof
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.watch import Progress
 from urdf_ik.typing import Array
 from urdf_ik.verify.proof.loop import EIGHT, Loop, exact, ideal, largest
-from urdf_ik.verify.proof.roots import ClusterEnclosure, Enclosure, cluster, enclosed, outside, search, single_root
+from urdf_ik.verify.proof.roots import ClusterEnclosure, Complex, Enclosure, enclosed, search, single_root
 
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
 _ROUNDS = 20  # of the search for complex roots
 _AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
 _BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
-_TOGETHER = 1e-5  # rad; the roots of a cluster as narrow as that may stand as one solution
+_TOGETHER = 1e-5  # rad; a solution of a clustered answer may stand for a pair that is real to this
 _SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
 _SHARP = 1e-9  # rad; a box as narrow as that is as good as its root
 
@@ -176,9 +175,28 @@ def examine(
         clustered: whether the answer leaves some of its solutions to the rounding of the pose.
     """
     answer = _Answer(solutions, clustered)
-    if proof is not None and proof.counted == proof.expected == SIXTEEN:
-        return _by_account(loop, answer, proof, rng)
-    return _by_search(loop, answer, rng)
+    if loop.out_of_reach:
+        return _answered(loop, answer, [], [])
+    near = ideal(loop)
+    if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
+        return _by_family(loop, near[0], answer, rng)
+    starts: list[Complex] = [solutions.astype(np.complex128)]
+    starts += [] if proof is None else [proof.roots, *_around(proof)]
+    singles, clusters = search(loop, np.concatenate(starts), SIXTEEN, rng, _ROUNDS)
+    count = len(singles) + sum(group.count for group in clusters)
+    if count == SIXTEEN:
+        return _answered(loop, answer, singles, clusters)
+    if near is None:
+        return None, f"{count} of {SIXTEEN} roots are enclosed"
+    return _by_family(loop, near[0], answer, rng)
+
+
+def _around(proof: Proof) -> Iterator[Complex]:
+    """Starts in the clusters of the solver's account: in a wide one this precision tells the roots apart."""
+    for each in proof.clusters:
+        steps = np.multiply.outer((0.0, 1.0, 0.3, 0.1, 0.03, 0.01), (1, -1, 1j, -1j)).ravel() * each.along
+        for direction in each.directions[6 - each.lost :].conj():
+            yield each.centre + np.unique(steps)[:, None] * direction
 
 
 class _Answer(NamedTuple):
@@ -188,74 +206,8 @@ class _Answer(NamedTuple):
     clustered: bool
 
 
-def _by_account(loop: Loop, answer: _Answer, proof: Proof, rng: np.random.Generator) -> tuple[bool | None, str]:
-    singles: list[Enclosure] = []
-    for k, (root, inner, real) in enumerate(zip(proof.roots, proof.inner, proof.real, strict=True)):
-        found = single_root(loop, exact(root))
-        if isinstance(found, str):
-            return False, f"root {k}: {found}"
-        if not found.distance(exact(root)) < arb(float(inner)):
-            return False, f"root {k} is outside of its ball, {float(found.distance(exact(root))):.1e} rad off"
-        if found.real != bool(real):
-            return False, f"root {k} is {'real' if found.real else 'not real'}, and is called the opposite"
-        singles.append(found)
-    clusters: list[ClusterEnclosure] = []
-    for k, each in enumerate(proof.clusters):
-        counted = cluster(loop, each.centre, each.lost, each.along, each.across)
-        if not isinstance(counted, str):
-            clusters.append(counted)
-        elif len(members := _members(loop, each)) < each.count:
-            # The solver's bounds are finer: that these fail disproves nothing.
-            return _by_search(loop, answer, rng, f"cluster {k}: {counted}")
-        elif each.along < _TOGETHER:
-            # The members are that close to the centre in every joint; the radius is in the 2-norm.
-            radius = arb(6).sqrt() * arb(each.along + each.across)
-            clusters.append(ClusterEnclosure(tuple(exact(each.centre)), radius, each.count))
-        else:
-            singles += members
-    if (same := _overlap(singles, clusters)) is not None:
-        return False, f"{same[0]} and {same[1]} are not apart"
-    total = len(singles) + sum(each.count for each in clusters)
-    if total != SIXTEEN:
-        return False, f"{total} roots are accounted for, and six turning joints have up to {SIXTEEN}"
-    return _answered(loop, answer, singles, clusters)
-
-
-def _members(loop: Loop, claimed: Cluster) -> list[Enclosure]:
-    """The roots of a cluster one by one, as far as they are found: in a wide one this precision tells them apart."""
-    found: list[Enclosure] = []
-    for direction in claimed.directions[6 - claimed.lost :].conj():
-        for share in (1.0, 0.3, 0.1, 0.03, 0.01):
-            for way in (1, -1, 1j, -1j):
-                root = single_root(loop, exact(claimed.centre + share * way * claimed.along * direction))
-                if isinstance(root, str) or not all(root.apart(other) for other in found):
-                    continue
-                if not root.distance(exact(claimed.centre)) < arb(claimed.along + claimed.across):
-                    continue
-                found.append(root)
-                if len(found) == claimed.count:
-                    return found
-    return found
-
-
-def _by_search(loop: Loop, answer: _Answer, rng: np.random.Generator, otherwise: str = "") -> tuple[bool | None, str]:
-    """All complex roots, found here: of the arm as written, or of the nearest ideal arm; or why they are not."""
-    if loop.out_of_reach:
-        return _answered(loop, answer, [], [])
-    near = ideal(loop)
-    if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
-        return _by_family(loop, near[0], answer, rng)
-    singles, clusters = search(loop, answer.solutions, SIXTEEN, rng, _ROUNDS)
-    count = len(singles) + sum(group.count for group in clusters)
-    if count == SIXTEEN:
-        return _answered(loop, answer, singles, clusters)
-    if near is None:
-        return None, otherwise or f"{count} of {SIXTEEN} roots are enclosed"
-    return _by_family(loop, near[0], answer, rng)
-
-
 def _by_family(loop: Loop, near: Loop, answer: _Answer, rng: np.random.Generator) -> tuple[bool | None, str]:
-    boxes, _ = search(near, answer.solutions, EIGHT, rng, _ROUNDS)
+    boxes, _ = search(near, answer.solutions.astype(np.complex128), EIGHT, rng, _ROUNDS)
     if len(boxes) != EIGHT:
         return None, f"{len(boxes)} of the {EIGHT} roots of the nearest ideal arm are enclosed"
     singles: list[Enclosure] = []
@@ -296,10 +248,11 @@ def _answered(
         if best is not None and _as_one(loop, singles[best], here):
             if singles[best].real:
                 near[best].append(n)
-            elif answer.clustered and any(root.real and _as_one(loop, root, here) for root in singles):
+                continue
+            off = float(largest([acb(value.imag) for value in singles[best].centre]))
+            if answer.clustered and (off < _TOGETHER or any(r.real and _as_one(loop, r, here) for r in singles)):
                 between.append(here)
             else:
-                off = float(largest([acb(value.imag) for value in singles[best].centre]))
                 undecided = f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
             if not answer.clustered or not largest(loop.residual(loop.values(here))) < _SAME_POSE:
@@ -325,17 +278,3 @@ def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:
     if apart < _SOLUTION:
         return True
     return bool(apart < _BESIDE and largest(loop.residual(loop.values(root.towards(q)))) < _SAME_POSE)
-
-
-def _overlap(singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]) -> tuple[str, str] | None:
-    """The names of two enclosures that may hold the same root; None if there are none."""
-    every: list[tuple[str, Enclosure | ClusterEnclosure]] = [(f"root {k}", one) for k, one in enumerate(singles)]
-    every += [(f"cluster {k}", one) for k, one in enumerate(clusters)]
-    return next(((a, b) for (a, one), (b, other) in combinations(every, 2) if not _apart(one, other)), None)
-
-
-def _apart(one: Enclosure | ClusterEnclosure, other: Enclosure | ClusterEnclosure) -> bool:
-    """Whether two enclosures have no point in common; of a box and a polydisc the box comes first."""
-    if isinstance(one, ClusterEnclosure):
-        return isinstance(other, ClusterEnclosure) and bool(one.distance(other.centre) > one.radius + other.radius)
-    return one.apart(other) if isinstance(other, Enclosure) else outside(one, other)

@@ -275,12 +275,12 @@ _CLEAR = 7.0  # sum of the imaginary parts [rad] up to which a double tells a ro
 _FARTHEST = 20.0  # imaginary part [rad] beyond which e^(6 y) leaves no digit of a double
 
 
-def search(loop: Loop, starts: NDArray[np.float64], number: int, rng: np.random.Generator, rounds: int) -> Found:
+def search(loop: Loop, starts: Complex, number: int, rng: np.random.Generator, rounds: int) -> Found:
     """Enclosures of distinct roots, until they count ``number`` or the rounds are over.
 
     Args:
         loop: the loop equations.
-        starts: (k, 6) known joint vectors [rad].
+        starts: (k, 6) where the search begins [rad], such as known joint vectors.
         number: how many roots there are at most, counted with multiplicity.
         rng: source of the random starts.
         rounds: how often random starts are tried.
