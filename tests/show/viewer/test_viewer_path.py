@@ -41,47 +41,21 @@ def blocked(arm: Arm) -> Plan:
 
 def test_the_arm_stands_where_the_plan_puts_it(arm: Arm, plan: Plan) -> None:
     """At a waypoint the plan's joint vector, and half way to the next one the middle of the motion between them."""
-    track, state = playback.track(plan), states.start(arm)
+    state = states.start(arm)
     for place in (0, 7, 29):
-        assert np.allclose(playback.at(track, state, place).q, plan.q[place], rtol=0.0, atol=1e-12)
+        assert np.allclose(playback.at(plan, state, place).q, plan.q[place], rtol=0.0, atol=1e-12)
     assert len(plan.motion) == len(plan.q)  # nothing was put between
-    half = playback.at(track, state, 7.5)
+    half = playback.at(plan, state, 7.5)
     assert np.allclose(half.q, 0.5 * (plan.q[7] + plan.q[8]), rtol=0.0, atol=1e-12)
     assert np.allclose(arm.fk(half.q), half.target) and half.ghosts
-    assert np.array_equal(playback.at(track, state, 99.0).q, playback.at(track, state, 29.0).q)
+    assert np.array_equal(playback.at(plan, state, 99.0).q, playback.at(plan, state, 29.0).q)
 
 
 def test_without_a_plan_the_target_goes_along_the_path(arm: Arm, blocked: Plan) -> None:
-    """The target is the waypoint; each end is the last waypoint that a branch reaches, and the arm goes to it there."""
+    """The target is the waypoint."""
     assert not blocked.found
-    track, state = playback.track(blocked), states.start(arm, blocked.obstacles.model.world)
-    assert np.array_equal(playback.at(track, state, 4.2).target, blocked.poses[4])
-    assert sum(len(stops) for stops in track.ends.values()) == len(blocked.stops)
-    assert track.reached == max(track.ends) < track.last
-    for waypoint, stops in track.ends.items():
-        for stop in stops:
-            assert stop.waypoint == waypoint + 1
-            here = playback.first_of(track, state, stop)
-            assert here.chosen is not None and here.ghosts[here.chosen].branch == stop.branch
-            assert np.array_equal(here.target, blocked.poses[waypoint])
-
-
-def test_what_no_branch_gets_past_is_marked_where_it_is(arm: Arm) -> None:
-    """Out of reach for every branch: the waypoint itself is an end, and nothing beyond the branches' own is reached."""
-    far = seam()
-    far[20:, 2, 3] += 5.0
-    plan = arm.follow(far)
-    track = playback.track(plan)
-    named = [stop for stop in plan.stops if stop.branch in arm.structure.branches]
-    assert track.reached == max(stop.waypoint for stop in named) - 1
-    for stop in plan.stops:
-        place = stop.waypoint - 1 if stop in named else stop.waypoint
-        assert stop in track.ends[place]
-        here = playback.first_of(track, states.start(arm), stop)
-        assert np.array_equal(here.target, far[place])
-    with Viewer(arm, port=0, plan=plan) as viewer:
-        labels = [button.label for button in viewer.path.ends]
-    assert all(f"at {s.waypoint}" in x or f"before {s.waypoint}" in x for s, x in zip(plan.stops, labels, strict=True))
+    state = states.start(arm, blocked.obstacles.model.world)
+    assert np.array_equal(playback.at(blocked, state, 4.2).target, blocked.poses[4])
 
 
 def test_a_world_marks_the_solutions_that_touch_it(arm: Arm, blocked: Plan) -> None:
@@ -96,14 +70,13 @@ def test_a_world_marks_the_solutions_that_touch_it(arm: Arm, blocked: Plan) -> N
 
 def test_a_player_passes_the_path_and_ends() -> None:
     """Places rise from where it begins to the last waypoint; from the end it begins anew."""
-    track = playback.Track(None, np.zeros((11, 3)), 10, {})
     places: list[float] = []
     ended: list[bool] = []
     player = playback.Player(places.append, lambda: ended.append(True))
-    player.start(track, 8.0)
+    player.start(10, 8.0)
     wait(lambda: bool(ended))
     assert not player.playing and places[-1] == 10.0 and places[0] > 8.0 and places == sorted(places)
-    player.start(track, 10.0)
+    player.start(10, 10.0)
     wait(lambda: places[-1] < 9.0)
     player.stop()
     assert not player.playing and len(ended) == 1
@@ -112,9 +85,9 @@ def test_a_player_passes_the_path_and_ends() -> None:
 def test_the_page_plays_a_plan(arm: Arm, plan: Plan, blocked: Plan) -> None:
     """Slider, arm and path belong to the plan; another plan takes its place; another arm takes it away."""
     with Viewer(arm, port=0, plan=plan) as viewer, WirePage(viewer) as page:
-        panel, drawing = viewer.path, viewer.path_drawing
-        assert np.allclose(viewer.state.q, plan.q[0]) and panel.slider.max == 29.0 and not panel.ends
-        assert np.allclose(drawing.line.points[:, 0], plan.poses[:-1, :3, 3], atol=1e-6) and not drawing.ends
+        panel, line = viewer.path, viewer.path_line
+        assert np.allclose(viewer.state.q, plan.q[0]) and panel.slider.max == 29.0
+        assert np.allclose(line.points[:, 0], plan.poses[:-1, :3, 3], atol=1e-6)
         page.change("Waypoint", 12.0)
         wait(lambda: viewer.place == 12.0)
         assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[12])
@@ -129,14 +102,9 @@ def test_the_page_plays_a_plan(arm: Arm, plan: Plan, blocked: Plan) -> None:
         assert panel.button.label == "Play"
         viewer.show_plan(blocked)
         assert viewer.settle(PATIENCE)
-        panel, drawing = viewer.path, viewer.path_drawing
-        assert len(panel.ends) == len(blocked.stops) and sorted(drawing.ends) == sorted(viewer.track.ends)
-        for waypoint, ball in drawing.ends.items():
-            assert np.allclose(ball.position, blocked.poses[waypoint, :3, 3])
-        page.change(panel.ends[-1].label, True)
-        wait(lambda: viewer.place == blocked.stops[-1].waypoint - 1)
+        assert all(str(stop.waypoint) in viewer.path.status.content for stop in blocked.stops)
         viewer.open("srs_7r")
-        assert viewer.settle(PATIENCE) and viewer.track is None
+        assert viewer.settle(PATIENCE) and viewer.plan is None
         viewer.play()  # nothing to play
         with pytest.raises(ArgumentError, match="one of zyyzyz_6r"):
             viewer.show_plan(plan)

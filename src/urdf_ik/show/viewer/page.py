@@ -18,14 +18,14 @@ from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, UrdfIkError
 from urdf_ik.ik.solutions.tables import stick_picture
 from urdf_ik.model.poses import pose
-from urdf_ik.paths.planned_motion import Plan, Stop
+from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.show.viewer import guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
 from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, WorkPanel, add_sources, plain
-from urdf_ik.show.viewer.playback import Latest, Track
+from urdf_ik.show.viewer.playback import Latest
 from urdf_ik.show.viewer.state import State
-from urdf_ik.show.viewer.surroundings import Obstacles, PathDrawing, points_beside
+from urdf_ik.show.viewer.surroundings import Obstacles, add_path, points_beside
 from urdf_ik.support import extras
 from urdf_ik.support.palette import colours
 
@@ -40,8 +40,8 @@ class Viewer:
         panel: the widgets of the arm.
         work: the widgets to paste and copy.
         path: the widgets of the plan that is shown, or None.
-        path_drawing: the path in the scene, or None.
-        track: the plan that is shown, or None.
+        path_line: the path in the scene, or None.
+        plan: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
         message: what the last request for another arm came to.
@@ -79,11 +79,11 @@ class Viewer:
         if plan is not None and plan.obstacles is not None and world is None:
             world = plan.obstacles.model.world
         self.state = states.start(arm, world)
-        self.track: Track | None = None
+        self.plan: Plan | None = None
         self.place = 0.0
         self._height = 640
         self.path: PathPanel | None = None
-        self.path_drawing: PathDrawing | None = None
+        self.path_line: Any = None
         self._player = playback.Player(self.go_to, self._ended)
         self._token = guard.token()
         self.server = guard.start(self._token, guard.DEFAULT_PORT if port is None else port)
@@ -183,7 +183,7 @@ class Viewer:
         self._update("branch", lambda state: states.with_branch(state, column))
 
     def show_plan(self, plan: Plan | None) -> None:
-        """Show another plan of this arm, with its path and, where it was not found, the ends of its branches.
+        """Show another plan of this arm, with its path and, where it was not found, why.
 
         Raises:
             ArgumentError: the plan is another arm's.
@@ -198,7 +198,7 @@ class Viewer:
 
     def play(self) -> None:
         """Play the plan that is shown, from where it is; pause it where it is being played."""
-        if self.track is None:
+        if self.plan is None:
             return
         playing = self._player.playing
         if self.path is not None:  # before it is played: its end is shown, too
@@ -206,7 +206,7 @@ class Viewer:
         if playing:
             self._player.stop()
         else:
-            self._player.start(self.track, self.place)
+            self._player.start(playback.last(self.plan), self.place)
 
     def open(self, source: str | bytes, base: str | None = None, tip: str | None = None) -> None:
         """Show another arm: a path, a catalogue name, or a URDF's text as bytes; what goes wrong stands in the page."""
@@ -251,7 +251,7 @@ class Viewer:
 
     def view(self, fov: float, aspect: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where a camera stands, and what it looks at, to see all there is; ``aspect`` is its window's."""
-        beside = points_beside(self.track, self.state.world, self.state.arm.chain.size)
+        beside = points_beside(self.plan, self.state.world, self.state.arm.chain.size)
         return self.drawing.camera(self.state, fov, aspect, beside)
 
     def _greet(self, client: Any) -> None:
@@ -293,24 +293,24 @@ class Viewer:
 
     def _show_plan(self, plan: Plan | None) -> None:
         self._player.stop()
-        for part in (self.path, self.path_drawing):
+        for part in (self.path, self.path_line):
             if part is not None:
                 part.remove()
-        self.track = self.path = self.path_drawing = None
+        self.path = self.path_line = None
+        self.plan = plan
         if plan is None:
             return
-        self.track = playback.track(plan)
-        self.path = PathPanel(self.server.gui, self.track, self._scrubbed, self.play, self.show_end)
-        self.path_drawing = PathDrawing(self.server.scene, self.track, self.state.arm.chain.size, self.show_end)
+        self.path = PathPanel(self.server.gui, plan, self._scrubbed, self.play)
+        self.path_line = add_path(self.server.scene, plan)
         self._go_to(0.0)
         self._frame(*self.server.get_clients().values())
 
     def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
         """Show a place of the plan; where it was chosen with the slider, that is left alone."""
-        if self.track is None or self.path is None:
+        if self.plan is None or self.path is None:
             return
         self.place = place
-        self._show(playback.at(self.track, self.state, place))
+        self._show(playback.at(self.plan, self.state, place))
         if not scrubbed:
             self.path.show(place)
 
@@ -319,18 +319,6 @@ class Viewer:
         if self.path is not None:
             self.path.show_playing(False)
         self._latest.put("place", lambda: self._go_to(place, scrubbed=True))
-
-    def show_end(self, stop: Stop) -> None:
-        """Go to where a branch ends, and to that branch's solution there."""
-
-        def do() -> None:
-            if self.track is not None and self.path is not None:
-                self.place = playback.place_of(self.track.plan, stop)
-                self._show(playback.first_of(self.track, self.state, stop))
-                self.path.show(self.place)
-
-        self._player.stop()
-        self._latest.put("place", do)
 
     def _ended(self) -> None:
         if self.path is not None:

@@ -17,10 +17,10 @@ from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.branch_names import short
 from urdf_ik.model import catalogue
 from urdf_ik.model.poses import check_poses, pose
-from urdf_ik.paths.planned_motion import Stop
+from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import colours
-from urdf_ik.show.viewer.playback import Track
+from urdf_ik.show.viewer.playback import last
 from urdf_ik.show.viewer.state import State
 from urdf_ik.typing import Array
 
@@ -204,34 +204,17 @@ class PathPanel:
         status: what was found.
         slider: the place on the path, in waypoints.
         button: plays and pauses.
-        ends: a button a start branch that ends.
     """
 
-    def __init__(
-        self,
-        gui: Any,
-        track: Track,
-        on_place: Callable[[float], None],
-        on_play: Callable[[], None],
-        on_end: Callable[[Stop], None],
-    ) -> None:
+    def __init__(self, gui: Any, plan: Plan, on_place: Callable[[float], None], on_play: Callable[[], None]) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
-        plan = track.plan
-        names = plan.solver.structure.branches
-        shades = dict(zip(names, colours(len(names)), strict=True))
         self._folder = gui.add_folder("Path", order=-1.0)
         with self._folder:
-            self.status = gui.add_markdown(_plan_status(track))
-            self.slider = gui.add_slider("Waypoint", 0.0, float(max(track.last, _PLACE_STEP)), _PLACE_STEP, 0.0)
+            self.status = gui.add_markdown(_plan_status(plan))
+            self.slider = gui.add_slider("Waypoint", 0.0, float(max(last(plan), _PLACE_STEP)), _PLACE_STEP, 0.0)
             self.button = gui.add_button("Play")
-            self.ends = [
-                gui.add_button(_end_label(track, stop), color=shades.get(stop.branch), hint=str(stop))
-                for stop in plan.stops
-            ]
         on_change(self.slider, on_place)
         self.button.on_click(lambda _: on_play())
-        for stop, button in zip(plan.stops, self.ends, strict=True):
-            button.on_click(lambda _, stop=stop: on_end(stop))
 
     def show(self, place: float) -> None:
         """Set the slider."""
@@ -246,21 +229,12 @@ class PathPanel:
         self._folder.remove()
 
 
-def _end_label(track: Track, stop: Stop) -> str:
-    """'shoulder front, elbow up: ends before 34, limit', or with the last words of each part of the name."""
-    if not track.plan.solver.structure.branches.count(stop.branch):
-        return f"{stop.branch}: {stop.cause} at {stop.waypoint}"
-    tail = f": ends before {stop.waypoint}, {stop.cause}"
-    return (stop.branch if len(stop.branch + tail) <= _LETTERS else short(stop.branch)) + tail
-
-
-def _plan_status(track: Track) -> str:
-    """Markdown: what was found, or what stops the branch that gets farthest."""
-    plan = track.plan
+def _plan_status(plan: Plan) -> str:
+    """Markdown: what was found, or where each branch ends."""
     if not plan.found:
-        lines = [f"**No plan** along {len(plan.poses)} waypoints."]
-        lines += [plain(str(stop)) for stop in plan.stops[:1]]
-        return "\n\n".join(lines)
+        return "\n\n".join(
+            [f"**No plan** along {len(plan.poses)} waypoints.", *(plain(str(each)) for each in plan.stops)]
+        )
     lines = [f"{len(plan.poses)} waypoints, cost {plan.cost:.4g}: {plain(plan.branches[0])}"]
     lines += [f"before waypoint {change.waypoint}: to {plain(change.after)}" for change in plan.changes]
     return "\n\n".join(lines)

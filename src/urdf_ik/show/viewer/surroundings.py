@@ -1,6 +1,5 @@
 """The arm's surroundings in viser's scene: the obstacles of a world, and the path of a plan."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,10 +8,8 @@ from urdf_ik.cell import World
 from urdf_ik.cell.shapes import HalfSpace, Points, Shape
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import to_quat_wxyz
-from urdf_ik.paths.planned_motion import Stop
+from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.show.shapes import half_extents, triangles
-from urdf_ik.show.viewer.arm_and_gizmo import colours
-from urdf_ik.show.viewer.playback import Track
 from urdf_ik.typing import Array
 
 _COLOUR, _OPACITY = (150, 140, 125), 0.75
@@ -25,12 +22,12 @@ _FAR = 3.0
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
-def points_beside(track: Track | None, world: World | None, size: float) -> Array | None:
+def points_beside(plan: Plan | None, world: World | None, size: float) -> Array | None:
     """Points (k, 3) [m] that a camera is to see besides the arm: waypoints, and the corners of near obstacles.
 
     None without any; ``size`` is the arm's [m].
     """
-    points = [] if track is None else [track.plan.poses[:, :3, 3]]
+    points = [] if plan is None else [plan.poses[:, :3, 3]]
     for each in world or ():
         if not isinstance(each.shape, HalfSpace) and np.linalg.norm(each.pose[:3, 3]) < _FAR * size:
             corners = each.pose[:3, 3] + (_CORNERS * half_extents(each.shape)) @ each.pose[:3, :3].T
@@ -99,35 +96,9 @@ class Obstacles:
         )  # fmt: skip
 
 
-class PathDrawing:
-    """The way of the tip in the scene, and where each branch ends when there is no plan.
-
-    Attributes:
-        line: the way from waypoint to waypoint; red beyond what any branch reaches.
-        ends: by waypoint, a ball that can be clicked at.
-    """
-
-    def __init__(self, scene: Any, track: Track, size: float, on_end: Callable[[Stop], None]) -> None:
-        """Add everything; ``size`` is the arm's [m], ``on_end`` is called with the end that was clicked at."""
-        points = track.points
-        pieces = np.stack([points[:-1], points[1:]], axis=1) if len(points) > 1 else np.repeat(points[None], 2, axis=1)
-        reached = np.arange(len(pieces)) < track.reached
-        shades = np.where(reached[:, None], _FOUND, _MISSED).astype(np.uint8)
-        self.line = scene.add_line_segments(
-            "/path/line", pieces.astype(np.float32), np.repeat(shades[:, None], 2, axis=1), thickness=4.0,
-            thickness_units="screen",
-        )  # fmt: skip
-        names = track.plan.solver.structure.branches
-        shade_of = dict(zip(names, colours(len(names)), strict=True))
-        self.ends: dict[int, Any] = {}
-        for waypoint, stops in track.ends.items():
-            ball = scene.add_icosphere(
-                f"/path/end_{waypoint}", 0.015 * size, shade_of.get(stops[0].branch, _MISSED), position=points[waypoint]
-            )
-            ball.on_click(lambda _, stop=stops[0]: on_end(stop))
-            self.ends[waypoint] = ball
-
-    def remove(self) -> None:
-        """Take everything out of the scene again."""
-        for handle in (self.line, *self.ends.values()):
-            handle.remove()
+def add_path(scene: Any, plan: Plan) -> Any:
+    """The way of the tip from waypoint to waypoint; red without a plan."""
+    points = plan.poses[:, :3, 3]
+    pieces = np.stack([points[:-1], points[1:]], axis=1) if len(points) > 1 else np.repeat(points[None], 2, axis=1)
+    shades = np.broadcast_to(np.array(_FOUND if plan.found else _MISSED, dtype=np.uint8), pieces.shape)
+    return scene.add_line_segments("/path", pieces.astype(np.float32), shades, thickness=4.0, thickness_units="screen")
