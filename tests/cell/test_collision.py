@@ -252,18 +252,6 @@ def test_a_mesh_beside_the_urdf(filename: str, tmp_path: Path) -> None:
     assert body.distance([0.5, 0.4]) == pytest.approx(math.hypot(0.5, 0.4) - 0.1, abs=2e-6)
 
 
-def test_a_mesh_outside_the_roots_is_not_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A mesh outside the roots is refused before Pinocchio sees its name, although the file is there."""
-    (tmp_path / "secret.stl").write_text(MESH)
-    inside = tmp_path / "inside"
-    inside.mkdir()
-    monkeypatch.setattr(pin, "buildGeomFromUrdfString", lambda *_: pytest.fail("Pinocchio was asked"))
-    for filename in ("../secret.stl", f"file://{tmp_path}/secret.stl", "package://inside/../../secret.stl"):
-        body = with_mesh(inside, filename)
-        assert not body.has_geometry
-        assert "outside the mesh roots" in body.missing
-
-
 @pytest.mark.parametrize(
     ("shapes", "says"),
     [
@@ -366,15 +354,6 @@ def test_same_as_pinocchio_without_shortcuts(name: str, count: int) -> None:
         assert body.distance(q) == pytest.approx(max(distance, 0.0), abs=2e-6)
         verdicts.append(hit)
     assert 0 < sum(verdicts) < count
-
-
-def test_the_arm_at_rest() -> None:
-    """The UR5's meshes are read, its neighbours may touch, and upright it is free."""
-    body = from_catalogue("ur5")
-    assert body.missing == ""
-    assert body.allowed_pairs["upper_arm_link", "forearm_link"] == "adjacent"
-    assert body.allowed_pairs["wrist_3_link", "ee_link"] == "rigid"
-    assert body.in_collision([0.0, -1.57, 0.0, -1.57, 0.0, 0.0]) is False
 
 
 def test_an_answer_does_not_depend_on_earlier_ones() -> None:

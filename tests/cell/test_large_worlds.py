@@ -3,7 +3,6 @@
 The oracle asks coal about every pair of a link's shape and an obstacle, one by one, without bounds or hulls.
 """
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 
 import coal
@@ -198,21 +197,6 @@ def test_motions_through_many_obstacles(seed: int) -> None:
         assert not np.any(model.in_collision(a + np.linspace(0.0, 1.0, 60)[:, None] * (end - a)))
         assert free or model.in_collision(a + share * (b - a), 2.1 * TOUCH)
     assert 0 < found.free.sum() < len(q0)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="a fork is needed")
-def test_a_large_world_after_a_fork() -> None:
-    """A child that was forked after a query has the parent's answers, and may change its world."""
-    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(12)
-    world = random_world(rng, 200, 0.9)
-    q = rng.uniform(-2.0, 2.0, (5, 6))
-    expected = np.asarray(arm.clearance(q, world))
-    child = os.fork()
-    if not child:
-        same = np.array_equal(arm.clearance(q, world), expected)
-        world.add("at the tip", Sphere(0.2), arm.fk(q[0]))
-        os._exit(0 if same and arm.clearance(q[0], world) == 0.0 else 1)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 def test_one_large_world_from_many_threads() -> None:

@@ -2,14 +2,11 @@
 
 import math
 import re
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from arms import KINDS, random_arm
-from oracle import Oracle
 
 from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
 from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError
@@ -136,16 +133,6 @@ def test_same_as_pinocchio_on_the_file(name: str) -> None:
             np.testing.assert_allclose(pose, base.actInv(data.oMf[frame]).homogeneous, atol=1e-14)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_same_as_the_oracle(kind: str) -> None:
-    """Pose and Jacobian equal those of the tests' own use of Pinocchio, on the text as it is written."""
-    text = random_arm(kind, 5).urdf
-    reference, oracle = Reference(text, "base", "tool"), Oracle(text)
-    q = oracle.draw(np.random.default_rng(3), 4)
-    np.testing.assert_allclose(reference.pose(q), oracle.poses(q), atol=1e-14)
-    np.testing.assert_allclose(reference.jacobian(q), [oracle.jacobian(each) for each in q], atol=1e-14)
-
-
 MIMICS = {
     "followed by Pinocchio": (
         ("a", "revolute", ""),
@@ -231,17 +218,6 @@ def test_errors_broadcast_and_leave_nan_rows_alone() -> None:
     np.testing.assert_array_equal(np.isnan(position), [[False, False], [False, True], [False, False]])
     assert reference.error(q[2, 1], T[2]) == (position[2, 1], rotation[2, 1])
     assert min(reference.error(q[2, 1], T[2])) > 1e-3
-
-
-def test_threads_share_one_reference() -> None:
-    """Eight threads that ask one object at once get the answers that one thread gets."""
-    entry = catalogue.resolve("zyyzyz_6r")
-    reference = Reference(entry.path, entry.base, entry.tip)
-    q = np.random.default_rng(5).uniform(-2, 2, (8, 200, 6))
-    expected = [reference.jacobian(each) for each in q]
-    with ThreadPoolExecutor(8) as pool:
-        for got, want in zip(pool.map(reference.jacobian, q), expected, strict=True):
-            np.testing.assert_array_equal(got, want)
 
 
 def test_links_that_are_not_there_and_joints_that_are_no_number() -> None:

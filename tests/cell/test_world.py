@@ -3,7 +3,6 @@
 import math
 import pickle
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -308,49 +307,6 @@ def test_the_table_among_links() -> None:
     assert not any(np.allclose(poses[0][link], poses[1][link]) for link in moving)
 
 
-@pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5", "stanford_rrprrr"])
-def test_same_as_pinocchio_without_shortcuts(name: str, tmp_path: Path) -> None:
-    """Verdict and distance equal those of all pairs, one by one, in a geometry model of the arm and the world."""
-    arm = urdf_ik.load(name)
-    rng = np.random.default_rng(5)
-    world = World()
-    for i, (shape, _) in enumerate(solids(tmp_path).values()):
-        at = [0.0, 0.0, -1.0] if isinstance(shape, HalfSpace) else rng.uniform(-1.0, 1.0, 3) + [0.0, 0.0, 0.4]
-        world.add(f"o{i}", shape, pose(at, rpy=np.zeros(3) if isinstance(shape, HalfSpace) else rng.uniform(-3, 3, 3)))
-    body = arm.cell.collisions.in_world(world)
-    plain = arm.cell.reference.pin_model
-    shapes = pin.buildGeomFromUrdf(
-        plain, str(arm.model.path), pin.GeometryType.COLLISION, package_dirs=list(arm.model.package_dirs)
-    )
-    owner = [(plain.frames[each.parentFrame].name, 0.0) for each in shapes.geometryObjects]
-    frame = plain.frames[plain.getFrameId(arm.base)]
-    for each in world:
-        place = frame.placement * pin.SE3(each.pose)
-        shapes.addGeometryObject(pin.GeometryObject(each.name, frame.parentJoint, place, geometry(each.shape)))
-        owner.append((each.name, each.shape.inflation))
-    for i, (a, _) in enumerate(owner):
-        for j, (b, _) in enumerate(owner[:i]):
-            if (b, a) in body.checked_pairs or (a, b) in body.checked_pairs:
-                shapes.addCollisionPair(pin.CollisionPair(j, i))
-    data, hits = plain.createData(), []
-    for q in rng.uniform(-2.0, 2.0, (25, arm.dof)):
-        asked = shapes.createData()
-        pin.computeDistances(plain, data, shapes, asked, arm.to_pinocchio(q))
-        plainly = [
-            result.min_distance - owner[pair.second][1]
-            for result, pair in zip(asked.distanceResults, shapes.collisionPairs, strict=True)
-        ]
-        least = max(min(plainly), 0.0)
-        assert body.distance(q) == pytest.approx(least, abs=5e-6)
-        assert arm.clearance(q, world) == body.distance(q)
-        assert body.in_collision(q) == (least == 0.0)
-        if least:
-            assert body.in_collision(q, least + 1e-5)
-            assert not body.in_collision(q, least - 1e-5)
-        hits.append(least == 0.0)
-    assert 0 < sum(hits) < 25 or name != "ur5"
-
-
 def test_the_base_need_not_be_the_root() -> None:
     """Obstacles stand in the base link, wherever the URDF has it: from its tip, an arm moves its root."""
     arm = urdf_ik.load("zyyzyz_6r")
@@ -405,22 +361,3 @@ def test_an_arm_without_shapes_says_so() -> None:
             ask([0.0, 0.0, 0.0], World())
     with pytest.raises(UrdfError, match="no link has a collision shape"):
         bare.motion_is_free([0.0, 0.0, 0.0], [1.0, 0.0, 0.0])
-
-
-def test_one_world_from_many_threads(ball: CollisionModel) -> None:
-    """Answers from eight threads are those of one, while another world changes all the time."""
-    world, other = World(), World()
-    world.add("box", Box(0.5), pose([0.5, 0.5, 0.0]))
-    other.add("box", Box(0.5))
-    body, moving = ball.in_world(world), ball.in_world(other)
-    q = np.random.default_rng(0).uniform(-1, 1, (200, 3))
-    expected = body.distance(q)
-
-    def ask(k: int) -> np.ndarray:
-        other.move("box", pose([0.1 * k, 0.0, 0.0]))
-        moving.in_collision(q[:20])
-        return np.asarray(body.distance(q))
-
-    with ThreadPoolExecutor(8) as pool:
-        for got in pool.map(ask, range(16)):
-            np.testing.assert_array_equal(got, expected)

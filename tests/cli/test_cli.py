@@ -12,7 +12,7 @@ import pytest
 from command import ARM, TWO_JOINTS, TYPED, call, strict_json, succeed, target
 
 from urdf_ik.model import catalogue
-from urdf_ik.verify import completeness, crosscheck
+from urdf_ik.verify import crosscheck
 
 COMMANDS = (
     "info",
@@ -147,16 +147,6 @@ def test_one_pose_of_a_batch_without_a_solution_is_status_1() -> None:
     assert result.exit_code == 1
     assert [pose["count"] for pose in strict_json(result.stdout)["poses"]] == [8, 0]
     assert result.stderr.endswith("1 of 2 poses have no solution\n")
-
-
-def test_check_complete_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With --complete two ways to all solutions are compared; the status is 1 where the report says so."""
-    assert strict_json(succeed("check", ARM, "--complete", "-n", "3", "-f", "json"))["second"]
-    assert "PASSED: 9 poses" in succeed("check", ARM, "--complete", "-n", "3")
-    failed = SimpleNamespace(passed=False, to_json=lambda: '{"passed": false}')
-    monkeypatch.setattr(completeness, "compare", lambda *_, **__: failed)
-    assert call("check", ARM, "--complete", "-f", "json").exit_code == 1
-    assert call("check", ARM, "--complete", "--collisions").exit_code == 2
 
 
 def test_check_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -90,20 +90,6 @@ def test_orientations_in_any_notation_are_the_same_pose() -> None:
             assert np.abs(np.array(strict_json(text)["poses"][0]["pose"]) - T).max() < 1e-12, option
 
 
-def test_an_answer_says_that_its_pose_was_typed_in_degrees() -> None:
-    """Beside --degrees, --rpy and --rotvec are in degrees, and the first lines say so; a quaternion has no unit."""
-    pose = ("ik", ARM, "--xyz", "1.2,0.4,0.9")
-    for option, typed, said in (
-        ("--rpy", "0,1,0", True),
-        ("--rotvec", "0,1,0", True),
-        ("--quat-xyzw", "0,0,0,1", False),
-    ):
-        assert (f"{option} in degrees" in succeed(*pose, option, typed, "--degrees")) == said
-        assert "in degrees" not in succeed(*pose, option, typed)
-    text = " ".join(succeed("ik", "--help").replace("│", " ").split())
-    assert "Roll, pitch, yaw about fixed x, y, z [rad]." in text and "those of --rpy and --rotvec too." in text
-
-
 def test_degrees_typed_as_radians_are_said() -> None:
     """Angles of more than a turn are told with their unit and the option that reads degrees; others are not."""
     pose = ("ik", ARM, "--xyz", "0.4", "0", "0.3", "--rpy")
@@ -171,19 +157,6 @@ def assert_nearest(pose: list[Any], chosen: list[Any], distances: list[float]) -
     assert np.abs(turns - turns.round()).max() < 1e-12
     assert one["distance"] == pytest.approx(distances[best], abs=1e-12)
     assert np.abs(np.array(one["q"]) - one["difference"] - Q).max() < 1e-12
-
-
-def test_the_distance_to_the_reference_is_printed() -> None:
-    """Below the solution, in the unit that was asked for, with the joint that has the longest way."""
-    q, here = "0.1,-1,1,0.2,0.3,0", "0,-1,1,0,0,0"
-    printed = succeed("ik", "ur5", "--q", q, "--nearest", here)
-    assert f"from --nearest: {np.sqrt(0.01 + 0.04 + 0.09):.4g} rad (l2); farthest joint: q5, 0.3 rad" in printed
-    q_deg, here_deg = "10,-60,60,10,20,0", "0,-60,60,0,0,0"
-    printed = succeed("ik", "ur5", "--q", q_deg, "--nearest", here_deg, "--degrees", "--metric", "max")
-    assert "from --nearest: 20 deg (max); farthest joint: q5, 20 deg" in printed
-    rows = succeed("ik", "ur5", "--q", q, "--nearest", here, "-f", "csv").splitlines()
-    column = rows[0].split(",").index("distance")
-    assert float(rows[1].split(",")[column]) == pytest.approx(np.sqrt(0.14))
 
 
 def test_turns_add_images_inside_the_limits() -> None:

@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -70,32 +68,6 @@ def test_a_reader_that_leaves_ends_it_quietly(unbuffered: str) -> None:
     assert b"Exception" not in complaint
     child.stderr.close()
     assert child.wait(timeout=60) == 141
-
-
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")
-@pytest.mark.parametrize("args", [("--version",), ("--help",), ("ik", "--help"), ("robots",), ("--nonsense",), ()])
-def test_help_and_errors_on_a_full_disk(args: tuple[str, ...]) -> None:
-    """Help and version that cannot be written have status 2 and one line; where nobody can be told, only the status."""
-    with open("/dev/full", "wb") as full:
-        command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", *args]
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
-        both = subprocess.run(command, stdout=full, stderr=full, timeout=60, check=False)
-    assert (done.returncode, both.returncode) == (2, 2)
-    assert "Traceback" not in done.stderr
-    assert ("No such option" if args == ("--nonsense",) else "cannot write standard output") in done.stderr
-
-
-@pytest.mark.skipif(os.name == "nt", reason="environments and folders of POSIX")
-def test_no_home_and_no_folder_to_be_in(tmp_path: Path) -> None:
-    """Where nothing need be written, neither a home that is none nor a folder that is gone keeps it from working."""
-    place = tmp_path / "gone"
-    env = {"PATH": os.environ["PATH"], "PYTHONPATH": os.environ.get("PYTHONPATH", ""), "HOME": "/proc"}
-    for args in (("--version",), ("info", ARM), ("ik", ARM, "--q", TYPED)):
-        place.mkdir()
-        child = start(*args, cwd=place, env=env, preexec_fn=place.rmdir)
-        out, complaint = child.communicate(timeout=120)
-        assert child.returncode == 0, complaint
-        assert out and not complaint
 
 
 INTERRUPTED = """

@@ -13,12 +13,9 @@ from seams import seam
 import urdf_ik
 from urdf_ik.cli import console
 from urdf_ik.model import catalogue
-from urdf_ik.paths import PathSettings
-from urdf_ik.paths.path_settings import options
 
 Array = NDArray[np.float64]
 SHORT = 0.3, 20  # m, waypoints
-PATIENCE = 60.0  # s
 CELL = """<robot name="cell"><link name="cell"/><link name="wall">
 <collision><geometry><box size="0.1 0.02 0.1"/></geometry></collision></link>
 <joint name="j" type="fixed"><parent link="cell"/><child link="wall"/><origin xyz="{}"/></joint></robot>"""
@@ -45,23 +42,6 @@ def arrays_of(path: Path) -> dict[str, Array]:
     """The arrays of an .npz file, which is closed again."""
     with np.load(path) as held:
         return dict(held)
-
-
-def test_the_table_holds_what_the_plan_holds(file: str) -> None:
-    """Cost, largest step, margins and the joints' ends are those of ``arm.follow``."""
-    plan = urdf_ik.load(ARM).follow(urdf_ik.read_waypoints(file))
-    text = succeed("path", ARM, "--poses", file)
-    assert f"20 waypoints from {file}" in text.splitlines()[0]
-    assert f" {plan.cost:.6g} (sum of dq^2)" in text
-    assert f"branch        {plan.branches[0]}" in text
-    steps = np.abs(np.diff(plan.q, axis=0)).max(axis=0)
-    margins = plan.margins
-    assert f"{margins.limits.min():.4f} rad of" in text
-    assert f"{margins.clearance.min():.4f} m between" in text
-    assert f"at least {margins.manipulability.min():.4g}, at waypoint {margins.manipulability.argmin()}" in text
-    for name, *values in zip(plan.solver.joint_names, plan.q[0], plan.q[-1], steps, strict=True):
-        (row,) = [line.split() for line in text.splitlines() if line.startswith(f"{name} ")]
-        assert [float(row[k]) for k in (2, 3, 6)] == pytest.approx(values, abs=6e-5)
 
 
 def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
@@ -149,16 +129,6 @@ def test_where_there_is_no_plan_every_branch_says_why(tmp_path: Path) -> None:
     assert strict_json(data.read_text())["found"] is False
 
 
-def test_json_holds_the_plan(file: str) -> None:
-    """Joint vectors in the unit asked for, margins at each waypoint, and the alternatives with the cheapest first."""
-    answer = strict_json(succeed("path", ARM, "-p", file, "-f", "json", "--degrees", "--alternatives"))
-    assert answer["found"] and answer["units"]["angle"] == "deg"
-    np.testing.assert_allclose(oracle().poses(np.deg2rad(answer["q"])), seam(*SHORT), rtol=0.0, atol=1e-9)
-    assert len(answer["margins"]["clearance"]) == 20 == len(answer["branches"])
-    costs = [each["cost"] for each in answer["alternatives"]]
-    assert costs == sorted(costs) and costs[0] == answer["cost"]
-
-
 def test_start_and_end_are_kept(file: str) -> None:
     """A start that is typed is where the plan begins, also where it is not the best one; so is an end."""
     start = urdf_ik.load(ARM).follow(seam(*SHORT)).alternatives[-1].q
@@ -240,15 +210,6 @@ def test_long_work_says_how_far_it_is(capsys: pytest.CaptureFixture[str], monkey
         shown.tick(1, 2)
         shown.say("looking")
     assert capsys.readouterr().err.splitlines() == ["following: 1 of 2, 0 s so far", "following: looking, 0 s so far"]
-
-
-@pytest.mark.parametrize("command", ["path", "plot", "view"])
-def test_every_setting_of_a_path_is_an_option(command: str) -> None:
-    """Each setting of ``follow`` is an option with its help text, and stands in the documentation of the settings."""
-    text = " ".join(succeed(command, "--help", COLUMNS="200").split())
-    for name, setting in options().items():
-        assert f"--{name.replace('_', '-')} " in text and setting.metadata["help"].removesuffix(".")[:28] in text
-        assert f"{name}: {setting.metadata['help'].removesuffix('.')}" in str(PathSettings.__doc__)
 
 
 def test_weights_and_steps_of_each_joint_are_those_of_follow(file: str) -> None:

@@ -1,6 +1,5 @@
 """The command as one language: groups, one spelling for one thing, lists with spaces."""
 
-from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -24,20 +23,6 @@ def options() -> Iterator[tuple[str, Any]]:
         for each in group.get_command(None, name).params:
             if each.param_type_name == "option":
                 yield name, each
-
-
-def long_names(option: Any) -> list[str]:
-    """Its names but the short ones; the first is the one that the help shows first."""
-    return [name for name in (*option.opts, *option.secondary_opts) if name.startswith("--")]
-
-
-def test_an_option_means_the_same_everywhere() -> None:
-    """It has the same short form, and a value or none, in every command that has it."""
-    forms: dict[str, set[Any]] = defaultdict(set)
-    for _, option in options():
-        names = tuple(sorted((*option.opts, *option.secondary_opts)))
-        forms[long_names(option)[0]].add((names, bool(option.is_flag)))
-    assert {name: found for name, found in forms.items() if len(found) > 1} == {}
 
 
 def test_every_command_that_prints_has_json() -> None:

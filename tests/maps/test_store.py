@@ -6,7 +6,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -82,23 +81,6 @@ def test_plain_xarray_reads_it(stored: workspaces.WorkspaceMap, whole: workspace
         xarray.testing.assert_equal(each, found)
 
 
-def test_a_flipped_bit_is_seen(arm: urdf_ik.Arm, tmp_path: Path) -> None:
-    """Zarr's own checksum refuses the chunk, and the error says what to do; what it says helps."""
-    path = tmp_path / "map.zarr"
-    made = workspaces.stored_workspace(arm, path, 0.9, 5, block=300)
-    before = made.totals()
-    file = max((path / "solutions" / "c").rglob("0"), key=lambda each: each.is_file() and each.stat().st_size)
-    data = file.read_bytes()
-    file.write_bytes(data[:20] + bytes([data[20] ^ 1]) + data[21:])
-    with pytest.raises(ValueError, match="checksum"):
-        xarray.open_zarr(path).solutions.load()
-    with pytest.raises(urdf_ik.JobError, match=r"solutions is damaged.*delete .*branch_poses/c and run again"):
-        made.totals()
-    for mark in (path / "branch_poses" / "c").rglob("0"):
-        mark.unlink() if mark.is_file() else None
-    assert workspaces.stored_workspace(arm, path, 0.9, 5, block=300).totals() == before
-
-
 def test_an_interrupted_run_is_continued(arm: urdf_ik.Arm, whole: workspaces.WorkspaceMap, tmp_path: Path) -> None:
     """Blocks that are there can be read, the others are refused; the next run computes only these."""
     path, ticks = tmp_path / "map.zarr", []
@@ -150,14 +132,6 @@ def test_killed_it_ends_with_the_same_arrays(arm: urdf_ik.Arm, whole: workspaces
     ended = subprocess.run([sys.executable, "-c", KILLED, str(path), "0.4"], check=False, timeout=PATIENCE)
     assert ended.returncode == -signal.SIGKILL and not workspaces.opened(path).complete
     same(workspaces.stored_workspace(arm, path, **ASKED, block=90), whole)
-
-
-def until(condition: Any) -> None:
-    """Wait for something that must happen."""
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "nothing happens"
-        time.sleep(0.02)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import call, succeed
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -106,36 +106,6 @@ def test_areas_are_those_of_a_count_of_points(seed: int) -> None:
         assert abs(part.area - inside.sum() * cell) <= 1.5 * crossed * cell
 
 
-THIN = {"sliver of 4e-7 m beside the arm straight": 241, "ring of 2e-7 m": 1086, "cusp of 5e-6 m": 126715}
-"""Seeds of arms whose regions are thinner somewhere than the distance at which the sides of other arcs are tested."""
-
-
-@settings(max_examples=15)
-@given(seed=st.integers(0, 2**31))
-@example(seed=THIN["sliver of 4e-7 m beside the arm straight"])
-@example(seed=THIN["ring of 2e-7 m"])
-@example(seed=THIN["cusp of 5e-6 m"])
-def test_arcs_separate_inside_from_outside(seed: int) -> None:
-    """Beside every arc, nearer than any other one, the arm reaches the left and not the right; outlines are closed."""
-    arm = two_links(np.random.default_rng(seed), widest=3.0)
-    region = workspaces.planar(arm)
-    size = region.lengths.sum()
-    for part, reaches in (
-        (region.boundary, lambda p: region.reaches(p)),
-        (region.overlap, lambda p: region.reaches(p, "elbow left") & region.reaches(p, "elbow right")),
-    ):
-        for arc in part.arcs:
-            points = arc.points(41)[10:31:10]
-            inward = np.sign(arc.sweep) * (arc.centre - points) / arc.radius
-            gap = gaps(points, arc, part.arcs, size)
-            wide = (gap > 1e-7 * size) & (arc.radius > 1e-2 * size)  # beyond the tolerance of reaches()
-            step = 0.1 * gap[:, None]
-            assert reaches(points + step * inward)[wide].all()
-            assert not reaches(points - step * inward)[wide].any()
-        for loop in part.loops(3):
-            assert np.linalg.norm(loop[0] - loop[-1]) < 1e-6 * size
-
-
 def gaps(points: Array, arc: workspaces.Arc, others: tuple[workspaces.Arc, ...], size: float) -> Array:
     """(k,) m from points of an arc to the nearest circle of another one; 1e-4 of the size at most."""
     apart = [
@@ -161,29 +131,6 @@ def test_the_bundled_two_link_arm_has_the_published_region() -> None:
     solved = arm.ik(points, task="planar position").within_limits().count
     np.testing.assert_array_equal(twice, solved == 2)
     assert np.linalg.norm(points[twice], axis=1).min() > 0.1916
-
-
-@pytest.mark.slow
-def test_the_bundled_two_link_arm_by_brute_force() -> None:
-    """A fine grid of joint vectors through forward kinematics: no tip outside the regions, no part without a tip."""
-    arm = urdf_ik.load("planar_2r")
-    region = workspaces.planar(arm)
-    lines = [np.linspace(*limits, 700) for limits in arm.limits]
-    q = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
-    tips, left = arm.solver.control.plane.coordinates(arm.fk(q))[:, :2], side_of_elbow(arm, q) > 0.0
-    cell, count = 0.004, 100  # a grid of squares of 4 mm over 400 mm; tips are at most 1.1 mm apart
-    corners = cell * (np.arange(count + 1) - count / 2)
-    lattice = np.stack(np.meshgrid(corners, corners, indexing="ij"), axis=-1)
-    for name, mine in (("elbow left", left), ("elbow right", ~left), (None, np.ones(len(q), dtype=bool))):
-        points = tips[mine]
-        off_edge = np.abs(np.linalg.norm(points - region.centre, axis=1) - region.lengths.sum()) > 1e-9
-        assert region.reaches(points[off_edge], name).all()
-        hit = np.zeros((count, count), dtype=bool)
-        hit[tuple(np.floor(points / cell + count / 2).astype(int).T)] = True
-        reached = region.reaches(lattice, name)
-        whole = reached[1:, 1:] & reached[1:, :-1] & reached[:-1, 1:] & reached[:-1, :-1]
-        assert hit[whole].all()
-    assert whole.sum() > 2500
 
 
 def test_without_limits_the_region_is_a_ring() -> None:

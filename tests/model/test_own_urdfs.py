@@ -12,8 +12,6 @@ from oracle import Oracle
 from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
-ARMS = ("zyyzyz_6r", "dh_6r")
-JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
 
 # The published table: alpha [rad], a [m], d [m], theta0 [rad], in the modified (Craig) convention.
 DH_ROWS = (

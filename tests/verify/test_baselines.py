@@ -15,7 +15,7 @@ from urdf_mutants import mutants, rewritten
 import urdf_ik
 from urdf_ik.arm import Arm
 from urdf_ik.cli import app
-from urdf_ik.errors import ArgumentError, PoseError, UrdfError
+from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model import catalogue
 from urdf_ik.verify.baselines import SIZE, Lock
 from urdf_ik.verify.description import described
@@ -189,19 +189,6 @@ def test_pairs_that_an_srdf_allows_to_touch_are_kept(tmp_path: Path) -> None:
     assert lock.verify(urdf_ik.load("zyyzyz_6r"), ignore="collisions").passed
     more = urdf_ik.freeze(urdf_ik.load("zyyzyz_6r"), collisions=False).verify(urdf_ik.load("zyyzyz_6r", srdf=srdf))
     assert "may touch now" in str(more.differences[0])
-
-
-def test_meshes_that_are_missing_are_said() -> None:
-    """One warning, in the repr and in the file; where contacts are required it is an error."""
-    text = TEXT.replace('<cylinder radius="0.17" length="0.15"/>', '<mesh filename="not_there.stl"/>')
-    assert text != TEXT
-    arm = urdf_ik.load(text)
-    with pytest.warns(UserWarning, match="contacts not checked: 1 mesh missing"):
-        lock = urdf_ik.freeze(arm)
-    assert "contacts not checked: 1 mesh missing" in repr(lock)
-    assert lock.contacts in lock.to_text()
-    with pytest.raises(UrdfError):
-        urdf_ik.freeze(arm, collisions="require")
 
 
 def test_a_robot_whose_repository_moved_is_said_with_both_commits(

@@ -243,23 +243,6 @@ def test_an_arm_that_is_not_solved_is_compared_as_far_as_it_goes() -> None:
     assert any(note.startswith("reach") for note in found.notes)
 
 
-def test_the_command_prints_what_the_package_finds() -> None:
-    """The JSON is that of the package, the table the same cells as its text; each arm has its own base and tip."""
-    arms = ("planar_2r", "planar_2r_unit")
-    found = urdf_ik.compare(*map(urdf_ik.load, arms), n=20)
-    words = ["compare", *arms, "-n", "20", "--base", "A=base_link", "--tip", "B=tool0"]
-    table = CliRunner().invoke(app, words, env={"COLUMNS": "100"}, catch_exceptions=False)
-    assert table.exit_code == 0
-    shown = [line.split() for line in table.stdout.splitlines() if "--" not in line and line]
-    assert shown == [line.split() for line in str(found).splitlines() if "--" not in line and line]
-    answer = CliRunner().invoke(app, [*words, "-f", "json"], catch_exceptions=False)
-    assert json.loads(answer.stdout) == json.loads(found.to_json())
-    assert json.loads(answer.stdout)["tool"]["position"][2] == found.tool.position[2]
-    wrong = CliRunner().invoke(app, ["compare", *arms, "--tip", "A=hand"])
-    assert wrong.exit_code == 3
-    assert "hand" in wrong.stderr
-
-
 @pytest.mark.parametrize("name", [ARM, "ur5", "scara_rrpr"])
 def test_small_changes_differ_and_rewritings_do_not(name: str) -> None:
     """Each small change is a difference that names the joint; a file that says the same in another way is the same."""

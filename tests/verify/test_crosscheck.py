@@ -14,7 +14,7 @@ import urdf_ik
 from urdf_ik.arm import with_positioner
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfError
-from urdf_ik.verify.crosscheck import CrossCheck, Row, check, replay
+from urdf_ik.verify.crosscheck import CrossCheck, check, replay
 
 ROWS = (
     "joints and limits",
@@ -363,24 +363,3 @@ def test_a_report_survives_json() -> None:
     assert data["rows"][1]["worst"] == "inf"
     assert CrossCheck.from_dict(data) == report
     assert CrossCheck.from_json(report.to_json()) == report
-
-
-def report_with(*rows: Row) -> CrossCheck:
-    """A report made by hand."""
-    return CrossCheck("r", "base", "tool", ("a", "b"), 7, 5, "Pinocchio 0", rows, (("collision", "no shapes"),))
-
-
-def test_a_report_reads_as_a_table() -> None:
-    """The text holds a line a property, the place of each failure, how to replay it, what was left out, the verdict."""
-    good = Row("forward", "m", 1e-16, 1e-12, passed=True, checked=7, index=3, q=(0.5, 0.25))
-    bad = Row("planted", "rad", np.inf, 1e-6, passed=False, checked=7, index=4, q=(0.5, -0.25), detail="0 solutions")
-    text = str(report_with(good, bad))
-    lines = text.splitlines()
-    assert lines[0] == "r, base to tool: 7 random poses, seed 5, against Pinocchio 0"
-    assert lines[4].split() == ["forward", "1e-16", "1e-12", "m", "7", "passed"]
-    assert lines[5].split() == ["planted", "inf", "1e-06", "rad", "7", "FAILED"]
-    assert "not checked: collision: no shapes" in text
-    assert "FAILED planted: pose 4, 0 solutions, q = [0.5, -0.25]" in text
-    assert "replay(arm, seed=5, index=4)" in text
-    assert lines[-1] == "FAILED: 1 of 2 properties hold"
-    assert str(report_with(good)).splitlines()[-1] == "PASSED: 1 of 1 properties hold"

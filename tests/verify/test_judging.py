@@ -14,7 +14,7 @@ import urdf_ik
 from urdf_ik.cli import app
 from urdf_ik.errors import ArgumentError
 from urdf_ik.verify import judge, judging
-from urdf_ik.verify.judging import Judgement, opened, replay
+from urdf_ik.verify.judging import opened, replay
 from urdf_ik.verify.sampling import least_singular_value
 
 PUMA = urdf_ik.load("puma_560")
@@ -131,16 +131,6 @@ def test_limits_errors_and_odd_answers() -> None:
     assert {"wrong", "missing"} == {each.fault for each in infinite.faults}
     with pytest.raises(ArgumentError):
         judge(PUMA, 3, n=1)  # type: ignore[arg-type]
-
-
-def test_a_report_is_text_json_and_html() -> None:
-    """The same counts in each."""
-    found = judge(PUMA, lambda T: right(T)[1:], n=2, name="<mine>")
-    data = json.loads(found.to_json())
-    assert data["passed"] is False and len(data["faults"]) == len(found.faults) > 0
-    assert Judgement.from_json(found.to_json()) == found
-    assert "&lt;mine&gt;" in found._repr_html_()
-    assert len(repr(found).splitlines()) <= 6
 
 
 SOLVER = """

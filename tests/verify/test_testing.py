@@ -1,10 +1,5 @@
 """What the package offers for tests of one's own: an assertion, and a plugin of pytest."""
 
-import json
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 from urdf_mutants import mutants
 
@@ -198,14 +193,3 @@ def test_plugin_costs_nothing_where_it_is_not_asked_for(pytester: pytest.Pyteste
     editable = "ignore:Module already imported so cannot be rewritten; _editable:pytest.PytestAssertRewriteWarning"
     done = run(pytester, "--strict-markers", "-W", "error", "-W", editable)
     done.assert_outcomes(passed=1)
-
-
-def test_importing_the_plugin_imports_pytest_alone() -> None:
-    """In a fresh interpreter."""
-    code = (
-        "import pytest, sys, json; before = set(sys.modules); import urdf_ik_pytest; "
-        "print(json.dumps([*set(sys.modules) - before]))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
-    assert json.loads(done.stdout) == ["urdf_ik_pytest"]
-    assert Path(urdf_ik.__file__).parents[1].joinpath("urdf_ik_pytest.py").is_file()

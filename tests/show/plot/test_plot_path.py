@@ -96,17 +96,6 @@ def test_what_is_shaded_is_closed(arm: Arm, blocked: Plan) -> None:
         assert bool(np.all(model.in_collision(kept.to_array()))) == closed[k]
 
 
-def test_out_of_reach_is_shaded_too(arm: Arm) -> None:
-    """Where the path leaves the reach, the legend says so, and a line stands at what no branch gets past."""
-    plan = arm.follow(seam(4.0))
-    figure = plot.path(plan)
-    assert "no solution: out of reach" in labels(figure)
-    for stop in plan.stops:
-        if stop.branch not in arm.structure.branches:
-            assert f"{stop.branch}: {stop.cause} at {stop.waypoint}" in labels(figure)
-            assert any(line.get_xdata()[0] == stop.waypoint for line in figure.axes[0].lines)
-
-
 def test_seven_joints_are_drawn_at_some_values_of_the_parameter() -> None:
     """Eight branches at each value; nothing is called closed where a plan was found."""
     arm = urdf_ik.load("srs_7r")

@@ -4,19 +4,14 @@ What the page does is read from the viewer's state; that it shows it, from pixel
 keeps a picture of the page.
 """
 
-import http.server
 import io
 import os
-import re
-import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, INSTALL, PATIENCE, ViewerPage, changed, chromium
+from browser import CHROMIUM, INSTALL, PATIENCE, ViewerPage, chromium
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -31,7 +26,6 @@ from urdf_ik.show.viewer import Viewer  # noqa: E402
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)]
 
 WIDTH, HEIGHT, PANEL = 900, 560, 420
-Q = np.array([0.4, -0.3, 0.9, 0.5, 0.8, -0.2])
 ARM = "zyyzyz_6r"
 
 
@@ -50,11 +44,6 @@ class Seen(ViewerPage):
         values = "all => all.map(each => Number(each.getAttribute('aria-valuenow')))"
         thumbs = self.page.get_by_role("slider")
         self.wait(lambda: thumbs.evaluate_all(values) == home.round(3).tolist(), "the sliders are at home")
-
-
-def shades(scene: NDArray[np.int_]) -> int:
-    """Pixels in another colour than the upper right corner."""
-    return int(changed(scene, np.broadcast_to(scene[0, -1], scene.shape)).sum())
 
 
 @pytest.fixture(scope="module")
@@ -180,105 +169,3 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     assert np.array_equal(after.target, before.target) and np.abs(after.q - before.q).max() > 0.01
     assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-8
     seen.differs(first, 200)
-
-
-@contextmanager
-def served(text: str) -> Iterator[str]:
-    """The address on this machine of a page, as a notebook has one; other frames may not show local servers."""
-
-    class Page(http.server.BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(http.HTTPStatus.OK)
-            self.send_header("Content-Type", "text/html")
-            self.end_headers()
-            self.wfile.write(text.encode())
-
-        def log_message(self, *args: Any, **named: Any) -> None:
-            pass
-
-    with http.server.HTTPServer(("127.0.0.1", 0), Page) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}/"
-        server.shutdown()
-
-
-def test_a_notebook_holds_the_page(seen: Seen) -> None:
-    """What a notebook is given draws the arm and its panel within another page."""
-    text = f"<html><body>{seen.viewer._repr_html_()}</body></html>"
-    with served(text) as address, seen.away() as page:
-        page.goto(address)
-        seen.wait(lambda: len(page.frames) == 2, "the page holds the viewer's")
-        page.frames[1].get_by_text("8 solutions").wait_for()
-        seen.wait(lambda: shades(seen.shot()) > 5000, "arm and panel are drawn")
-
-
-def test_a_notebook_without_its_viewer_holds_a_picture(seen: Seen) -> None:
-    """Where the address does not answer, the arm and its solutions are drawn in the page's place."""
-    shown = seen.viewer._repr_html_().replace(f":{seen.viewer.port}/", ":9/")  # a port that nobody listens on
-    with served(f"<html><body>{shown}</body></html>") as address, seen.away() as page:
-        page.goto(address)
-        page.get_by_text("The page itself needs the viewer").wait_for()
-        assert page.locator("object polyline").count() == len(seen.viewer.state.ghosts) + 1
-        box = page.locator("object svg").bounding_box()
-    assert box is not None and box["width"] > 100 and box["height"] > 100
-
-
-def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path: Path) -> None:
-    """The file that the page offers draws the arm by itself."""
-    with seen.page.expect_download() as download:
-        seen.page.get_by_role("button", name="Save the scene as HTML").click()
-    file = tmp_path / download.value.suggested_filename
-    download.value.save_as(file)
-    assert file.name == f"{ARM}.html"
-    asked: list[str] = []
-    with seen.away() as page:
-        page.goto("about:blank")
-
-        def note(request: Any) -> None:
-            asked.append(request.url)
-
-        page.on("request", note)
-        page.goto(file.as_uri())
-        seen.wait(lambda: shades(seen.shot()) > 5000, "the arm is drawn")
-        page.remove_listener("request", note)
-    assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
-
-
-def test_keys_go_to_the_next_solution_and_back(seen: Seen) -> None:
-    """N marks another branch as the one where the arm stands, P the first one again."""
-    marked = seen.page.get_by_role("button", name=re.compile("^● "))
-    seen.wait(lambda: marked.count() == 1, "the arm stands at a solution")
-    first = marked.inner_text()
-    seen.page.mouse.click(60, 60)
-    seen.page.keyboard.press("n")
-    seen.wait(lambda: marked.count() == 1 and marked.inner_text() != first, "another branch is marked")
-    seen.page.keyboard.press("p")
-    seen.wait(lambda: marked.count() == 1 and marked.inner_text() == first, "the first one is marked again")
-
-
-def test_a_moving_arm_sends_its_shapes_once(browser: Any) -> None:
-    """With two megabytes of meshes on the arm, a move of the target sends places: less than a hundredth of that."""
-    import trimesh
-
-    arm = urdf_ik.load("zyyzyz_6r")
-    with Viewer(arm, port=0) as viewer:
-        ball = trimesh.creation.icosphere(subdivisions=6)  # 2.0 MB as vertices and faces of 4 bytes
-        viewer.server.scene.add_mesh_simple("/robot/tip/ball", ball.vertices, ball.faces)
-        assert 4 * (ball.vertices.size + ball.faces.size) > 1_400_000
-        shown = ViewerPage(viewer, browser, (WIDTH, HEIGHT), PANEL)
-        sent: list[int] = []
-
-        def listen(socket: Any) -> None:
-            socket.on("framereceived", lambda data: sent.append(len(data)))
-
-        shown.page.on("websocket", listen)
-        shown.enter()
-        shown.catch_up()
-        shown.wait(lambda: sum(sent) > 1_400_000, "the shapes have come")
-        sent.clear()
-        moves = 10
-        for k in range(moves):
-            viewer.move_target(arm.fk(Q + 0.02 * k))
-            shown.catch_up()
-        assert 0 < sum(sent) < moves * 20_000
-        shown.page.close()

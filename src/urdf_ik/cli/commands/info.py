@@ -26,7 +26,6 @@ _PAIR = ("axes", "relation", "angle", "distance", "off_angle", "off_distance")
 _TRIPLE = ("axes", "relation", "off_angle", "off_distance", "point")
 _JOINTS_ANALYSED = 7
 """Chains with more joints are not analysed for the table: each choice of joints to lock is an arm of its own."""
-_LIMBS_SHOWN = 12
 
 
 def info(
@@ -155,24 +154,8 @@ def as_text(arm: Arm, angles: Angles) -> str:
         "redundancy": "" if arm.redundancy is None else str(arm.redundancy),
         "names": "" if not local else _NUMBERED if branch_names.square(arm.solver) is None else _SIGNED,
     }
-    branches = [f"{'' if i else 'branches':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
-    return tables.render(tables.outline(about), "", tables.outline(solver), branches)
-
-
-def _columns(branches: tuple[str, ...]) -> list[str]:
-    """The columns of an answer: one line each, but one for a run of names that are only numbered."""
-    lines, start = [], 0
-    while start < len(branches):
-        kind, _, number = branches[start].rpartition(" ")
-        end = start + 1
-        while number.isdigit() and end < len(branches) and branches[end] == f"{kind} {int(number) + end - start}":
-            end += 1
-        if end - start == 1:
-            lines.append(f"{start + 1:>2}  {branches[start]}")
-        else:
-            lines.append(f"{start + 1:>2} to {end}  {branches[start]} to {branches[end - 1]}")
-        start = end
-    return lines
+    solver["branches"] = "; ".join(structure.branches)
+    return tables.render(tables.outline(about), "", tables.outline(solver))
 
 
 def _chains_text(model: UrdfModel, base: str | None) -> str:
@@ -183,23 +166,18 @@ def _chains_text(model: UrdfModel, base: str | None) -> str:
     meant = {(each.base, each.tip): each for each in chains if each.chosen}
     there = {(each.base, each.tip) for each in limbs}
     more = [Limb(each.name, "chain", *key, each.joints) for key, each in meant.items() if key not in there]
-    rows: list[dict[str, Any]] = [
-        {"chain": each.name, "joints": len(each.joints), "base": each.base, "tip": each.tip}
-        | {"family": _family(model, each), "meant": "yes" if (each.base, each.tip) in meant else ""}
-        for each in (*more, *limbs)[:_LIMBS_SHOWN]
+    rows = [
+        {"chain": each.name, "joints": len(each.joints), "tip": each.tip, "family": _family(model, each)}
+        | {"meant": "yes" if (each.base, each.tip) in meant else ""}
+        for each in (*more, *limbs)
     ]
-    for dropped in ("", "base", "tip"):  # as many columns as the terminal has room for
-        rows = [{name: value for name, value in row.items() if name != dropped} for row in rows]
-        table = tables.outline({"chains": rows})
-        if tables.fits(table):
-            break
-    hidden = len(more) + len(limbs) - len(rows)
-    notes = [f"{hidden} more: --format json lists them"] if hidden else []
+    notes = []
     for each in meant.values():
         frames = f"; fixed to its last link, too: {listed(each.frames, 4)}" if each.frames else ""
         before = f"; --base {model.root} takes in {listed(each.before, 4)}" if each.before else ""
         notes.append(f"{each.tip} ({each.reason}){frames}{before}")
     notes += [] if meant else ["none is meant by itself: name one with --chain, or with --base and --tip"]
+    table = tables.outline({"chains": rows})
     return tables.render(f"{model.name}: {model.source}", table, "", *(tables.folded(note, "", "  ") for note in notes))
 
 
