@@ -188,9 +188,6 @@ class Solver:
     def image(self) -> bytes:
         """The bytes of the struct with the arm's numbers."""
 
-    def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
-        """Of axes, for explanations [m]: up to four, NaN where there is none."""
-
     def prove(self, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> object:
         """What is proven about a pose's solutions; None: nothing."""
 

@@ -163,25 +163,3 @@ def test_sharpened_roots_keep_their_digits(delta: float) -> None:
         sharpened = np.array(step("sharpen_roots", *numbers)[1:]).reshape(4, 2)
         found = [math.cos(at) * s - math.sin(at) * c for c, s in sharpened[:2]]
         assert min(abs(y - x) for y in found) < 1e-6 * delta + 1e-15
-
-
-def test_nearest_between() -> None:
-    """The angle lies between the bounds, none of a fine grid that does is nearer, and NaN stands for none."""
-    rng = np.random.default_rng(4)
-    grid = np.linspace(-math.pi, math.pi, 2001)
-    empty = 0
-    for _ in range(200):
-        wanted, (x, y) = rng.uniform(-math.pi, math.pi), rng.normal(size=2)
-        low, high = np.sort(rng.normal(size=2))
-        angle = step("nearest_between", wanted, x, y, low, high, 1e-12)[0]
-        values = x * np.cos(grid) + y * np.sin(grid)
-        within = grid[(values >= low) & (values <= high)]
-        if math.isnan(angle):
-            assert len(within) == 0
-            empty += 1
-            continue
-        assert low - 1e-9 <= x * math.cos(angle) + y * math.sin(angle) <= high + 1e-9
-        if len(within):
-            distance = np.abs((within - wanted + math.pi) % (2.0 * math.pi) - math.pi)
-            assert abs((angle - wanted + math.pi) % (2.0 * math.pi) - math.pi) <= distance.min() + 1e-9
-    assert 0 < empty < 100

@@ -41,19 +41,12 @@ template <int N> struct Columns {
 template <int N> struct Reference {
     double q[N];
     double given;  // 1 if the caller gave it, else 0
-    // The distance between the target given to the closed form and the real one [rad, share of size].
-    double displaced = 0.0;
 };
 template <int N> STEP Reference<N> reference_of(const double* q_ref) {
     Reference<N> r;
     for (int j = 0; j < N; ++j) r.q[j] = q_ref ? q_ref[j] : 0.0;
     r.given = q_ref ? 1.0 : 0.0;
     return r;
-}
-
-// If a margin or squared lever arm is at most this, the solution may be singular; the Jacobian decides.
-template <int N> STEP double marked(const Tolerances& tolerances, const Reference<N>& reference) {
-    return max(tolerances.fold, 10.0 * reference.displaced);
 }
 
 // The error at q.
@@ -137,20 +130,6 @@ template <int N> PART void sort(const Columns<N>& columns) {
     }
 }
 
-// The second smallest singular value of the Jacobian at q: the smallest one after a row with the weakest direction is added.
-template <class Model>
-SHARED double second_weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
-    Rows<Model::rows, double> J[Model::joints];
-    Rows<Model::rows + 1, double> held[Model::joints];
-    derivatives_at(arm, goal, q, J);
-    for (int j = 0; j < Model::joints; ++j) {
-        for (int i = 0; i < Model::rows; ++i) held[j][i] = J[j][i];
-    }
-    const Weakest<Model::joints> weak = weakest(J);
-    for (int j = 0; j < Model::joints; ++j) held[j][Model::rows] = weak.direction[j];
-    return weakest(held).value;
-}
-
 // The flags of a singular solution q: `marks`, or OTHER if that is 0; 0 if the Jacobian is regular.
 template <class Model>
 STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], int marks) {
@@ -160,12 +139,6 @@ STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double
 
 // A candidate slightly beyond the end of its branch must converge to this error.
 inline constexpr double DOUBTFUL = 1e-12;
-
-// Whether Newton's method reaches a solution from q, a candidate whose margins are negative, perhaps by rounding. q is replaced.
-template <class Model>
-STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int patience = LONG_PATIENCE) {
-    return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
-}
 
 // Whether two singular solutions lie on one continuum: Newton's method from their midpoint then stays near it, and ends at a
 // singular solution too.
@@ -178,54 +151,6 @@ template <class Model> PART bool is_joined(const Model& arm, const Goal<double>&
     const double nearer = min(distance(arm, middle, q), distance(arm, middle, other));
     return nearer > 0.25 * distance(arm, q, other) && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
 }
-
-// At a crossing of two continua, or near one, the second smallest singular value is smaller by this factor.
-inline constexpr double CROSSING = 0.1;
-
-// The column that q may take when all columns are taken, or -1. The two singular solutions nearest to each other most likely lie
-// on one continuum. The one whose Jacobian has the larger second smallest singular value is replaced: by a regular solution, by a
-// singular one with a smaller such value, or by one with the same value that is farther from the others.
-template <class Model>
-PART int less_needed(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
-                     const double (&q)[Model::joints], int marks) {
-    double alone = 1e300, least = 1e300;
-    int pair[2] = {-1, -1};
-    for (int a = 0; a < columns.many; ++a) {
-        if (!(columns.flags[a] & SINGULAR)) continue;
-        alone = min(alone, distance(arm, columns.row(a), q));
-        for (int b = 0; b < a; ++b) {
-            if (!(columns.flags[b] & SINGULAR)) continue;
-            const double apart = distance(arm, columns.row(a), columns.row(b));
-            if (apart < least) least = apart, pair[0] = a, pair[1] = b;
-        }
-    }
-    if (pair[0] < 0) return -1;
-    const double of_first = second_weakest_at(arm, goal, columns.row(pair[0]));
-    const double of_other = second_weakest_at(arm, goal, columns.row(pair[1]));
-    const int goes = of_first >= of_other ? pair[0] : pair[1];
-    if (!marks) return goes;
-    const double of_going = max(of_first, of_other), of_new = second_weakest_at(arm, goal, q);
-    if (of_new < CROSSING * of_going) return goes;
-    return alone > least && of_going >= CROSSING * of_new ? goes : -1;
-}
-
-// Store a new solution in column b; if b is taken, in the first free column; if none is free, in place of a less useful solution.
-template <class Model>
-PART void add(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns, int b,
-              const double (&q)[Model::joints], int marks) {
-    if (columns.count() == columns.many) {
-        b = less_needed(arm, goal, columns, q, marks);
-        if (b < 0) return;
-        columns.clear(b);
-    }
-    keep(columns, b, q, marks);
-}
-
-// Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
-// near: the candidate is near a singularity, so its flags are computed. On an imperfect arm a result counts as a solution only if
-// it converged to rounding, since near a double root the error falls with the square of the distance.
-void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], int b, int marks, bool near,
-            const Columns<6>& columns);
 
 // For arms of six joints compiled once, in answer.cpp.
 extern template Polished<Block> polish_block<true>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,

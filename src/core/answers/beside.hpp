@@ -39,7 +39,7 @@ PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const G
             double found[N];
             for (int j = 0; j < N; ++j) found[j] = start[j][l];
             if (error[l] <= CONVERGED && is_new(arm, goal, columns, found))
-                add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
+                keep(columns, 0, found, singular_marks(arm, goal, found, 0));
         }
     }
 }

@@ -8,25 +8,23 @@
 //   by_signs   whether three signs distinguish its branches; if so
 //   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
 //              branch's end (see margin_root)
-//   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
-//              `wanted`, added to the columns. If signs or roots tell the branches apart, it returns those that rounding
-//              leaves open (see around.hpp)
 // and, if its targets are not poses of sixteen numbers,
 //   numbers    the length of a target
 //   load       load(arm, from, t): a block of targets as poses
 // and, for arms with a redundancy parameter,
 //   redundant  true; Arm::value is its default; fast, closely and solve take it after `seen`
+//   closely    closely(arm, goal, seen, value, reference, columns, wanted): the branches of one pose whose bit is set in
+//              `wanted`, added to the columns
 //   status     status(arm, goal, seen, value, columns) of a pose that closely has solved
 // A family without a fast path is driven by solve_singly. It has
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
-// or closely, and
+// or branch, and
 //   quartic    quartic(arm, seen): the roots that its branches follow from
+//   root_bit, root_joint: see proposals.hpp
 #pragma once
 
 #include "answers/answer.hpp"
-#include "answers/around.hpp"
 #include "answers/branch.hpp"
-#include "answers/referee.hpp"
 #include "answers/rooted.hpp"
 #include "kinematics/target.hpp"
 
@@ -196,17 +194,19 @@ template <class Arm> STEP Block load_values(const Arm& arm, const double* values
     return v;
 }
 
-// All solutions of one pose of an arm whose closed form has a quartic, and its status. Its rotation is a rotation.
+// All solutions of one pose of an exact arm whose branches have signs, and its status; the columns have those of branches that are
+// not in `wanted`.
 template <class Family>
-STEP void solve_by_roots(const typename Family::Arm& arm, const Goal<double>& goal, const Reference<6>& reference,
-                         const Columns<6>& columns) {
-    const Seen<double> seen = to_frame_1(goal, arm.ideal);
-    const Quartic roots = Family::quartic(arm, seen);
-    const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, ~0u, &roots);
-    look_around<Family>(arm, goal, seen, reference, columns, unsure);
-    Status status = status_by_roots<Family>(arm, goal, seen, roots, columns);
-    if (status == Status::incomplete) status = refer(arm.written, goal, columns);
-    set_status(columns.flags[0], status);
+PART Status solve_by_signs(const typename Family::Arm& arm, const double (&T)[16], const Reference<6>& reference, unsigned wanted,
+                           const Columns<6>& columns) {
+    double proper[16];
+    project_rotation(T, proper);
+    const Goal<double> goal = goal_of(proper);
+    const Boxes boxes = boxes_of<Family>(arm, goal, arm.ideal.signs);
+    Status status = fill<Family>(arm, goal, to_frame_1(goal, arm.ideal), {}, reference, boxes, wanted, columns);
+    if (may_be_joined(boxes, status) && keep_curve(arm.written, goal, columns)) return Status::continuum;
+    if (status == Status::incomplete) status = decided_closely<Family>(arm, goal, boxes, columns);
+    return status == Status::incomplete ? refer(arm.written, goal, columns) : status;
 }
 
 // Solve one pose's branches in doubt on the careful path. value: of the redundancy parameter, for arms that have one.
@@ -220,28 +220,18 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
         columns.clear();
         wanted = ~0u;
     }
-    const auto seen = to_frame_1<double>(proper, arm.ideal);
     const auto reference = reference_of<joints_of<Family>>(q_ref);
-    const Goal<double> goal = goal_of(proper);
-    if constexpr (redundant_of<Family>()) {
-        Family::closely(arm, goal, seen, value, reference, columns, wanted);
-        set_status(columns.flags[0], Family::status(arm, goal, seen, value, columns));
-    } else if constexpr (branches_have_signs<Family>()) {
-        const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
-        project_rotation(T, proper);
-        const Goal<double> projected = goal_of(proper);
-        const Boxes boxes = boxes_of<Family>(arm, projected, arm.ideal.signs);
-        const Filled filled = filled_by(arm.ideal, boxes, columns);
-        Status status = decided(arm.ideal, boxes, filled);
-        if (unsure && !is_settled(arm.written, projected, boxes, filled, columns)) {
-            look_around<Family>(arm, goal, seen, reference, columns, unsure);
-            status = decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
-        }
-        if (status == Status::incomplete) status = decided_closely<Family>(arm, projected, boxes, columns);
-        if (status == Status::incomplete) status = refer(arm.written, projected, columns);
-        set_status(columns.flags[0], status);
+    if constexpr (branches_have_signs<Family>()) {
+        set_status(columns.flags[0], solve_by_signs<Family>(arm, T, reference, wanted, columns));
     } else {
-        Family::closely(arm, goal, seen, reference, columns, wanted);
+        const auto seen = to_frame_1<double>(proper, arm.ideal);
+        const Goal<double> goal = goal_of(proper);
+        if constexpr (redundant_of<Family>()) {
+            Family::closely(arm, goal, seen, value, reference, columns, wanted);
+            set_status(columns.flags[0], Family::status(arm, goal, seen, value, columns));
+        } else {
+            Family::closely(arm, goal, seen, reference, columns, wanted);
+        }
     }
 }
 
@@ -358,7 +348,7 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
         if constexpr (redundant_of<Family>()) {
             Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
         } else if constexpr (has_quartic<Family>()) {
-            solve_by_roots<Family>(arm, goal_of(proper), reference, columns);
+            set_status(columns.flags[0], solve_by_roots<Family>(arm, goal_of(proper), reference, columns));
         } else {
             Family::solve(arm, goal_of(proper), reference, columns);
         }

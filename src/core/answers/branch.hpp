@@ -12,12 +12,43 @@ namespace urdf_ik::URDF_IK_LEVEL {
 template <class V> struct Branch {
     Turn<V> turn[6];
     V shoulder, elbow, wrist, arms;
+    V lever[3];  // the smallest squared lever arms of shoulder, elbow and wrist, not reduced
+};
+// Joints that a pose leaves free, whose squared lever arms are at most `below`, take these values, offsets included.
+struct FreeJoints {
+    Turn<double> turn[6];
+    double below;
 };
 // The signs of a block of branches; of closed forms with a quartic, its root.
 template <class V> struct Signs {
     V shoulder, elbow, wrist;
     Turn<V> root = {};
+    const FreeJoints* free = nullptr;
 };
+// A joint's turn with a squared lever arm, unless the pose leaves it free. A ball of such a turn is the whole circle.
+template <class V> STEP Turn<V> unless_free(const Signs<V>& signs, const V& arm, const Turn<V>& turn, const Turn<double>& free) {
+    if constexpr (requires { arm.rad; }) return turn;
+    else {
+        if (!signs.free) return turn;
+        const auto loose = arm <= V(signs.free->below);
+        return {select(loose, V(free.c), turn.c), select(loose, V(free.s), turn.s)};
+    }
+}
+template <class V> STEP Turn<V> unless_free(const Signs<V>& signs, int joint, const V& arm, const Turn<V>& turn) {
+    return unless_free(signs, arm, turn, signs.free ? signs.free->turn[joint] : Turn<double>{});
+}
+// wrist_turns() with this first turn where the pose leaves it free.
+template <class V>
+STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, const Signs<V>& signs,
+                               const Turn<double>& free) {
+    const WristTurns<V> turns = wrist_turns(M, bend, t);
+    if (!signs.free) return turns;
+    return wrist_turns(M, bend, t, true, unless_free(signs, turns.fixed, turns.first, free));
+}
+template <class V>
+STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, const Signs<V>& signs, int first) {
+    return wrist_turns(M, bend, t, signs, signs.free ? signs.free->turn[first] : Turn<double>{});
+}
 // The squared lever arm of a joint, reduced by those of earlier joints. A small motion of the target moves a joint by the motion
 // over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.
 template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }

@@ -56,9 +56,7 @@ Status decided(const IdealFrames& ideal, const Boxes& boxes, const Filled& fille
         if (!(there & ~owned & ~counted & bit)) continue;
         if (boxes.free & bit) return Status::incomplete;
         unsigned twins = 0;
-        for (int j = 0; j < 6; ++j) {
-            if (boxes.chord[j][b] > BESIDE) return Status::incomplete;
-        }
+        if (boxes.wide(b)) return Status::incomplete;
         for (int k = 0; k < 3; ++k) {
             if (boxes.open[k] & ~boxes.tiny[k] & bit) return Status::incomplete;
         }

@@ -12,8 +12,8 @@
 //   other   a margin may have either sign: two solutions, one double root or none
 #pragma once
 
-#include "answers/branch.hpp"
 #include "answers/on_curve.hpp"
+#include "answers/proposals.hpp"
 #include "arithmetic/ball.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -28,11 +28,6 @@ inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
 // to about the margin at their real part: Tolerances::reach would verify it, and another rounding of the pose would make them real.
 // Their box stays, and without a solution in it nothing is proven.
 inline constexpr double EMPTY_MARGIN = 1e-10;
-
-// Whether three signs tell a family's branches apart.
-template <class Family> constexpr bool branches_have_signs() {
-    return requires { requires Family::by_signs; };
-}
 
 // Branches from `first` on, one per lane, each for its own target; `of`: the signs of their roots.
 template <class Family, class V>
@@ -60,6 +55,11 @@ struct Boxes {
     unsigned open[3] = {}, tiny[3] = {}, empty = 0, free = 0;
 
     STEP unsigned sure() const { return ~(open[0] | open[1] | open[2]) & 255u; }
+    STEP bool wide(int b) const {
+        double most = 0.0;
+        for (const auto& chords : chord) most = max(most, chords[b]);
+        return !(most <= BESIDE);
+    }
 };
 
 // The boxes of a block of branches from `first` on.
@@ -139,6 +139,37 @@ PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal, c
         include<Family>(arm, {target.R, target.p}, off.turn + beyond, off.shift + beyond * arm.ideal.size, first, signs, out);
     }
     return out;
+}
+
+// Fills the boxes by Newton's method from the branches in `wanted`, until the boxes decide the status, which is returned.
+template <class Family>
+PART Status fill(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Quartic& roots,
+                 const Reference<6>& reference, const Boxes& boxes, unsigned wanted, const Columns<6>& columns) {
+    // The boxes of a quartic may be those of other branches, see rooted.hpp.
+    constexpr bool rooted = has_quartic<Family>();
+    if (!rooted) wanted &= ~boxes.empty;
+    unsigned fixed = 0;
+    for (int k = 0;; ++k) {
+        Proposed from = {};
+        if (wanted) from = propose<Family>(arm, goal, seen, roots, reference, k, wanted, columns);
+        const Filled filled = filled_by(arm.ideal, boxes, columns);
+        Status status = decided(arm.ideal, boxes, filled);
+        // Next to a singularity a joint may only look free.
+        if (k == double_roots) fixed = from.fixed & boxes.free;
+        if (fixed && !is_settled(arm.written, goal, boxes, filled, columns)) status = Status::incomplete;
+        if (status != Status::incomplete || k == 2 * AROUND) return status;
+        const unsigned unmet = boxes.free & ~filled.met;
+        const unsigned rest = k == double_roots ? (from.merged & ~filled.owned) | unmet : unmet;
+        wanted &= rooted && rest ? 255u : rest;
+        if (!wanted) return status;
+    }
+}
+
+// Whether solutions may belong to a curve that keeps the pose to the tolerance of solutions, though boxes tell them apart.
+STEP bool may_be_joined(const Boxes& boxes, Status status) {
+    bool out = false;
+    for (int b = 0; b < 8; ++b) out |= boxes.wide(b) && !(boxes.empty >> b & 1u);
+    return out && status == Status::clustered;
 }
 
 // The status where the boxes alone leave it open: of a curve through a solution, of folds, or of clusters.

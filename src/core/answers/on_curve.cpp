@@ -150,7 +150,7 @@ bool is_on_curve(const Written<6>& arm, const Goal<double>& goal, const double (
 
 bool keep_curve(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
-        if (columns.valid(b) && is_on_curve(arm, goal, columns.row(b))) return true;
+        if (columns.valid(b) && columns.flags[b] & SINGULAR && is_on_curve(arm, goal, columns.row(b))) return true;
     }
     return false;
 }

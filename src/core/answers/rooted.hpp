@@ -2,61 +2,59 @@
 #pragma once
 
 #include "answers/inclusion.hpp"
-#include "arithmetic/quartic.hpp"
+#include "answers/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Whether a family's branches hang on the roots of a quartic. Bit root_bit of a branch's number tells root 0 from root 1, and 2
-// from 3; the next higher one of the two bits that tell roots tells these pairs.
-template <class Family> constexpr bool has_quartic() {
-    return requires { &Family::quartic; } && !branches_have_signs<Family>();
-}
-template <class Family> STEP int root_of_branch(int b) { return Family::root_bit == 2 ? b >> 1 : (b >> 2) << 1 | (b & 1); }
-
-// The status of one pose of an exact arm whose solutions are in the columns. A root that is not proven to be alone is a margin of
-// either sign, that of the branches with the other root of its pair: roots are paired so that two that meet are one pair.
+// The boxes of one pose of an exact arm. A root that is not proven to be alone is a margin of either sign, that of the branches
+// with the other root of its pair: roots are paired so that two that meet are one pair. So where the second root of a pair meets
+// the first one of the next, each branch takes the next root, the last one's next being the first.
 template <class Family>
-PART Status status_by_roots(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
-                            const Quartic& roots, const Columns<6>& columns) {
+PART Boxes boxes_by_roots(const typename Family::Arm& arm, const Seen<double>& seen, const Quartic& roots) {
     using Number = Ball<Block>;
-    if (!roots.whole) return keep_curve(arm.written, goal, columns) ? Status::continuum : Status::incomplete;
-    const unsigned open = ~roots.alone & ((1u << roots.count) - 1);
-    // The second root of a pair and the first one of the next, the last one's next being the first.
-    const int shift = open == 6u || open == 9u;
+    constexpr int pair = Family::root_bit == 2 ? 1 : 2;
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     const Slack off = slack_of(arm.ideal, seen);
+    const Seen<Number> all = within({target.R, target.p}, off.turn, off.shift);
+    const unsigned open = ~roots.alone & ((1u << roots.count) - 1);
+    const bool shifted = open == 6u || open == 9u;
     Boxes boxes;
-    unsigned none = 0, either = 0;
     for (int first = 0; first < 8; first += BLOCK) {
         Turn<Number> root = {};
-        const auto& of = arm.ideal.signs;
-        const auto signs = [&](int k) { return Number(load<Block>(of[k] + first)); };
+        const auto signs = [&](int k) { return Number(load<Block>(arm.ideal.signs[k] + first)); };
         for (int l = 0; l < BLOCK; ++l) {
-            const int i = (root_of_branch<Family>(first + l) + shift) % 4;
-            if (i >= roots.count) none |= 1u << (first + l);
-            if (open >> i & 1) either |= 1u << (first + l);
+            const int i = (root_of_branch<Family>(first + l) + shifted) % 4;
+            const unsigned bit = 1u << (first + l);
+            const bool either = open >> i & 1u;
+            boxes.empty |= i >= roots.count ? bit : 0, boxes.open[pair] |= either ? bit : 0;
+            boxes.tiny[pair] |= either && roots.radius[i] < 0.5 * NEARER_THAN_ROUNDING ? bit : 0;
             root.c.mid.set(l, roots.root[i].c), root.s.mid.set(l, roots.root[i].s);
             root.c.rad.set(l, roots.radius[i]), root.s.rad.set(l, roots.radius[i]);
         }
-        const Seen<Number> all = within({target.R, target.p}, off.turn, off.shift);
         box(Family::template branch<Number>(arm, all, {signs(0), signs(1), signs(2), root}), first, boxes);
     }
-    constexpr int pair = Family::root_bit == 2 ? 1 : 2;
-    boxes.empty |= none, boxes.open[pair] |= either;
-    for (int i = 0; i < roots.count; ++i) {
-        for (int b = 0; b < 8 && roots.radius[i] < 0.5 * NEARER_THAN_ROUNDING; ++b) {
-            if ((root_of_branch<Family>(b) + shift) % 4 == i) boxes.tiny[pair] |= either & 1u << b;
+    return boxes;
+}
+
+// All solutions of one pose of an exact arm whose closed form has a quartic, and its status. Its rotation is a rotation.
+template <class Family>
+PART Status solve_by_roots(const typename Family::Arm& arm, const Goal<double>& goal, const Reference<6>& reference,
+                           const Columns<6>& columns) {
+    const Seen<double> seen = to_frame_1(goal, arm.ideal);
+    const Quartic roots = Family::quartic(arm, seen);
+    Status status = Status::incomplete;
+    if (!roots.whole) {
+        for (int k = 0; k <= 2 * AROUND && !columns.count(); ++k) {
+            propose<Family>(arm, goal, seen, roots, reference, k, 255u, columns);
         }
+    } else {
+        const Boxes boxes = boxes_by_roots<Family>(arm, seen, roots);
+        status = fill<Family>(arm, goal, seen, roots, reference, boxes, 255u, columns);
+        // Wide discs leave joints free that the pose does not.
+        if (boxes.free & boxes.open[Family::root_bit == 2 ? 1 : 2] & ~boxes.empty) status = Status::incomplete;
     }
-    // Each sure box holds one solution.
-    if (!(boxes.free | open) && !(~boxes.sure() & ~boxes.empty & 255u) &&
-        columns.count() == __builtin_popcount(~boxes.empty & 255u)) {
-        return Status::complete;
-    }
-    // Wide discs leave joints free that the pose does not.
-    const bool wide = boxes.free & either & ~boxes.empty;
-    const Status status = wide ? Status::incomplete : decided(arm.ideal, boxes, filled_by(arm.ideal, boxes, columns));
-    return status == Status::incomplete && keep_curve(arm.written, goal, columns) ? Status::continuum : status;
+    if (status == Status::incomplete && keep_curve(arm.written, goal, columns)) return Status::continuum;
+    return status == Status::incomplete ? refer(arm.written, goal, columns) : status;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

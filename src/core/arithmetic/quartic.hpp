@@ -15,16 +15,6 @@ struct Quartic {
     double radius[4];
     unsigned alone;
     bool whole;
-
-    // Squared distance on the unit circle from a root to the nearest other one; 4 if it is the only root.
-    STEP double gap(int i) const {
-        double least = 4.0;
-        for (int k = 0; k < count; ++k) {
-            const double c = root[k].c - root[i].c, s = root[k].s - root[i].s;
-            if (k != i) least = min(least, c * c + s * s);
-        }
-        return least;
-    }
 };
 
 // constant + cosine cos t + sine sin t + cosine2 cos 2t + sine2 sin 2t

@@ -32,10 +32,6 @@ inline constexpr double VANISHING = 1e-12;
 inline constexpr double SAME = 1e-6;
 // Sums of rounded products and roots of positive numbers are too small by less than this factor: up to 4000 operations.
 inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
-// Two roots of a quartic may lead to the same solution if their squared distance on the unit circle is below this.
-inline constexpr double ROOTS_CROWDED = 1e-4;
-// Rounding error of the elbow's margin behind a quartic: this much divided by the squared lever arm of the wrist.
-inline constexpr double ROUGH_BY_ROOT = 1e-9;
 // What is nearer than this is looked at more closely: a squared sine or lever arm, or a smallest singular value, to a singularity;
 // an extremum to zero; an error of the loop to a cluster's. It decides the cost only: at 1e-3 rad the digits that are lost, three
 // or six, leave nine.

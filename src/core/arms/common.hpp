@@ -46,8 +46,8 @@ inline void read(const Values& v, Displacement& to) {
 inline void read(const Values& v, IdealFrames& to) {
     read(v, static_cast<Ends&>(to));
     v.read("cos_alpha", to.cos_alpha), v.read("sin_alpha", to.sin_alpha), v.read("a", to.a), v.read("d", to.d);
-    v.read("offset", to.offset), v.read("size", to.size), v.read("clamp", to.clamp);
-    v.read("imperfection", to.imperfection), v.read("signs", to.signs);
+    v.read("offset", to.offset), v.read("size", to.size), v.read("imperfection", to.imperfection);
+    v.read("signs", to.signs);
     read(*v.group("displacement"), to.displacement);
 }
 

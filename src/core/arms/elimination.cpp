@@ -58,7 +58,7 @@ namespace {
 
 class EliminationSolver : public SolverOf<EliminationArm> {
 public:
-    EliminationSolver() : SolverOf(level().elimination->solve, nullptr) { joints = 6, branches = 16; }
+    EliminationSolver() : SolverOf(level().elimination->solve) { joints = 6, branches = 16; }
     bool prove(const double* T, Proof& out) const override { return level().elimination->prove(arm, T, out); }
 };
 

@@ -20,10 +20,6 @@ public:
     virtual ~Solver() = default;
     // See SolveArm.
     virtual long solve(const Batch& batch) const = 0;
-    // See DistancesOf.
-    virtual void distances(const double*, double (&out)[4]) const {
-        for (double& each : out) each = __builtin_nan("");
-    }
     // The values (parameters) of the redundancy parameters for which solve() gives the joint vector q for the pose T; `reached` is
     // the tip's pose at q. Poses are row by row.
     virtual void redundancy_of(const double* /*q*/, const double* /*T*/, const double* /*reached*/, double* /*values*/) const {}
@@ -63,31 +59,24 @@ template <class Arm> std::string_view image_of(const Arm& arm) {
     return {reinterpret_cast<const char*>(&arm), sizeof arm};
 }
 
-// A solver made of an arm's numbers and two functions.
+// A solver made of an arm's numbers and a function.
 template <class Arm> class SolverOf : public Solver {
 public:
-    SolverOf(SolveArm<Arm> function, DistancesOf<Arm> distances_of) : function_(function), distances_of_(distances_of) {}
+    explicit SolverOf(SolveArm<Arm> function) : function_(function) {}
     Arm arm{};
     long solve(const Batch& batch) const override { return function_(arm, batch); }
     std::string_view image() const override { return image_of(arm); }
-    void distances(const double* seen, double (&out)[4]) const override {
-        if (distances_of_) distances_of_(arm, seen, out);
-        else Solver::distances(seen, out);
-    }
 
 private:
     const SolveArm<Arm> function_;
-    const DistancesOf<Arm> distances_of_;
 };
 
 // The maker of a SolverOf; read(values, arm) fills in the arm's numbers.
-template <class Arm>
-Maker maker(SolveArm<Arm> function, int joints, int branches, std::type_identity_t<DistancesOf<Arm>> distances = nullptr,
-            int parameters = 0) {
+template <class Arm> Maker maker(SolveArm<Arm> function, int joints, int branches) {
     return [=](const Values& v) {
-        auto made = std::make_shared<SolverOf<Arm>>(function, distances);
+        auto made = std::make_shared<SolverOf<Arm>>(function);
         read(v, made->arm);
-        made->joints = joints, made->branches = branches, made->parameters = parameters;
+        made->joints = joints, made->branches = branches;
         return made;
     };
 }

@@ -29,12 +29,6 @@ using Flags = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::c
 
 using Seen = nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu>;
 
-static std::vector<double> distances(const PySolver& self, const Seen& seen) {
-    double out[4];
-    self.solver->distances(seen.data(), out);
-    return {out, out + 4};
-}
-
 static long solve(const PySolver& self, const Targets& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
                   const std::optional<Numbers>& values, int threads, bool beyond) {
     const Solver& solver = *self.solver;
@@ -127,7 +121,6 @@ NB_MODULE(_core, m) {
         .def(
             "image", [](const PySolver& s) { return nb::bytes(s.solver->image().data(), s.solver->image().size()); },
             "The bytes of the struct with the arm's numbers.")
-        .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("prove", &prove, nb::arg("T").noconvert(), "What is proven about a pose's solutions; None: nothing.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1,

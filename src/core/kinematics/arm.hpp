@@ -57,7 +57,6 @@ inline constexpr double TARGET_ROUNDING = 6e-15;
 // T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
 struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
-    double clamp;         // a branch is given up if a margin is below -clamp
     double imperfection;  // distance of its poses from those of the arm as written [rad, share of size]; 0: exact
     double signs[3][8];   // of shoulder, elbow and wrist, by branch
     double together;      // see Clear in answers/branch.hpp
@@ -79,9 +78,6 @@ struct Batch {
 };
 // All solutions of a batch. Returns the index of the first invalid pose, or -1.
 template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);
-// For explanations: the distances between two axes [m] that a pose in the solver's frame 1 (4, 4) requires; up to four, the others
-// NaN.
-template <class Arm> using DistancesOf = void (*)(const Arm&, const double* seen, double (&out)[4]);
 
 // Bits of a solution's flags. UNCERTAIN is a part of the pose's status, in its first column: see certificate/status.hpp.
 enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16, UNCERTAIN = 32 };

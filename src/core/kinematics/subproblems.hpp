@@ -128,59 +128,6 @@ PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& b
     return turns;
 }
 
-// The angle nearest to `wanted` at which x cos + y sin is between low and high, or NaN. `slack`, in their unit, allows for
-// rounding.
-PART double nearest_between(double wanted, double x, double y, double low, double high, double slack) {
-    const double size = sqrt(x * x + y * y), phase = atan2(y, x);
-    if (low > size + slack || high < -size - slack) return __builtin_nan("");
-    double beta = wrap(wrap(wanted - phase));
-    const double now = size * exact_turn(beta).c;
-    if (now < low) beta = copysign(acos(min(low / size, 1.0)), beta);
-    else if (now > high) beta = copysign(acos(max(high / size, -1.0)), beta);
-    return beta + phase;
-}
-
-// The turn phi nearest to `wanted` that brings o - Rz(phi) f within a two-link arm's reach [m], or NaN. `slack` [m^2] allows for
-// rounding.
-STEP double free_turn(double wanted, double ox, double oy, double fx, double fy, double longest, double shortest, double slack) {
-    const double total = ox * ox + oy * oy + fx * fx + fy * fy;
-    const double low = 0.5 * (total - longest * longest), high = 0.5 * (total - shortest * shortest);
-    return nearest_between(wanted, ox * fx + oy * fy, oy * fx - ox * fy, low, high, slack);
-}
-
-// A bound on the rounding error of the angles computed so far [rad, or share of size]. Each step enlarges it by the root or the
-// lever arm of its own angle. Next to one singularity the bound is at most half of the digits. A second singularity may then be
-// within this error.
-struct Drift {
-    double own = ROUNDING;  // the least that each step adds
-    double by = 0.0;
-    bool open = false;  // the pose leaves an earlier angle free
-
-    // For an angle whose sine is the root of `margin`; earlier angles change the margin by 2 sqrt(arm) per rad.
-    STEP void through_root(double margin, double arm = 1.0) { grow(of_root(own + by * (2.0 * sqrt(arm) + by), margin)); }
-    // For an angle with a squared lever arm.
-    STEP void through_arm(double arm) { grow((own + by) / sqrt(max(arm, TINY))); }
-    // For subproblem 4: a vector of squared length `arm` is turned to a fixed offset, with this margin.
-    STEP void through_swing(double margin, double arm) {
-        const double length = sqrt(max(arm, TINY)), offset = sqrt(max(arm - margin, 0.0));
-        grow((own + by) / length + of_root((own + by) * length, margin) * offset / max(arm, TINY));
-    }
-
-    // The error of a margin: links of unequal lengths enlarge it.
-    STEP double of_margin() const { return LEVERS * by; }
-    // Whether the errors of earlier steps leave a margin's sign open. Each step handles the rounding of its own margin itself.
-    STEP bool hides(double margin) const { return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin()); }
-    // Whether a squared arm cannot be distinguished from zero, so that its angle may be free.
-    STEP bool frees(double arm) const { return arm <= by * by; }
-    STEP bool is_lost() const { return by > NO_DIGITS; }
-
-    static constexpr double LEVERS = 100.0, DIGITS_LEFT = 1e-11, NO_DIGITS = 1e-2;
-
-private:
-    STEP static double of_root(double error, double margin) { return error / sqrt(max(margin, error)); }
-    STEP void grow(double more) { by = min(by + more, 1.0); }
-};
-
 // Whether a margin is zero to rounding, so that the two solutions are one double root. The margin is a difference of squares: if
 // the squared lever arm is small, so is the rounding error, and the solutions differ by half a turn instead of meeting.
 STEP bool is_double(double margin, double arm, double rounding) { return margin <= rounding * sqrt(arm); }

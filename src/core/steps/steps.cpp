@@ -52,7 +52,6 @@ void do_wrist_turns(const double* in, double* out) {
         wrist_turns(M, Turn<double>{in[9], in[10]}, {in[11], in[12], in[13], in[14]}, in[15] != 0.0, Turn<double>{in[16], in[17]});
     out[0] = t.first.c, out[1] = t.first.s, out[2] = t.last.c, out[3] = t.last.s, out[4] = t.fixed, out[5] = t.error;
 }
-void do_nearest_between(const double* in, double* out) { out[0] = nearest_between(in[0], in[1], in[2], in[3], in[4], in[5]); }
 
 // Out: the number of roots, then (cos, sin) of four.
 void give(const Quartic& roots, double* out) {
@@ -137,7 +136,6 @@ static constexpr Step all[] = {
     URDF_IK_BOTH("pose_defect", 16, 1, do_pose_defect),
     {"wrist_bend", 8, 3, do_wrist_bend, nullptr},
     {"wrist_turns", 18, 6, do_wrist_turns, nullptr},
-    {"nearest_between", 6, 1, do_nearest_between, nullptr},
     {"trigonometric_roots", 5, 9, do_trigonometric_roots, nullptr},
     {"linked_roots", 6, 9, do_linked_roots, nullptr},
     {"sharpen_roots", 17, 9, do_sharpen_roots, nullptr},

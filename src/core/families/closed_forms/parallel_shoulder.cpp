@@ -6,12 +6,12 @@ namespace urdf_ik::URDF_IK_LEVEL {
 template <LastAxes kind> using Of = ParallelShoulder<kind>;
 
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
-const ParallelShoulderSolvers parallel_shoulder_solvers = {
-    {solve_closed_form<Of<LastAxes::intersecting_56>>, solve_closed_form<Of<LastAxes::parallel_56>>,
-     solve_closed_form<Of<LastAxes::intersecting_45>>, solve_closed_form<Of<LastAxes::parallel_45>>,
-     solve_singly<Of<LastAxes::general>>},
-    {Of<LastAxes::intersecting_56>::distances, Of<LastAxes::parallel_56>::distances, Of<LastAxes::intersecting_45>::distances,
-     Of<LastAxes::parallel_45>::distances, Of<LastAxes::general>::distances},
-};
+const ParallelShoulderSolvers parallel_shoulder_solvers = {{
+    solve_closed_form<Of<LastAxes::intersecting_56>>,
+    solve_closed_form<Of<LastAxes::parallel_56>>,
+    solve_closed_form<Of<LastAxes::intersecting_45>>,
+    solve_closed_form<Of<LastAxes::parallel_45>>,
+    solve_singly<Of<LastAxes::general>>,
+}};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

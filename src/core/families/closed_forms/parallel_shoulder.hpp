@@ -159,7 +159,8 @@ template <LastAxes kind> struct ParallelShoulder {
     using Arm = ParallelShoulderArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastAxes::general;
-    static constexpr unsigned root_bit = 1;  // see Rooted
+    static constexpr int flags[3] = {WRIST, ELBOW, WRIST};  // of the singularities of its margins
+    static constexpr unsigned root_bit = 1, root_joint = 5;  // see rooted.hpp
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         const auto& ideal = arm.ideal;
@@ -207,225 +208,31 @@ template <LastAxes kind> struct ParallelShoulder {
         const auto& ideal = arm.ideal;
         const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0];
         const Height<V> at = height_of(ideal, seen);
+        const V arm6 = at.h.x * at.h.x + at.h.y * at.h.y;
         const WristEnds<V> ends = wrist_ends<kind, V>(ideal, at, signs.shoulder, signs.wrist, signs.root);
-        const MiddleTurn<V> middle = middle_turn(ideal, at, ends.t4, ends.t6);
+        const Turn<V> t6 = unless_free(signs, 5, arm6, ends.t6);
+        const MiddleTurn<V> middle = middle_turn(ideal, at, ends.t4, t6);
+        const Turn<V> t5 = unless_free(signs, 4, middle.arm5, middle.t5);
         const HandAxes<V> hand = hand_at(ideal, ends.t4);
-        const Turn<V> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
-        const Plane<V> u = rest_across<V>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
+        const Turn<V> psi = turn_of_hand(ideal, seen.R, hand, t5, t6);
+        const Plane<V> u = rest_across<V>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, t5), psi);
         const Elbow<V> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
-        const V arm6 = at.h.x * at.h.x + at.h.y * at.h.y, arm1 = (u.x * u.x + u.y * u.y) * scale;
-        const V ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
-        const Turn<V> t2 = unit(e.bend.c, e.bend.s);
+        const V arm1 = (u.x * u.x + u.y * u.y) * scale, ahead = min(abs(ends.first), abs(ends.second));
+        const V lever = min(middle.arm5, arm6);
+        const V held = min(after(middle.arm5, ahead), arm6);
+        const Turn<V> t1 = unless_free(signs, 0, arm1, e.second), t2 = unit(e.bend.c, e.bend.s);
         Turn<V> t3 = psi;
-        unturn(t3.c, t3.s, e.second), unturn(t3.c, t3.s, Turn<V>{t2.c, side * t2.s});
-        return {{e.second, t2, unit(t3.c, same_sense(ideal) * t3.s), ends.t4, middle.t5, ends.t6},
+        unturn(t3.c, t3.s, t1), unturn(t3.c, t3.s, Turn<V>{t2.c, side * t2.s});
+        return {{t1, t2, unit(t3.c, same_sense(ideal) * t3.s), ends.t4, t5, t6},
                 ends.first,
                 e.margin,
                 ends.second,
-                min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
+                min(held, after(arm1, min(ahead, min(middle.arm5, arm6)))),
+                {kind == LastAxes::intersecting_56 ? V(1.0) : lever, arm1, lever}};
     }
 
     static Quartic quartic(const Arm& arm, const Seen<double>& seen) {
         return last_angles(arm.ideal, height_of(arm.ideal, seen), slack_of(arm.ideal, seen));
-    }
-
-    // The quantities that all branches of a pose share.
-    struct Sight {
-        Seen<double> seen;
-        Height<double> at;
-        double arm6;
-        bool free6;
-        Turn<double> held6;
-        Quartic roots;
-    };
-    static STEP Sight look(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference,
-                           const Quartic* known = nullptr) {
-        Sight s = {};
-        s.seen = seen, s.at = height_of(arm.ideal, seen);
-        s.arm6 = s.at.h.x * s.at.h.x + s.at.h.y * s.at.h.y;
-        s.free6 = s.arm6 <= arm.written.tolerances.continuum;
-        s.held6 = exact_turn(reference.q[5] + arm.ideal.offset[5]);
-        s.roots.count = 4;
-        if constexpr (kind == LastAxes::general) {
-            if (!s.free6) s.roots = known ? *known : quartic(arm, seen);
-            else s.roots.count = 1, s.roots.root[0] = s.held6;
-        }
-        return s;
-    }
-
-    // Joints 4 to 6 of one pair of roots.
-    struct Settled {
-        WristEnds<double> ends;
-        MiddleTurn<double> middle;
-        Drift drift;
-        int marks;
-        bool free5, kept, unsure;
-    };
-
-    // Whether joint 4 comes before joint 6.
-    static constexpr bool forth = kind == LastAxes::intersecting_56 || kind == LastAxes::parallel_56;
-
-    // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint free (squared
-    // arm below `continuum`), it takes the reference's value.
-    static PART Settled settle(const Arm& arm, const Sight& sight, const Reference<6>& reference, int b, int root) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        double front = ideal.signs[0][b], flip = ideal.signs[2][b];
-        Settled out = {};
-        Drift& drift = out.drift;
-        drift.own = max(drift.own, reference.displaced);
-        out.ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, sight.roots.root[root]);
-        if constexpr (kind == LastAxes::general) {
-            out.ends.first = sight.roots.gap(root);
-            drift.by = min(sight.roots.radius[root], 1.0);
-        } else {
-            const double m1 = out.ends.first, m2 = out.ends.second, arm6 = sight.free6 ? 1.0 : sight.arm6;
-            if (m1 < -ideal.clamp) return out;
-            if (forth) drift.through_root(m1);
-            else drift.through_swing(m1, arm6);
-            out.unsure = drift.hides(m2) || drift.is_lost();
-            if (m2 < -max(ideal.clamp, drift.of_margin()) && !drift.is_lost()) return out;
-            if (forth) drift.through_swing(m2, arm6);
-            else drift.through_root(m2);
-            // Where axis 5 or 6 is almost parallel to axes 1 to 3, two solutions that hardly differ in joint 4 differ by half a
-            // turn of joint 5. If no joint but joint 4 turns the height, they are one to rounding, and joint 5 is free there.
-            const double lever = min(middle_turn(ideal, sight.at, out.ends.t4, out.ends.t6).arm5, sight.arm6);
-            const bool twice1 = is_double(m1, kind == LastAxes::intersecting_56 ? 1.0 : lever, ROUNDING),
-                       twice2 = is_double(m2, lever, ROUNDING);
-            if ((front < 0.0 && twice1) || (flip < 0.0 && twice2)) return out;
-            front = twice1 ? 0.0 : front, flip = twice2 ? 0.0 : flip;
-            if (twice1 || twice2) {
-                const WristEnds<double> ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, {});
-                out.ends.t4 = ends.t4, out.ends.t6 = ends.t6;
-            }
-        }
-        if (sight.free6) out.ends.t6 = sight.held6, drift.open = true;
-        out.middle = middle_turn(ideal, sight.at, out.ends.t4, out.ends.t6);
-        out.free5 = out.middle.arm5 <= tol.continuum;
-        out.unsure = out.unsure || drift.frees(out.middle.arm5);
-        if (min(min(out.ends.first, out.ends.second), min(out.middle.arm5, sight.arm6)) <= marked(tol, reference))
-            out.marks = WRIST;
-        if (out.free5) out.middle.t5 = exact_turn(reference.q[4] + ideal.offset[4]), drift.open = true;
-        else drift.through_arm(out.middle.arm5);
-        out.kept = true;
-        return out;
-    }
-
-    // Number of further values of joint 6 that are tried if two joints are free and the elbow allows only a part of
-    // their range.
-    static constexpr int PLACES = 24;
-
-    // Joints 5 and 6 [rad], the turn psi, and the point that the two links have to reach.
-    struct Left {
-        double t5, t6;
-        Turn<double> psi;
-        Plane<double> u;
-        bool reached;
-    };
-
-    // If a joint is free, or nearly free, psi is the turn nearest to the given one that brings the elbow within reach.
-    static STEP Left reach_across(const Arm& arm, const Sight& sight, const Settled& at, const Turn<double>& t6) {
-        const auto& ideal = arm.ideal;
-        const auto& [R, p] = sight.seen;
-        const HandAxes<double> hand = hand_at(ideal, at.ends.t4);
-        const bool aligned = at.middle.arm5 < VANISHING;
-        Left out = {angle(at.middle.t5), angle(t6), turn_of_hand(ideal, R, hand, at.middle.t5, t6), {}, true};
-        // From axis 1 to axis 3 through the last point that no free joint moves.
-        Plane<double> o = {p.x, p.y}, f;
-        if (sight.free6 && !aligned) {
-            f = last_across(ideal, at.ends.t4, hand, at.middle.t5);
-        } else {
-            o.x -= ideal.a[4] * (R.x.x * t6.c - R.y.x * t6.s), o.y -= ideal.a[4] * (R.x.y * t6.c - R.y.y * t6.s);
-            f = hand_across(ideal, at.ends.t4);
-        }
-        if (sight.free6 || aligned) {
-            const double given = angle(out.psi), upper = ideal.a[0], lower = ideal.a[1],
-                         slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
-            const double psi = free_turn(given, o.x, o.y, f.x, f.y, upper + lower, upper - lower, slack);
-            if (psi != psi) return out.reached = false, out;
-            // The free joint turns with or against psi.
-            const double moved = same_sense(ideal) * (psi - given);
-            if (aligned) out.t5 -= copysign(1.0, at.middle.sense) * moved;
-            else out.t6 -= copysign(1.0, sight.at.h.z) * moved;
-            out.psi = exact_turn(psi);
-        }
-        out.u = rest_across(o, f, out.psi);
-        return out;
-    }
-
-    // Returns whether rounding leaves the branch in doubt.
-    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Sight& sight,
-                                   const Settled& at, int b, const Columns<6>& columns) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const double up = ideal.signs[1][b], side = ideal.cos_alpha[0], scale = 1.0 / (ideal.size * ideal.size);
-        const double m1 = at.ends.first, m3 = at.ends.second, arm5 = at.middle.arm5, arm6 = sight.arm6;
-        bool unsure = false;
-        Turn<double> t6 = at.ends.t6;
-        for (int place = 0; place < (at.free5 && sight.free6 ? PLACES : 1); ++place) {
-            if (place > 0) unturn(t6.c, t6.s, exact_turn(2.0 * PI / PLACES));
-            const Left left = reach_across(arm, sight, at, t6);
-            if (!left.reached) continue;
-            Elbow<double> e = elbow(left.u.x, left.u.y, ideal.a[0], ideal.a[1], side, up);
-            const double m2 = e.margin, arm1 = (left.u.x * left.u.x + left.u.y * left.u.y) * scale;
-            const bool near = min(abs(m1), min(abs(m2), abs(m3))) < NEAR || min(arm1, min(arm5, arm6)) < NEAR;
-            // Next to an aligned wrist a root, and with it psi, is inaccurate: Newton's method decides.
-            const double rough = kind == LastAxes::general ? ROUGH_BY_ROOT / (arm5 + 1e-8) : at.drift.of_margin();
-            unsure = at.drift.hides(m2) || at.drift.frees(arm1) || at.drift.is_lost();
-            if (m2 < -max(ideal.clamp, rough)) continue;
-            const int marks = at.marks | (min(m2, arm1) <= marked(tol, reference) ? ELBOW : 0);
-            const bool twice = is_double(m2, arm1, ROUNDING / (2.0 * ideal.a[0] * ideal.a[1] * scale));
-            if (up < 0.0 && (twice || arm1 <= tol.continuum)) break;
-            if (twice) e = elbow(left.u.x, left.u.y, ideal.a[0], ideal.a[1], side, 0.0);
-            if (arm1 <= tol.continuum) e.second = exact_turn(reference.q[0] + ideal.offset[0]);
-            const double t1 = angle(e.second), t2 = angle(e.bend), t3 = same_sense(ideal) * (angle(left.psi) - t1 - side * t2);
-            double q[6] = {wrap(t1 - ideal.offset[0]),          wrap(t2 - ideal.offset[1]),
-                           wrap_far(t3 - ideal.offset[2]),      wrap(angle(at.ends.t4) - ideal.offset[3]),
-                           wrap_far(left.t5 - ideal.offset[4]), wrap_far(left.t6 - ideal.offset[5])};
-            const bool sure = reference.displaced == 0.0 && !at.unsure && !unsure && min(m1, min(m2, m3)) >= -ideal.clamp;
-            if (kind == LastAxes::general || sure || !arm.written.exact ||
-                holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
-                accept(arm.written, goal, q, b, marks, near, columns);
-            }
-            break;
-        }
-        return unsure;
-    }
-
-    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
-        const Sight sight = look(arm, seen, reference, known);
-        Settled settled[4];
-        for (int k = 0; k < 4; ++k) {
-            const int b = 4 * (k / 2) + k % 2;
-            settled[k] = {};
-            if (k < sight.roots.count && wanted >> b & 5u) settled[k] = settle(arm, sight, reference, b, k);
-        }
-        unsigned unsure = 0;
-        for (int b = 0; b < 8; ++b) {
-            const Settled& at = settled[2 * (b / 4) + b % 2];
-            if (!(wanted >> b & 1u)) continue;
-            unsure |= unsigned(at.unsure) << b;
-            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, sight, at, b, columns)) << b;
-        }
-        // A pose that looks out of reach next to a singularity may be within it.
-        return sight.free6 && !columns.count() ? wanted : unsure;
-    }
-
-    // See ParallelShoulderSolvers.
-    static void distances(const Arm& arm, const double* numbers, double (&out)[4]) {
-        const Goal<double> target = goal_of(numbers);
-        const Reference<6> zeros = reference_of<6>(nullptr);
-        const Sight sight = look(arm, {target.R, target.p}, zeros);
-        for (int k = 0; k < 4; ++k) {
-            out[k] = __builtin_nan("");
-            if (k >= sight.roots.count) continue;
-            const Settled at = settle(arm, sight, zeros, 4 * (k / 2) + k % 2, k);
-            const Left left = at.kept ? reach_across(arm, sight, at, at.ends.t6) : Left{};
-            if (left.reached && min(at.ends.first, at.ends.second) >= -arm.ideal.clamp) {
-                out[k] = sqrt(left.u.x * left.u.x + left.u.y * left.u.y);
-            }
-        }
     }
 };
 

@@ -15,7 +15,6 @@ struct ParallelShoulderArm {
 
 struct ParallelShoulderSolvers {
     SolveArm<ParallelShoulderArm> solve[5];  // by LastAxes
-    DistancesOf<ParallelShoulderArm> distances[5];  // of axes 1 and 3, one for each wrist
 };
 
 }  // namespace urdf_ik

@@ -10,7 +10,6 @@
 #pragma once
 
 #include "answers/blocks.hpp"
-#include "answers/meeting.hpp"
 #include "families/closed_forms/spherical_middle_arm.hpp"
 #include "kinematics/linked_angles.hpp"
 #include "kinematics/subproblems.hpp"
@@ -111,7 +110,8 @@ template <LastPair kind> struct SphericalMiddle {
     using Arm = SphericalMiddleArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastPair::general;
-    static constexpr unsigned root_bit = 2;  // see Rooted
+    static constexpr int flags[3] = {SHOULDER, WRIST, ELBOW};  // of the singularities of its margins
+    static constexpr unsigned root_bit = 2, root_joint = 0;  // see rooted.hpp
 
     static STEP Twists twists(const Arm& arm) {
         return {arm.ideal.cos_alpha[1], arm.ideal.sin_alpha[1], arm.ideal.cos_alpha[2], arm.ideal.sin_alpha[2]};
@@ -160,100 +160,21 @@ template <LastPair kind> struct SphericalMiddle {
         const Twists t = twists(arm);
         FirstTurn<V> first = {signs.root, V(1.0), V(1.0)};
         if constexpr (by_signs) first = first_turn<kind, V>(arm, seen, signs.shoulder);
+        first.t1 = unless_free(signs, 0, first.arm1, first.t1);
         const Vec<V> u = centre_seen_from_6(arm, seen, first.t1);
-        const LastTurns<V> last = last_turns<kind, V>(arm, u, signs.elbow);
+        const V arm6 = (u.x * u.x + u.y * u.y) * (1.0 / (ideal.size * ideal.size));
+        LastTurns<V> last = last_turns<kind, V>(arm, u, signs.elbow);
+        last.t6 = unless_free(signs, 5, arm6, last.t6);
         const Rot<V> M = middle_rotation(ideal, seen.R, first.t1, last.t5, last.t6);
         const Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
-        const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
-        const V arm6 = (u.x * u.x + u.y * u.y) * (1.0 / (ideal.size * ideal.size));
+        const WristTurns<V> turns = wrist_turns(M, bend.turn, t, signs, 1);
         const V outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
         return {{first.t1, turns.first, bend.turn, unit(turns.last.c, turns.last.s), last.t5, last.t6},
                 first.margin,
                 last.margin,
                 bend.margin,
-                min(min(first.arm1, arm6), after(turns.fixed, outer))};
-    }
-
-    // Joints 1, 5 and 6 of one pair of roots.
-    struct Settled {
-        Others others;
-        bool kept;
-    };
-
-    // Joint 1. A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves the joint
-    // free (squared arm below `continuum`), it takes the reference's value, or the nearest value within reach.
-    static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
-                                  const Quartic& roots, FirstTurn<double>& first, Others& to) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        if constexpr (kind == LastPair::general) {
-            first = {roots.root[k], roots.gap(k), 1.0};
-            to.drift.by = min(roots.radius[k], 1.0);
-        } else {
-            const double front = ideal.signs[0][2 * k];
-            first = first_turn<kind, double>(arm, seen, front);
-            if (first.margin < -ideal.clamp) return false;
-            if (min(first.margin, first.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
-            const bool free = first.arm1 <= tol.continuum, twice = is_double(first.margin, first.arm1, ROUNDING);
-            if (front < 0.0 && (twice || free)) return false;
-            if (twice) first.t1 = first_turn<kind, double>(arm, seen, 0.0).t1;
-            if (free) {
-                const double t1 = free_first(arm, seen, reference.q[0] + ideal.offset[0]);
-                if (t1 != t1) return false;
-                first.t1 = exact_turn(t1), to.drift.open = true;
-            } else {
-                to.drift.through_swing(first.margin, first.arm1);
-            }
-        }
-        return true;
-    }
-
-    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
-                               const Quartic& roots) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const double up = ideal.signs[1][2 * k];
-        Settled out = {};
-        Others& to = out.others;
-        Drift& drift = to.drift;
-        drift.own = max(drift.own, reference.displaced);
-        FirstTurn<double> first;
-        if (!settle_first(arm, seen, reference, k, roots, first, to)) return out;
-        const Vec<double> u = centre_seen_from_6(arm, seen, first.t1);
-        LastTurns<double> last = last_turns<kind, double>(arm, u, up);
-        const double margin = last.margin, arm6 = (u.x * u.x + u.y * u.y) / (ideal.size * ideal.size);
-        to.unsure = drift.frees(arm6) || drift.hides(margin) || drift.is_lost();
-        if (margin < -max(ideal.clamp, drift.of_margin()) && !drift.is_lost()) return out;
-        to.near = min(abs(first.margin), abs(margin)) < NEAR || min(first.arm1, arm6) < NEAR;
-        if (min(margin, arm6) <= marked(tol, reference)) to.marks |= WRIST;
-        if constexpr (by_signs) {
-            // Where C is almost on axis 6, the rounding of a margin is as small as its lever arm.
-            const double r = reach_of_5(arm), links = kind == LastPair::parallel ? 2.0 * ideal.a[4] * r : r * r;
-            const bool twice = is_double(margin, arm6, ROUNDING * ideal.size * ideal.size / links);
-            if (up < 0.0 && twice) return out;
-            if (twice) last = last_turns<kind, double>(arm, u, 0.0);
-            drift.through_root(margin, arm6);
-        }
-        if (arm6 <= tol.continuum) last.t6 = exact_turn(reference.q[5] + ideal.offset[5]), drift.open = true;
-        else drift.through_arm(arm6);
-        to.turn[0] = first.t1, to.turn[4] = last.t5, to.turn[5] = last.t6;
-        out.kept = true;
-        return out;
-    }
-
-    // The angle of a free joint 1 nearest to `wanted` at which joint 5 has a solution, or NaN.
-    static STEP double free_first(const Arm& arm, const Seen<double>& seen, double wanted) {
-        const auto& ideal = arm.ideal;
-        const double gz = arm.centre_5[2], a5 = ideal.a[4], r = reach_of_5(arm), slack = ideal.clamp * ideal.size * ideal.size;
-        if constexpr (kind == LastPair::intersecting) {
-            const Affine<double> h = height_of_centre(arm, seen);
-            const double middle = ideal.cos_alpha[4] * gz - h.constant, half = abs(ideal.sin_alpha[4]) * r;
-            return nearest_between(wanted, h.cosine, h.sine, middle - half, middle + half, slack / ideal.size);
-        } else {
-            const Affine<double> k = square_of_centre(arm, seen.p);
-            const double rest = k.constant - gz * gz;
-            return nearest_between(wanted, k.cosine, k.sine, (a5 - r) * (a5 - r) - rest, (a5 + r) * (a5 + r) - rest, slack);
-        }
+                min(min(first.arm1, arm6), after(turns.fixed, outer)),
+                {first.arm1, arm6, turns.fixed}};
     }
 
     // Angles of joint 1 if axes 5 and 6 are skew.
@@ -266,29 +187,6 @@ template <LastPair kind> struct SphericalMiddle {
         square.constant -= r * r + gz * gz + a5 * a5, height.constant -= arm.ideal.cos_alpha[4] * gz;
         return linked_roots(scaled(square, -0.5 / (a5 * r)), scaled(height, -1.0 / (arm.ideal.sin_alpha[4] * r)),
                             2.0 * w * far * off.shift, 2.0 * v * (off.shift + far * off.turn));
-    }
-
-    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
-        Quartic roots = {};
-        roots.count = 4;
-        if constexpr (kind == LastPair::general) roots = known ? *known : quartic(arm, seen);
-        unsigned unsure = 0;
-        for (int k = 0; k < roots.count; ++k) {
-            if (!(wanted >> 2 * k & 3u)) continue;
-            const Settled at = settle(arm, seen, reference, k, roots);
-            if (at.others.unsure) unsure |= 3u << 2 * k;
-            if (!at.kept) continue;
-            const Turn<double>(&t)[6] = at.others.turn;
-            const Rot<double> M = middle_rotation(arm.ideal, seen.R, t[0], t[4], t[5]);
-            for (int b = 2 * k; b < 2 * k + 2; ++b) {
-                if (!(wanted >> b & 1u)) continue;
-                unsure |=
-                    unsigned(meeting_closely(arm, goal, M, at.others, 1, ELBOW, kind == LastPair::general, reference, b, columns))
-                    << b;
-            }
-        }
-        return unsure;
     }
 };
 

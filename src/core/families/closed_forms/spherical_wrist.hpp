@@ -3,7 +3,6 @@
 #pragma once
 
 #include "answers/blocks.hpp"
-#include "answers/meeting.hpp"
 #include "arithmetic/quartic.hpp"
 #include "families/closed_forms/wrist_position.hpp"
 
@@ -25,7 +24,8 @@ template <Shoulder kind> struct SphericalWrist {
     using Arm = SphericalWristArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Shoulder::general;
-    static constexpr unsigned root_bit = 2;  // see Rooted
+    static constexpr int flags[3] = {SHOULDER, ELBOW, WRIST};  // of the singularities of its margins
+    static constexpr unsigned root_bit = 2, root_joint = 2;  // see rooted.hpp
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
     // Angles of a block that are computed together, which gives the processor independent work: t1 of both fronts and
@@ -117,7 +117,7 @@ template <Shoulder kind> struct SphericalWrist {
         at.set(OUTER + outer, elbow.t3);
         for (int inner = 0; inner < 2; ++inner) {
             const int pair = 2 * inner + outer;
-            const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[0][2 * pair], {});
+            const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, {Block(arm.ideal.signs[0][2 * pair]), 1.0, 1.0});
             at.set(FIRST + pair, place.t1), at.set(SECOND + pair, place.t2);
             const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error,
                                      Clear<Block>::first(place.margin2, 1.0).then(place.margin1, place.arm1 * place.arm2)};
@@ -186,117 +186,17 @@ template <Shoulder kind> struct SphericalWrist {
     template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        Place<V> at;
-        if constexpr (kind == Shoulder::parallel_23) {
-            at = bend_elbow(arm, seen.p, face(arm, seen.p, signs.shoulder), signs.elbow, {});
-        } else {
-            at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, signs.root);
-        }
+        const Place<V> at = position<kind, V>(arm, seen.p, signs);
         const Rot<V> M = wrist_rotation(seen.R, ideal, at);
         const Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
-        const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
+        const WristTurns<V> turns = wrist_turns(M, bend.turn, t, signs, 3);
         const V arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
         return {{at.t1, at.t2, unit(at.t3.c, at.t3.s), turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
                 at.margin1,
                 at.margin2,
                 bend.margin,
-                min(arms, after(turns.fixed, before))};
-    }
-
-    // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint
-    // free (squared arm below `continuum`), it takes the reference's value.
-    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
-        Quartic roots = {};
-        roots.count = 4;
-        if constexpr (kind == Shoulder::general) roots = known ? *known : quartic(arm, seen);
-        unsigned unsure = 0;
-        for (int pair = 0; pair < roots.count && pair < 4; ++pair) {
-            if (!(wanted >> 2 * pair & 3u)) continue;
-            const Settled place = settle(arm, seen.p, reference, pair, roots);
-            if (place.others.unsure) unsure |= 3u << 2 * pair;
-            if (!place.kept) continue;
-            const Rot<double> M = wrist_rotation(seen.R, arm.ideal, place.at);
-            for (int b = 2 * pair; b < 2 * pair + 2; ++b) {
-                if (!(wanted >> b & 1u)) continue;
-                unsure |= unsigned(meeting_closely(arm, goal, M, place.others, 3, WRIST, kind == Shoulder::general, reference, b,
-                                                   columns))
-                          << b;
-            }
-        }
-        return unsure;
-    }
-
-    // A solution of the first three joints, for one root.
-    struct Settled {
-        Place<double> at;
-        Others others;
-        bool kept;
-    };
-
-    // Checks the margins of a place one after the other, each with the accuracy that the steps before it leave. Returns
-    // false if one is beyond its end.
-    static STEP bool is_inside(const Arm& arm, double m1, double m2, Settled& to) {
-        const Tolerances& tol = arm.written.tolerances;
-        const double clamp = arm.ideal.clamp, arm1 = to.at.arm1, arm2 = to.at.arm2;
-        Drift& drift = to.others.drift;
-        const auto beyond = [&](double margin) {
-            to.others.unsure = to.others.unsure || drift.hides(margin) || drift.is_lost();
-            return margin < -max(clamp, drift.of_margin()) && !drift.is_lost();
-        };
-        if constexpr (by_height) {
-            if (m1 < -clamp) return false;
-            if (arm1 > tol.continuum) drift.through_swing(m1, arm1);
-            if (beyond(m2)) return false;
-            drift.through_root(m2);
-            if (arm2 > tol.continuum) drift.through_arm(arm2);
-        } else {
-            if (kind != Shoulder::general && m2 < -clamp) return false;
-            drift.through_root(kind == Shoulder::general ? m1 : m2);
-            // A margin of the triangle in the plane of joints 1 and 2 is a difference over the length of its second side.
-            if (kind == Shoulder::parallel_12) drift.through_arm(arm2);
-            if (kind != Shoulder::general && beyond(m1)) return false;
-            if (kind == Shoulder::parallel_12) drift.through_root(m1);
-            else if (arm2 > tol.continuum) drift.through_swing(m1, arm2);
-            if (arm1 > tol.continuum) drift.through_arm(arm1);
-        }
-        drift.open = min(arm1, arm2) <= tol.continuum;
-        return true;
-    }
-
-    static STEP Settled settle(const Arm& arm, const Vec<double>& p, const Reference<6>& reference, int pair,
-                               const Quartic& roots) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        constexpr bool quartic = kind == Shoulder::general;
-        double front = ideal.signs[0][2 * pair], up = ideal.signs[1][2 * pair];
-        Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, false};
-        Others& others = out.others;
-        others.drift.own = max(others.drift.own, reference.displaced);
-        const double m1 = quartic ? roots.gap(pair) : out.at.margin1, m2 = out.at.margin2, arm1 = out.at.arm1, arm2 = out.at.arm2;
-        others.near = min(abs(m1), abs(m2)) < NEAR || min(arm1, arm2) < NEAR;
-        if (!is_inside(arm, m1, m2, out)) return out;
-        const bool free1 = arm1 <= tol.continuum, free2 = arm2 <= tol.continuum;
-        const double fold = marked(tol, reference), loose = max(tol.continuum, fold * fold);
-        if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) others.marks |= SHOULDER;
-        if (m2 <= fold || (arm2 <= loose && by_height)) others.marks |= ELBOW;
-        if (!quartic) {
-            // If both signs give the same root or the same continuum, the positive one is kept.
-            const double swung = by_height ? arm1 : kind == Shoulder::intersecting_12 ? min(arm1, arm2) : 1.0;
-            const double links = by_height ? 2.0 * ideal.a[1] * arm.rho / (ideal.size * ideal.size) : 1.0;
-            const bool double1 = is_double(m1, swung, ROUNDING), double2 = is_double(m2, by_height ? arm2 : 1.0, ROUNDING / links);
-            if (front < 0.0 && (double1 || free1 || (free2 && !by_height))) return out;
-            if (up < 0.0 && (double2 || (free2 && by_height))) return out;
-            front = double1 ? 0.0 : front, up = double2 ? 0.0 : up;
-        }
-        if (free1 || free2 || front == 0.0 || up == 0.0) {
-            Held hold = {free1, free2};
-            hold.turn1 = exact_turn(reference.q[0] + ideal.offset[0]), hold.turn2 = exact_turn(reference.q[1] + ideal.offset[1]);
-            out.at = position<kind>(arm, p, front, up, roots.root[pair], hold);
-        }
-        others.turn[0] = out.at.t1, others.turn[1] = out.at.t2, others.turn[2] = out.at.t3;
-        out.kept = true;
-        return out;
+                min(arms, after(turns.fixed, before)),
+                {by_height ? at.arm1 : arms, by_height ? at.arm2 : V(1.0), turns.fixed}};
     }
 
     // Third angles of a general shoulder: the length of p and its height fix u_x and u_y as affine functions of (cos,

@@ -7,9 +7,6 @@ using WithIntersecting56 = ThreeParallel<Hand::intersecting_56>;
 using General = ThreeParallel<Hand::general>;
 
 extern const ThreeParallelSolvers three_parallel_solvers;
-const ThreeParallelSolvers three_parallel_solvers = {
-    {solve_closed_form<WithIntersecting56>, solve_singly<General>},
-    {WithIntersecting56::distances, General::distances},
-};
+const ThreeParallelSolvers three_parallel_solvers = {{solve_closed_form<WithIntersecting56>, solve_singly<General>}};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -81,7 +81,8 @@ template <Hand kind> struct ThreeParallel {
     using Arm = ThreeParallelArm;
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
-    static constexpr unsigned root_bit = 1;  // see Rooted
+    static constexpr int flags[3] = {SHOULDER, ELBOW, WRIST};  // of the singularities of its margins
+    static constexpr unsigned root_bit = 1, root_joint = 0;  // see rooted.hpp
 
     // Angles of a block that are computed together, which gives the processor independent work: joints 1 and 5 of both
     // shoulders; phi and joint 6 of both, or of all four wrists; the elbow's bend for these; joint 2 of all branches.
@@ -186,205 +187,47 @@ template <Hand kind> struct ThreeParallel {
         }
     }
 
+    // phi where joints 2 to 4 have the values of free joints.
+    static STEP Turn<double> free_phi(const Arm& arm, const FreeJoints* free) {
+        if (!free) return {};
+        Turn<double> phi = free->turn[1];
+        for (int j = 2; j < 4; ++j) {
+            unturn(phi.c, phi.s, Turn<double>{free->turn[j].c, -(j == 2 ? arm.turn_3 : arm.turn_4) * free->turn[j].s});
+        }
+        return phi;
+    }
+
     template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
         Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size), V(0.0)};
         if constexpr (by_signs) first = face(arm, seen.p, signs.shoulder);
-        const Seen<V> from = seen_along(arm, seen, first.turn);
+        const V arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, margin1 = first.margin * scale;
+        const Turn<V> t1 = by_signs ? unless_free(signs, 0, arm1, first.turn) : first.turn;
+        const Seen<V> from = seen_along(arm, seen, t1);
         Bend<V> bend = {{V(0.0), V(0.0)}, V(1.0)};
         if constexpr (by_signs) bend = wrist_bend(from.R.z, t, signs.wrist);
         else bend.turn = skew_bend(arm, from.R.z.z, from.p.z);
-        const WristTurns<V> turns = wrist_turns(from.R, bend.turn, t);
+        const WristTurns<V> turns = wrist_turns(from.R, bend.turn, t, signs, free_phi(arm, signs.free));
         const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
         const Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
-        const V arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
-        const V margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
+        const V arm2 = (u.x * u.x + u.y * u.y) * scale, front = min(abs(margin1), arm1);
+        const V wrist = min(abs(bend.margin), turns.fixed);
         const V arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
-        const Turn<V> t3 = unit(e.bend.c, e.bend.s);
+        const Turn<V> t2 = unless_free(signs, 1, arm2, e.second), t3 = unit(e.bend.c, e.bend.s);
         Turn<V> t4 = turns.first;
-        unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<V>{t3.c, arm.turn_3 * t3.s});
-        return {{first.turn, e.second, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)},
+        unturn(t4.c, t4.s, t2), unturn(t4.c, t4.s, Turn<V>{t3.c, arm.turn_3 * t3.s});
+        return {{t1, t2, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)},
                 margin1,
                 e.margin,
                 bend.margin,
-                arms};
+                arms,
+                {arm1, arm2, turns.fixed}};
     }
 
     // All angles of joint 1.
     static Quartic quartic(const Arm& arm, const Seen<double>& seen) { return first_angles(arm, seen); }
-
-    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                 const Columns<6>& columns, unsigned wanted, const Quartic* known = nullptr) {
-        Quartic roots = {};
-        roots.count = 4;
-        if constexpr (kind == Hand::general) roots = known ? *known : first_angles(arm, seen);
-        // Shoulders and wrists: 2 front/back + noflip/flip.
-        Settled settled[4];
-        for (int k = 0; k < 4; ++k) {
-            const int b = 4 * (k / 2) + k % 2;
-            settled[k] = {};
-            if (k < roots.count && wanted >> b & 5u) settled[k] = settle(arm, seen, reference, b, k, roots);
-        }
-        unsigned unsure = 0;
-        for (int b = 0; b < 8; ++b) {
-            const Settled& at = settled[2 * (b / 4) + b % 2];
-            if (!(wanted >> b & 1u)) continue;
-            unsure |= unsigned(at.unsure) << b;
-            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, at, b, columns)) << b;
-        }
-        for (int k = 0; k < 4; ++k) {
-            if (!settled[k].loose) continue;
-            for (int b = 4 * (k / 2) + k % 2, last = b + 2; b <= last; b += 2) {
-                if (!(wanted >> b & 1u) || columns.valid(b) || columns.valid(b & ~1)) continue;
-                const Settled at = settle(arm, seen, reference, b, k, roots, true);
-                if (at.kept) elbow_closely(arm, goal, reference, at, b, columns);
-            }
-        }
-        // Roots that nearly meet are accurate to half of their digits.
-        for (int k = 0; kind == Hand::general && k < roots.count; ++k) {
-            if (roots.gap(k) < ROOTS_CROWDED && !columns.count()) unsure = wanted;
-        }
-        return unsure;
-    }
-
-    // A shoulder and a wrist.
-    struct Settled {
-        Turn<double> t1, t5, phi, t6;
-        Across<double> axis_4;
-        double margin1, margin5, arm1, fixed;
-        Drift drift;
-        int marks;
-        bool kept, unsure;
-        bool loose;  // phi may be free
-    };
-
-    // Joint 1 of branch b. A margin within `fold` of zero is a double root, and one of its branches is kept. If the
-    // target leaves the joint free (squared arm below `continuum`), it takes the reference's value.
-    static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, Settled& to) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const double front = ideal.signs[0][b], scale = 1.0 / (ideal.size * ideal.size);
-        const Swing<double> s = face(arm, seen.p, front);
-        to.t1 = s.turn, to.margin1 = s.margin * scale;
-        if (to.margin1 < -ideal.clamp) return false;
-        if (min(to.margin1, to.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
-        const bool twice = is_double(to.margin1, to.arm1, ROUNDING);
-        if (front < 0.0 && (twice || to.arm1 <= tol.continuum)) return false;
-        if (twice) to.t1 = face(arm, seen.p, 0.0).turn;
-        if (to.arm1 > tol.continuum) to.drift.through_swing(to.margin1, to.arm1);
-        else to.t1 = exact_turn(reference.q[0] + ideal.offset[0]), to.drift.open = true;
-        return true;
-    }
-
-    // freely: phi also takes a representative's value if rounding may have produced the phi of the pose.
-    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
-                               const Quartic& roots, bool freely = false) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const Twists t = twists(arm);
-        const double flip = ideal.signs[2][b], scale = 1.0 / (ideal.size * ideal.size);
-        Settled out = {};
-        out.arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
-        out.drift.own = max(out.drift.own, reference.displaced);
-        if constexpr (kind == Hand::general) out.t1 = roots.root[root], out.margin1 = roots.gap(root);
-        else if (!settle_first(arm, seen, reference, b, out)) return out;
-        const Seen<double> at = seen_along(arm, seen, out.t1);
-        out.margin5 = 1.0;
-        if constexpr (kind == Hand::general) {
-            out.t5 = skew_bend(arm, at.R.z.z, at.p.z);
-        } else {
-            const Bend<double> bend = wrist_bend(at.R.z, t, flip);
-            out.t5 = bend.turn, out.margin5 = bend.margin;
-        }
-        WristTurns<double> turns = wrist_turns(at.R, out.t5, t);
-        out.fixed = turns.fixed;
-        out.unsure = out.drift.hides(out.margin5);
-        if (out.margin5 < -max(ideal.clamp, out.drift.of_margin())) return out;
-        if (min(out.fixed, out.margin5) <= marked(tol, reference)) out.marks |= WRIST;
-        const bool free = out.fixed <= tol.continuum || (freely && out.drift.frees(out.fixed));
-        out.loose = out.fixed > tol.continuum && out.drift.frees(out.fixed), out.unsure = out.unsure || out.loose;
-        if constexpr (kind != Hand::general) {
-            const bool twice = is_double(out.margin5, out.fixed, ROUNDING / (t.sb * t.sb));
-            if (flip < 0.0 && (twice || free)) return out;
-            if (twice) {
-                out.t5 = wrist_bend(at.R.z, t, 0.0).turn;
-                turns = wrist_turns(at.R, out.t5, t);
-                out.fixed = turns.fixed;
-            }
-        }
-        const Across<double> f = forearm(arm, out.t5);
-        out.kept = !free || free_wrist(arm, at, reference, out.t5, f, turns);
-        out.drift.through_root(out.margin5, out.fixed);
-        if (!free) out.drift.through_arm(out.fixed);
-        out.phi = turns.first, out.t6 = turns.last;
-        out.axis_4 = to_axis_4(at.p, out.phi, f);
-        return out;
-    }
-
-    // Only the sum (or the difference) of phi and joint 6 is determined: joint 6 takes the reference's value, or the
-    // nearest one within the elbow's reach. Returns false if no value is within reach.
-    static STEP bool free_wrist(const Arm& arm, const Seen<double>& at, const Reference<6>& reference, const Turn<double>& t5,
-                                const Across<double>& f, WristTurns<double>& turns) {
-        const auto& ideal = arm.ideal;
-        const Twists t = twists(arm);
-        const WristTurns<double> zero = wrist_turns(at.R, t5, t, true);
-        const double aligned = t.ca * t.cb - t.sa * t.sb * t5.c > 0.0 ? 1.0 : -1.0;
-        const double wanted = aligned * (angle(zero.last) - ideal.offset[5] - reference.q[5]);
-        const double slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
-        const double phi = free_turn(wanted, at.p.x, at.p.y, f.x, f.y, ideal.a[1] + ideal.a[2], ideal.a[1] - ideal.a[2], slack);
-        if (phi != phi) return false;
-        turns = wrist_turns(at.R, t5, t, true, exact_turn(phi));
-        return true;
-    }
-
-    // Returns whether rounding leaves the branch in doubt.
-    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
-                                   int b, const Columns<6>& columns) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const double up = ideal.signs[1][b], upper = ideal.a[1], lower = ideal.a[2], scale = 1.0 / (ideal.size * ideal.size);
-        const double ux = at.axis_4.x, uy = at.axis_4.y, arm2 = (ux * ux + uy * uy) * scale;
-        Elbow<double> e = elbow(ux, uy, upper, lower, arm.turn_3, up);
-        const double margin = e.margin;
-        const bool near =
-            min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
-        // Next to an aligned wrist a root, and with it phi, is inaccurate: Newton's method decides.
-        const double rough = kind == Hand::general ? ROUGH_BY_ROOT / (at.fixed + 1e-8) : at.drift.of_margin();
-        const bool unsure = at.drift.hides(margin) || at.drift.is_lost();
-        if (margin < -max(ideal.clamp, rough)) return unsure;
-        const int marks = at.marks | (min(margin, arm2) <= marked(tol, reference) ? ELBOW : 0);
-        const bool twice = is_double(margin, arm2, ROUNDING / (2.0 * upper * lower * scale));
-        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return unsure;
-        if (twice) e = elbow(ux, uy, upper, lower, arm.turn_3, 0.0);
-        if (arm2 <= tol.continuum) e.second = exact_turn(reference.q[1] + ideal.offset[1]);
-        const double t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(at.phi) - t2 - arm.turn_3 * t3);
-        double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]),
-                       wrap(t3 - ideal.offset[2]),           wrap(wrap(t4 - ideal.offset[3])),
-                       wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
-        const bool sure = reference.displaced == 0.0 && !unsure && min(at.margin5, margin) >= -ideal.clamp;
-        if (kind == Hand::general || sure || !arm.written.exact ||
-            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
-            accept(arm.written, goal, q, b, marks, near, columns);
-        }
-        return unsure;
-    }
-
-    // See ThreeParallelSolvers.
-    static void distances(const Arm& arm, const double* seen, double (&out)[4]) {
-        const Goal<double> target = goal_of(seen);
-        const Seen<double> at = {target.R, target.p};
-        Quartic roots = {};
-        roots.count = 4;
-        if constexpr (kind == Hand::general) roots = first_angles(arm, at);
-        for (int k = 0; k < 4; ++k) {
-            out[k] = __builtin_nan("");
-            if (k >= roots.count) continue;
-            const Settled each = settle(arm, at, reference_of<6>(nullptr), 4 * (k / 2) + k % 2, k, roots);
-            if (each.kept) out[k] = sqrt(each.axis_4.x * each.axis_4.x + each.axis_4.y * each.axis_4.y);
-        }
-    }
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -19,7 +19,6 @@ struct ThreeParallelArm {
 
 struct ThreeParallelSolvers {
     SolveArm<ThreeParallelArm> solve[2];  // by Hand
-    DistancesOf<ThreeParallelArm> distances[2];  // of axes 2 and 4, one for each shoulder and wrist
 };
 
 }  // namespace urdf_ik

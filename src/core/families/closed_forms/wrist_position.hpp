@@ -4,8 +4,8 @@
 // wrist centre in frame 3. Sources: Pieper 1968; Craig, Introduction to Robotics, section 4.6; Elias and Wen 2022.
 #pragma once
 
+#include "answers/branch.hpp"
 #include "families/closed_forms/spherical_wrist_arm.hpp"
-#include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -15,12 +15,6 @@ template <class V> struct Place {
     Turn<V> t1, t2, t3;
     V margin1, margin2, arm1, arm2, error;
     V bend;  // parallel_23, for blocks: angle of the elbow before its sign
-};
-
-// Angles for joints that the target leaves free.
-struct Held {
-    bool first = false, second = false;
-    Turn<double> turn1 = {1.0, 0.0}, turn2 = {1.0, 0.0};
 };
 
 // The point f for a third angle.
@@ -54,15 +48,14 @@ template <class V> STEP Front<V> face(const SphericalWristArm& arm, const Vec<V>
     return {s.turn, s.X - arm.ideal.a[0], uy, s.margin * scale, s.X, s.k};
 }
 template <class V>
-STEP Place<V> bend_elbow(const SphericalWristArm& arm, const Vec<V>& p, const Front<V>& at, const V& up, const Held& hold) {
+STEP Place<V> bend_elbow(const SphericalWristArm& arm, const Vec<V>& p, const Front<V>& at, const Signs<V>& signs) {
     const double scale = 1.0 / (arm.ideal.size * arm.ideal.size);
-    const Elbow<V> e = elbow(at.ux, at.uy, arm.ideal.a[1], arm.rho, arm.ideal.cos_alpha[1], up);
+    const Elbow<V> e = elbow(at.ux, at.uy, arm.ideal.a[1], arm.rho, arm.ideal.cos_alpha[1], signs.elbow);
     Place<V> out;
-    out.t1 = hold.first ? Turn<V>{hold.turn1.c, hold.turn1.s} : at.t1;
-    out.t2 = hold.second ? Turn<V>{hold.turn2.c, hold.turn2.s} : e.second;
     out.t3 = {e.bend.c * arm.cos_phi + e.bend.s * arm.sin_phi, e.bend.s * arm.cos_phi - e.bend.c * arm.sin_phi};
     out.margin1 = at.margin, out.margin2 = e.margin;
     out.arm1 = (p.x * p.x + p.y * p.y) * scale, out.arm2 = (at.ux * at.ux + at.uy * at.uy) * scale;
+    out.t1 = unless_free(signs, 0, out.arm1, at.t1), out.t2 = unless_free(signs, 1, out.arm2, e.second);
     out.error = position_error(arm, p, out, second_link(arm, out.t3));
     return out;
 }
@@ -89,7 +82,7 @@ template <Shoulder kind, class V> STEP Third<kind, V> third(const SphericalWrist
 
 // Joints 1 and 2 for a given joint 3.
 template <Shoulder kind, class V>
-STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Third<kind, V>& at, const V& front, const Held& hold) {
+STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Third<kind, V>& at, const Signs<V>& signs) {
     const double a1 = arm.ideal.a[0], ca1 = arm.ideal.cos_alpha[0], sa1 = arm.ideal.sin_alpha[0];
     const double scale = 1.0 / (arm.ideal.size * arm.ideal.size);
     const Vec<V>& f = at.f;
@@ -99,13 +92,13 @@ STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Thi
     if constexpr (kind == Shoulder::parallel_12) {
         // With a shorter side of the triangle joint 2 is free.
         const V length = max(root(arm2), V(VANISHING * arm.ideal.size));
-        const Elbow<V> e = elbow(p.x, p.y, V(a1), length, ca1, front);
+        const Elbow<V> e = elbow(p.x, p.y, V(a1), length, ca1, signs.shoulder);
         out.t1 = e.second, out.margin1 = e.margin, ux = length * e.bend.c, uy = length * e.bend.s;
     } else {
         uy = (p.z - ca1 * f.z) * (1.0 / sa1);
         if constexpr (kind == Shoulder::intersecting_12) {
             out.margin1 = (arm2 - uy * uy) * scale;
-            ux = front * margin_root(arm2 - uy * uy);
+            ux = signs.shoulder * margin_root(arm2 - uy * uy);
         } else {
             out.margin1 = 1.0;
             ux = (dot(p, p) - a1 * a1 - arm2 - f.z * f.z) * (0.5 / a1);
@@ -113,23 +106,20 @@ STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Thi
         const V X = a1 + ux, Y = ca1 * uy - sa1 * f.z;
         out.t1 = unit(X * p.x + Y * p.y, X * p.y - Y * p.x);
     }
-    out.t2 = unit(f.x * ux + f.y * uy, f.x * uy - f.y * ux);
-    if (hold.first) out.t1 = {hold.turn1.c, hold.turn1.s};
-    if (hold.second) out.t2 = {hold.turn2.c, hold.turn2.s};
     out.t3 = at.t3, out.margin2 = at.margin;
     out.arm1 = (p.x * p.x + p.y * p.y) * scale, out.arm2 = arm2 * scale;
+    out.t1 = unless_free(signs, 0, out.arm1, out.t1);
+    out.t2 = unless_free(signs, 1, out.arm2, unit(f.x * ux + f.y * uy, f.x * uy - f.y * ux));
     out.error = position_error(arm, p, out, f);
     return out;
 }
 
 // One of the solutions, by the signs of shoulder and elbow; of a general shoulder by its root.
-template <Shoulder kind, class V>
-STEP Place<V> position(const SphericalWristArm& arm, const Vec<V>& p, const V& front, const V& up, const Turn<V>& root,
-                       const Held& hold = {}) {
-    if constexpr (kind == Shoulder::parallel_23) return bend_elbow(arm, p, face(arm, p, front), up, hold);
+template <Shoulder kind, class V> STEP Place<V> position(const SphericalWristArm& arm, const Vec<V>& p, const Signs<V>& signs) {
+    if constexpr (kind == Shoulder::parallel_23) return bend_elbow(arm, p, face(arm, p, signs.shoulder), signs);
     else if constexpr (kind == Shoulder::general)
-        return first_two<kind, V>(arm, p, {root, second_link(arm, root), 1.0}, front, hold);
-    else return first_two<kind>(arm, p, third<kind>(arm, p, up), front, hold);
+        return first_two<kind, V>(arm, p, {signs.root, second_link(arm, signs.root), 1.0}, signs);
+    else return first_two<kind>(arm, p, third<kind>(arm, p, signs.elbow), signs);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

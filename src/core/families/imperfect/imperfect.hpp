@@ -86,7 +86,11 @@ template <class Family> struct Imperfect {
         if constexpr (!by_quartic) {
             if (off < BOXED && is_proven(arm, goal, seen, known, columns)) return;
         }
-        if (by_quartic || off < KEEPS_CURVES) Family::closely(arm.family, goal, seen, reference, columns, 255);
+        if (by_quartic || off < KEEPS_CURVES) {
+            Quartic roots = {};
+            if constexpr (by_quartic) roots = Family::quartic(arm.family, seen);
+            propose<Family>(arm.family, goal, seen, roots, reference, 0, 255u, columns);
+        }
         if (off < KEEPS_CURVES && keep_curve(written, goal, columns)) return set_status(columns.flags[0], Status::continuum);
         if constexpr (!by_quartic) {
             if (off >= KEEPS_CURVES)

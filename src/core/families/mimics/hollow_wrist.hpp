@@ -114,7 +114,7 @@ struct HollowWrist {
         Sample s = {};
         for (int round = 0; round < CORRECTION_ROUNDS; ++round) {
             const Vec<double> seen = times(ideal.base_rotation, goes - vec<double>(ideal.base_origin));
-            const Place<double> place = bend_elbow<double>(p, seen, face<double>(p, seen, search.front), search.up, {});
+            const Place<double> place = bend_elbow<double>(p, seen, face<double>(p, seen, search.front), {0.0, search.up, 0.0});
             const Rot<double> bent = wrist_rotation({search.level, search.level, search.level}, ideal, place);
             s = {bent.x.z - between(arm.cosine), place.margin1, place.margin2, t, {place.t1, place.t2, place.t3}};
             if (!s.there() || abs(s.off) > CORRECTED) break;

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.written import WHOLE_POSE, Aim, Numbers
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import amount
@@ -48,14 +47,6 @@ def links_beyond_reach(first: str, last: str, lengths: Array, shortest: float, l
 def beyond_links(what: str, far: float, size: float) -> str:
     """The text for what is further from axis 1 than the links reach, stretched out; '' where it is not."""
     return outside(f"{what} is {{at}} m from axis 1, and all links together measure {{high}} m", far, -np.inf, size)
-
-
-def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
-    """The distances between two axes [m] that a pose, seen from frame 1, requires: one for each way to reach it."""
-    seen = np.eye(4)
-    seen[:3, :3], seen[:3, 3] = rotation, point
-    distances: Array = np.array(solver.distances(seen))
-    return distances[np.isfinite(distances)]
 
 
 _STARTS, _ROUNDS = 32, 40

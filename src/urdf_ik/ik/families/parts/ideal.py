@@ -129,7 +129,6 @@ def _ideal_arm(frames: DHFrames, error: float, chain: Chain) -> Numbers:
         offset=np.array(frames.offset, dtype=np.float64),
         steps=np.ascontiguousarray(np.array(frames.steps())[:, :3]),
         size=chain.size,
-        clamp=100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         imperfection=0.0 if exact else error,
         signs=SIGNS,
         displacement=_displacement(frames, chain),
