@@ -160,7 +160,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
 
 def _chains_text(model: UrdfModel, base: str | None) -> str:
     """A table of the limbs, and how to choose one."""
-    chains, limbs = model.chains(base), [each for each in model.limbs(base) if each.kind != "finger"]
+    chains, limbs = model.chains(base), model.limbs(base)
     if not chains:
         return tables.render(f"{model.source}: no chain of movable joints")
     meant = {(each.base, each.tip): each for each in chains if each.chosen}

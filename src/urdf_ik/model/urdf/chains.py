@@ -3,7 +3,7 @@
 import itertools
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
@@ -27,16 +27,6 @@ _UNNAMED_ARM_JOINTS = 5
 """A limb whose names match no kind is an arm if it has at least so many joints."""
 _KIND_OF = {word: kind for kind, words in _KINDS.items() for word in words.split()}
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
-_ENDS = {"front": "front", "f": "front", "fore": "front", "rear": "rear", "hind": "rear", "back": "rear", "h": "rear"}
-_CORNERS = {
-    f"{side}{end}"[::order]: (_SIDES[side], where)
-    for side in "lr"
-    for end, where in {"f": "front", "h": "rear", "r": "rear", "b": "rear"}.items()
-    for order in (1, -1)
-    if side != end or end != "r"
-}
-_CORNERS["rr"] = ("right", "rear")
-_DIGITS = ("thumb", "index", "middle", "ring", "pinky", "little")
 
 
 @dataclass(frozen=True)
@@ -44,7 +34,7 @@ class Limb:
     """One limb of a robot.
 
     Attributes:
-        name: such as 'left_arm', 'right_front_leg', 'head' or 'left_thumb_finger'; different from all others.
+        name: such as 'left_arm', 'right_leg' or 'head'; different from all others.
         kind: 'arm', 'leg', 'head', 'finger', 'wheel', 'torso', or 'limb' where the names do not say.
         base: its first link, where it branches off from the other limbs.
         tip: its last link.
@@ -60,22 +50,16 @@ class Limb:
 
 @dataclass(frozen=True)
 class _Ending:
-    """A limb before it is named: its base, tip and joints, and the names of its joints and links.
-
-    For a finger, ``arm`` holds the joint and link names of the arm that carries it.
-    """
+    """A limb before it is named: its base, tip and joints, and the names of its joints and links."""
 
     base: str
     tip: str
     joints: tuple[str, ...]
     names: tuple[str, ...]
-    arm: tuple[str, ...] = ()
 
     @property
     def kind(self) -> str:
         """The kind that most words of the names match; without a match, 'arm' or 'limb' by the number of joints."""
-        if self.arm:
-            return "finger"
         votes = Counter(kind for name in self.names for word in _words(name) if (kind := _kind_of(word)))
         if len(self.joints) > _WHEEL_JOINTS:
             del votes["wheel"]
@@ -109,26 +93,15 @@ def _kind_of(word: str) -> str | None:
 
 def _name(ending: _Ending, kind: str) -> str:
     sides: Counter[str] = Counter()
-    ends: Counter[str] = Counter()
-    digits = Counter(word for name in ending.names for word in _words(name) if word in _DIGITS)
-    for name in ending.arm or ending.names:
+    for name in ending.names:
         for word in set(_words(name)):
-            if word in _CORNERS:
-                side, end = _CORNERS[word]
-                sides[side] += 1
-                ends[end] += 1
-            elif word in _SIDES:
+            if word in _SIDES:
                 sides[_SIDES[word]] += 1
             elif word[0] in "lr" and word not in _KIND_OF and word[1:] in _KIND_OF:
                 sides[_SIDES[word[0]]] += 1
-            elif word in _ENDS and len(word) > 1:
-                ends[_ENDS[word]] += 1
-    # At least half of the names must agree: one frame called 'front' does not make an arm a front arm.
-    half = len(ending.arm or ending.names) / 2.0
-    parts = [found.most_common(1)[0][0] for found in (sides, ends) if found and found.most_common(1)[0][1] >= half]
-    if kind == "finger" and digits:
-        parts.append(digits.most_common(1)[0][0])
-    return "_".join([*parts, kind])
+    # At least half of the names must agree: one frame called 'left' does not make an arm a left arm.
+    side, votes = sides.most_common(1)[0] if sides else ("", 0)
+    return f"{side}_{kind}" if 2 * votes >= len(ending.names) and side else kind
 
 
 _FINGER_JOINTS = 3
@@ -229,7 +202,7 @@ class Chains:
         )
 
     def limbs(self) -> tuple[Limb, ...]:
-        """Every limb, from its branching point on, in the file's order; fingers follow their arm."""
+        """Every limb, from its branching point on, in the file's order; fingers of hands are none."""
         ways = [way for way in self._ways() if _actuated(way)]
         endings: dict[tuple[str, str], _Ending] = {}
         for k, way in enumerate(ways):
@@ -238,35 +211,19 @@ class Chains:
             # A branch with one joint, such as a camera's, does not start a new limb.
             forks = {at for at, other in zip(shared, others, strict=True) if _actuated(other[at + 1 :]) > 1}
             stops = [0, *sorted(forks - {0, len(way) - 1}), len(way) - 1]
-            hand, arm = len(way) - 1, _Ending("", "", (), ())
             for start, end in itertools.pairwise(stops):
                 last, own = end == len(way) - 1, way[start + 1 : end + 1]
                 if last or _actuated(own) >= _HAND_AFTER:
-                    ending = self._ending([way[start], *own], arm.names)
-                    endings.setdefault((ending.base, ending.tip), ending)
-                    if not arm.names and ending.kind == "arm":
-                        hand, arm = end, ending
-            for k, body in enumerate(way[: hand + 1]):
-                for ending in self._fingers(body, _actuated(way[: k + 1]), arm.names or way[0].links):
+                    ending = self._ending([way[start], *own])
                     endings.setdefault((ending.base, ending.tip), ending)
         return named(list(endings.values()))
 
-    def _ending(self, way: Sequence[_Body], arm: tuple[str, ...]) -> _Ending:
+    def _ending(self, way: Sequence[_Body]) -> _Ending:
         """The limb along bodies; the first body is its fixed base."""
         carriers = [body.carrier for body in way[1:] if body.carrier is not None]
         joints = tuple(joint.name for joint in carriers if _moves(joint))
         words = (*joints, *(joint.child for joint in carriers))
-        return _Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words, arm)
-
-    def _fingers(self, body: _Body, depth: int, arm: tuple[str, ...]) -> Iterator[_Ending]:
-        """The fingers on a body, each along its longest branch."""
-        for joint in body.carried:
-            if joint.type in MOVABLE and self._is_finger(joint, len(body.carried), depth) and self._height(joint):
-                way = [body, self._body(joint.child, joint)]
-                while moving := [each for each in way[-1].carried if each.type in MOVABLE]:
-                    longest = max(moving, key=self._height)
-                    way.append(self._body(longest.child, longest))
-                yield self._ending(way, arm)
+        return _Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words)
 
     def _body(self, link: str, carrier: Joint | None) -> _Body:
         """``link`` and the links that fixed joints carry below it."""
@@ -382,7 +339,7 @@ def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], c
         return ChainError(f"{source}: the tip is ambiguous: {why}; name one with tip=...", tips)
     named = "; ".join(f"{each.name!r}: {each}" for each in rivals[:_SHOWN])
     more = f"; and {len(rivals) - _SHOWN} more" if len(rivals) > _SHOWN else ""
-    by_limb = ", ".join(f"{limb.name} ({len(limb.joints)})" for limb in limbs if limb.kind != "finger")
+    by_limb = ", ".join(f"{limb.name} ({len(limb.joints)})" for limb in limbs)
     why = f"{len(rivals)} movable chains come into question: {named}{more}"
     way_out = f"name one with chain=... or tip=...; limbs and their joints: {by_limb}"
     return ChainError(f"{source}: {why}; {way_out}", [each.tip for each in candidates])

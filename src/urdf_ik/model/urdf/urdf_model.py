@@ -137,7 +137,7 @@ class UrdfModel:
         return self._chains_below(base).candidates()
 
     def limbs(self, base: str | None = None) -> tuple[Limb, ...]:
-        """The limbs below a link, named after their joints and links: arms, legs, a head, fingers.
+        """The limbs below a link, named after their joints and links: arms, legs, a head.
 
         Args:
             base: the search goes downwards from this link; default: the root.
