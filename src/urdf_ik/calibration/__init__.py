@@ -12,7 +12,6 @@ _MODULE = {
     "measured": "measurements",
     "read_measurements": "measurements",
     "read_ur_kinematics": "universal_robots",
-    "ur_kinematics": "universal_robots",
     "with_ur_kinematics": "universal_robots",
 }
 

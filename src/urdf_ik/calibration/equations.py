@@ -15,7 +15,7 @@ from urdf_ik.kinematics.derivatives import Parameter, WrittenChain, written
 from urdf_ik.model.poses import to_rotvec, to_rpy
 from urdf_ik.typing import Array
 
-BASE, MARKER, CENTRE, PLANE = "the base", "the marker", "the fixed point", "the plane"
+BASE, MARKER = "the base", "the marker"
 """Names of the fitted parameters that are not in the URDF."""
 
 
@@ -27,56 +27,35 @@ class Equations:
         chain: the chain with the base's place before it and the marker's behind it.
         columns: places of the fitted numbers in ``chain.values``.
         kind: what was measured.
-        aside: fitted parameters of a fixed point or of a plane, which are not part of the chain.
-        plane: (4,) a plane's first estimate, unit normal and distance from the origin [m].
+        start: first estimates of the fitted numbers.
     """
 
     chain: WrittenChain
     columns: tuple[int, ...]
     kind: str
-    aside: tuple[Parameter, ...]
     start: Array
-    plane: Array
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The fitted numbers, in order."""
-        every = self.chain.parameters
-        return (*(every[k] for k in self.columns), *self.aside)
+        return tuple(self.chain.parameters[k] for k in self.columns)
 
     def residuals(self, x: Array, given: Measurements) -> Array:
         """(m, r) m, and rad for rotations: model less measurement."""
         T = self.chain.fk(given.q, self.values(x))
-        p, extra = T[:, :3, 3], x[len(self.columns) :]
-        if self.kind == "pose":
-            turn = T[:, :3, :3] @ np.swapaxes(given.values[:, :3, :3], 1, 2)
-            return np.hstack([p - given.values[:, :3, 3], to_rotvec(_posed(turn))])
         if self.kind == "position":
-            return np.asarray(p - given.values)
-        if self.kind == "distance":
-            return np.asarray(np.linalg.norm(p - extra, axis=1) - given.values)[:, None]
-        return np.asarray(p @ self._normal(extra) - self.plane[3] - extra[2])[:, None]
+            return np.asarray(T[:, :3, 3] - given.values)
+        turn = T[:, :3, :3] @ np.swapaxes(given.values[:, :3, :3], 1, 2)
+        return np.hstack([T[:, :3, 3] - given.values[:, :3, 3], to_rotvec(_posed(turn))])
 
     def derivatives(self, x: Array, given: Measurements) -> Array:
         """(m, r, k) of the residuals by the fitted numbers."""
-        values, extra = self.values(x), x[len(self.columns) :]
-        twists = self.chain.twists(given.q, values, [self.chain.parameters[k] for k in self.columns])
-        if self.kind == "pose":
-            phi = self.residuals(x, given)[:, 3:]
-            return np.concatenate([twists[:, :3], _left_inverse(phi) @ twists[:, 3:]], axis=1)
+        parameters = [self.chain.parameters[k] for k in self.columns]
+        twists = self.chain.twists(given.q, self.values(x), parameters)
         if self.kind == "position":
             return twists[:, :3]
-        p = self.chain.fk(given.q, values)[:, :3, 3]
-        if self.kind == "distance":
-            away = p - extra
-            away = away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), np.finfo(np.float64).tiny)
-            own = np.einsum("mi,mik->mk", away, twists[:, :3])
-            return np.hstack([own, -away])[:, None]
-        n = self._normal(extra)
-        across = _across(self.plane[:3])
-        length = np.linalg.norm(self.plane[:3] + extra[:2] @ across)
-        tilted = (across - (across @ n)[:, None] * n) / length
-        return np.hstack([np.einsum("i,mik->mk", n, twists[:, :3]), p @ tilted.T, -np.ones((len(p), 1))])[:, None]
+        phi = self.residuals(x, given)[:, 3:]
+        return np.concatenate([twists[:, :3], _left_inverse(phi) @ twists[:, 3:]], axis=1)
 
     def moved(self, x: Array) -> dict[Parameter, float]:
         """The fitted numbers by name."""
@@ -94,12 +73,8 @@ class Equations:
     def values(self, x: Array) -> Array:
         """The chain's numbers with the fitted ones in their places."""
         values = self.chain.values.copy()
-        values[list(self.columns)] = x[: len(self.columns)]
+        values[list(self.columns)] = x
         return values
-
-    def _normal(self, extra: Array) -> Array:
-        n = self.plane[:3] + extra[:2] @ _across(self.plane[:3])
-        return np.asarray(n / np.linalg.norm(n))
 
 
 def equations(chain: Chain, given: Measurements, chosen: list[Parameter], *, base: bool, marker: bool) -> Equations:
@@ -126,24 +101,7 @@ def equations(chain: Chain, given: Measurements, chosen: list[Parameter], *, bas
     beside = [Parameter(BASE, field, part) for field in ("xyz", "rpy") for part in range(3) if base]
     beside += [Parameter(MARKER, field, part) for field in fields for part in range(3) if marker]
     columns = tuple(whole.columns([*beside, *chosen]))
-    p = whole.fk(given.q)[:, :3, 3]
-    aside, extra, plane = _aside(given, p)
-    return Equations(whole, columns, given.kind, aside, np.concatenate([whole.values[list(columns)], extra]), plane)
-
-
-def _aside(given: Measurements, p: Array) -> tuple[tuple[Parameter, ...], Array, Array]:
-    """Parameters that are not part of the chain: names, first estimates, a plane."""
-    flat = np.zeros(4)
-    if given.kind == "distance":
-        # |p|^2 - 2 p c + |c|^2 = d^2 is linear in c and |c|^2.
-        A = np.hstack([-2.0 * p, np.ones((len(p), 1))])
-        centre = np.linalg.lstsq(A, given.values**2 - (p**2).sum(axis=1), rcond=None)[0][:3]
-        return tuple(Parameter(CENTRE, "xyz", k) for k in range(3)), centre, flat
-    if given.kind == "plane":
-        normal = np.linalg.svd(p - p.mean(axis=0))[2][-1]
-        names = tuple(Parameter(PLANE, field, k) for field, k in (("tilt", 0), ("tilt", 1), ("distance", 0)))
-        return names, np.zeros(3), np.array([*normal, float(p.mean(axis=0) @ normal)])
-    return (), np.zeros(0), flat
+    return Equations(whole, columns, given.kind, whole.values[list(columns)])
 
 
 def _places(T: Array, given: Measurements, *, base: bool, marker: bool) -> tuple[Array, Array]:
@@ -166,7 +124,7 @@ def _places(T: Array, given: Measurements, *, base: bool, marker: bool) -> tuple
             Z[:3, :3] = _rotation((S @ np.swapaxes(R, 1, 2)).sum(axis=0))
         elif marker:
             X[:3, :3] = _rotation((np.swapaxes(R, 1, 2) @ S).sum(axis=0))
-    elif given.kind == "position":
+    else:
         s = given.values
         for _ in range(20 if base and marker else 1):
             if base:
@@ -175,8 +133,6 @@ def _places(T: Array, given: Measurements, *, base: bool, marker: bool) -> tuple
                 Z[:3, 3] = s.mean(axis=0) - Z[:3, :3] @ at.mean(axis=0)
             if marker:
                 X[:3, 3] = (np.swapaxes(R, 1, 2) @ ((s - Z[:3, 3]) @ Z[:3, :3] - p)[..., None]).mean(axis=0)[:, 0]
-        return Z, X
-    else:
         return Z, X
     # s = Z (R x + p) + z: linear in x and z.
     blocks = [np.broadcast_to(np.eye(3), R.shape)] * base + [Z[:3, :3] @ R] * marker
@@ -209,11 +165,6 @@ def _rotation(M: Array) -> Array:
     U, _, Vt = np.linalg.svd(M)
     U[:, -1] *= np.linalg.det(U @ Vt)
     return np.asarray(U @ Vt)
-
-
-def _across(n: Array) -> Array:
-    """(2, 3) directions at right angles to a unit vector, and to each other."""
-    return np.asarray(np.linalg.svd(n[None])[2][1:])
 
 
 def _left_inverse(phi: Array) -> Array:

@@ -38,7 +38,6 @@ def calibrate(
     q: ArrayLike | Measurements,
     measured: Any = None,
     *,
-    kind: str | None = None,
     fit: str | Sequence[Any] = "origins",
     base: bool = False,
     marker: bool = False,
@@ -56,9 +55,7 @@ def calibrate(
     Args:
         arm: the arm that was measured.
         q: (m, n) rad or m; or :class:`Measurements`.
-        measured: (m, 4, 4) poses of the tip in the base [m], (m, 3) positions [m], (m,) distances from a fixed point
-            [m], or None for points at which the tip touched a plane, always the same one.
-        kind: 'pose', 'position', 'distance' or 'plane'; default: as the shape of ``measured`` says.
+        measured: (m, 4, 4) poses of the tip in the base [m], or (m, 3) positions [m].
         fit: 'origins': xyz and rpy of every moving joint's origin; 'offsets': what is added to every joint's value;
             'everything': the origins of fixed joints too; or a list of (joint, field, part).
         base: whether the base's pose in the measuring frame is fitted too, as for a laser tracker.
@@ -85,7 +82,7 @@ def calibrate(
         >>> bool(fitted.before.position > 1e-4), bool(abs(fitted.arm.fk(q) - other.fk(q)).max() < 1e-8)
         (True, True)
     """
-    given = q if isinstance(q, Measurements) else checked(arm, q, measured, kind)
+    given = q if isinstance(q, Measurements) else checked(arm, q, measured)
     inputs.choice(loss, "loss", LOSSES)
     watch = Watch(time_limit, progress)
     chosen = _chosen(arm, fit)
@@ -109,7 +106,7 @@ def calibrate(
         given=given,
         equations=whole,
         x=best.x,
-        changes=_changes(whole, best, len(whole.aside)),
+        changes=_changes(whole, best),
         unobservable=_unobservable(whole, best),
         singular_values=best.singular_values,
         before=before,
@@ -287,7 +284,7 @@ def _require_enough(given: Measurements, eq: Equations) -> None:
 
 def _require_order(arm: Arm, given: Measurements, base: bool, marker: bool) -> None:
     """That no common other order of the joints explains the measurements far better than the URDF's."""
-    if given.kind not in ("pose", "position") or arm.dof < 2:
+    if arm.dof < 2:
         return
 
     def error(columns: list[int]) -> float:
@@ -308,14 +305,13 @@ def _require_order(arm: Arm, given: Measurements, base: bool, marker: bool) -> N
             )
 
 
-def _changes(eq: Equations, best: _Fit, aside: int) -> tuple[Change, ...]:
+def _changes(eq: Equations, best: _Fit) -> tuple[Change, ...]:
     deviation = np.sqrt(np.maximum(np.diag(best.covariance), 0.0))
     hidden = 1.0 - (best.directions**2).sum(axis=1)
-    shown = len(eq.parameters) - aside
     return tuple(
         Change(parameter, float(start), float(value), float(spread), bool(lost < 1e-6))
         for parameter, start, value, spread, lost in zip(
-            eq.parameters[:shown], eq.start, best.x, deviation, hidden, strict=False
+            eq.parameters, eq.start, best.x, deviation, hidden, strict=True
         )
     )
 
@@ -375,9 +371,7 @@ def best_poses(calibration: Calibration, count: int = 10, *, seed: int = 0) -> t
     variances, vectors = np.linalg.eigh(calibration.covariance)
     directions = vectors[:, variances > 1e-14 * variances.max(initial=0.0)]
     poses = eq.chain.fk(q, eq.values(x))
-    values = {"pose": poses, "position": poses[:, :3, 3], "distance": np.zeros(len(q))}.get(
-        given.kind, np.zeros((len(q), 0))
-    )
+    values = poses if given.kind == "pose" else poses[:, :3, 3]
     G = (eq.derivatives(x, Measurements(given.kind, q, values)) / noise[:, None]) @ directions
     P = directions.T @ calibration.covariance @ directions
     chosen: list[int] = []

@@ -16,13 +16,12 @@ from urdf_ik.support import files, inputs
 from urdf_ik.support.tables import Table, read_table
 from urdf_ik.typing import Array
 
-KINDS = {"pose": 6, "position": 3, "distance": 1, "plane": 1}
+KINDS = {"pose": 6, "position": 3}
 """Kinds of measurements, and the number of components of each."""
-DISTANCE = "distance"
 ACCEPTED = (
     "accepted: a CSV whose first line names the columns: every joint [rad or m] by its name in the URDF, and x,y,z [m] "
-    "with qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz [rad] for poses, x,y,z alone for positions, distance [m] for "
-    "distances, nothing more for a plane that was touched; or an .npz or JSON with 'q' and 'T', 'p' or 'distance'"
+    "with qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz [rad] for poses, x,y,z alone for positions; or an .npz or JSON "
+    "with 'q' and 'T' or 'p'"
 )
 # Of angles in rad, few are this far from zero; of angles in degrees, most are.
 _MANY_TURNS = 4.0 * np.pi
@@ -35,9 +34,9 @@ class Measurements:
     """Joint vectors and what was measured at them; :func:`measured` and :func:`read_measurements` make it.
 
     Attributes:
-        kind: 'pose', 'position', 'distance' (from one fixed point) or 'plane' (touched, always the same one).
+        kind: 'pose' or 'position'.
         q: (m, n) rad or m.
-        values: (m, 4, 4), (m, 3) m, (m,) m, or (m, 0) for a plane.
+        values: (m, 4, 4) or (m, 3) m.
     """
 
     kind: str
@@ -57,14 +56,13 @@ class Measurements:
         return Measurements(self.kind, self.q[rows], self.values[rows])
 
 
-def measured(arm: Arm, q: ArrayLike, values: Any = None, kind: str | None = None) -> Measurements:
+def measured(arm: Arm, q: ArrayLike, values: Any) -> Measurements:
     """Measurements from arrays.
 
     Args:
         arm: the arm that was measured.
         q: (m, n) rad or m.
-        values: (m, 4, 4) poses [m], (m, 3) positions [m], (m,) distances [m]; None for a plane.
-        kind: one of 'pose', 'position', 'distance', 'plane'; default: as the shape says.
+        values: (m, 4, 4) poses [m] or (m, 3) positions [m].
 
     Raises:
         ArgumentError: shapes do not fit, a number is not finite, two rows are the same, or units look mixed up.
@@ -73,28 +71,21 @@ def measured(arm: Arm, q: ArrayLike, values: Any = None, kind: str | None = None
     Q = arm.chain.check(q)
     if Q.ndim != 2:
         raise ArgumentError(f"joint vectors of shape {Q.shape} given; (m, {arm.dof}) are needed, one a measurement")
-    measures = _kind(values) if kind is None else inputs.choice(kind, "kind", tuple(KINDS))
-    shape = {"pose": (len(Q), 4, 4), "position": (len(Q), 3), "distance": (len(Q),), "plane": (len(Q), 0)}[measures]
-    if measures == "plane":
-        values = np.zeros(shape)
-    elif measures == "pose":
-        values = check_poses(values)
-    numbers = inputs.array(values, f"measured at {len(Q)} joint vectors", shape, unit="m")
-    out = Measurements(measures, Q, numbers)
+    kind = "position" if np.shape(values)[1:] == (3,) and not hasattr(values[0], "homogeneous") else "pose"
+    numbers = check_poses(values) if kind == "pose" else values
+    shape = (len(Q), 4, 4) if kind == "pose" else (len(Q), 3)
+    out = Measurements(kind, Q, inputs.array(numbers, f"measured at {len(Q)} joint vectors", shape, unit="m"))
     _require_different(out)
     _require_units(arm, out)
     return out
 
 
-def read_measurements(
-    arm: Arm, source: str | os.PathLike[str] | IO[bytes], *, kind: str | None = None, degrees: bool = False
-) -> Measurements:
+def read_measurements(arm: Arm, source: str | os.PathLike[str] | IO[bytes], *, degrees: bool = False) -> Measurements:
     r"""Measurements from a file; its columns are found by their names, in any order.
 
     Args:
         arm: the arm that was measured.
         source: a path, or a file open for reading bytes: a CSV with a header, an .npz or JSON.
-        kind: what was measured; default: as the columns say.
         degrees: whether joint angles and orientations of a CSV are in degrees.
 
     Raises:
@@ -117,8 +108,8 @@ def read_measurements(
 
     _, table = read_table(again(), ["q"], "measurement", ACCEPTED)
     if not isinstance(table, Table):
-        values = None if kind == "plane" else read_table(again(), ["T", "p", "distance"], "measurement", ACCEPTED)[1]
-        return _named(name, lambda: measured(arm, table, values, kind))
+        values = read_table(again(), ["T", "p"], "measurement", ACCEPTED)[1]
+        return _named(name, lambda: measured(arm, table, values))
     if table.header is None:
         raise ArgumentError(f"{name}, line {table.first}: no header; {ACCEPTED}")
     joints = _joint_columns(arm, name, table)
@@ -126,21 +117,13 @@ def read_measurements(
     if degrees:
         q = np.where(arm.chain.prismatic, q, np.deg2rad(q))
     lower = [column.lower() for column in table.header]
-    oriented = any(set(columns) <= set(lower) for columns in ORIENTATIONS.values())
-    if kind is None:
-        there = {"pose": oriented, "position": set(POSITION) <= set(lower), "distance": DISTANCE in lower}
-        kind = next((each for each, has in there.items() if has), "plane")
-    if kind == "pose":
+    if missing := [column for column in POSITION if column not in lower]:
+        raise ArgumentError(f"{name}, line {table.first}: no column {', '.join(missing)}; {ACCEPTED}")
+    if any(set(columns) <= set(lower) for columns in ORIENTATIONS.values()):
         values = read_waypoints(again(), degrees=degrees)
-    elif kind == "plane":
-        values = None
     else:
-        columns = POSITION if kind == "position" else (DISTANCE,)
-        if missing := [column for column in columns if column not in lower]:
-            raise ArgumentError(f"{name}, line {table.first}: no column {', '.join(missing)}; {ACCEPTED}")
-        values = table.numbers(columns, lower)
-        values = values if kind == "position" else values[:, 0]
-    return _named(name, lambda: measured(arm, q, values, kind))
+        values = table.numbers(POSITION, lower)
+    return _named(name, lambda: measured(arm, q, values))
 
 
 def _named(name: str, make: Any) -> Measurements:
@@ -160,19 +143,6 @@ def _joint_columns(arm: Arm, name: str, table: Table) -> list[str]:
             f"the joints are {', '.join(arm.joint_names)}"
         )
     return list(arm.joint_names)
-
-
-def _kind(values: Any) -> str:
-    """What was measured, by the shape."""
-    if values is None:
-        return "plane"
-    shape = np.shape(values)
-    if len(shape) == 3 or (len(shape) == 1 and not np.isscalar(values) and shape and hasattr(values[0], "homogeneous")):
-        return "pose"
-    kind = {2: "position", 1: "distance"}.get(len(shape))
-    if kind is None:
-        raise ArgumentError(f"measured has the shape {shape}; poses (m, 4, 4), positions (m, 3) or distances (m,)")
-    return kind
 
 
 def _require_different(given: Measurements) -> None:
@@ -199,7 +169,7 @@ def _require_units(arm: Arm, given: Measurements) -> None:
     slides = given.q[:, arm.chain.prismatic]
     if slides.size and np.abs(slides).max() > _OTHER_UNIT * arm.chain.size:
         raise ArgumentError(f"slides of up to {np.abs(slides).max():.4g} m are given; are they in mm? m are needed")
-    if given.kind in ("pose", "position") and len(given) > 1:
+    if len(given) > 1:
         positions = given.values[:, :3, 3] if given.kind == "pose" else given.values
         theirs, ours = (np.sqrt(p.var(axis=0).sum()) for p in (positions, arm.fk(given.q)[:, :3, 3]))
         if ours > 0.0 and theirs > _OTHER_UNIT * ours:
@@ -207,7 +177,3 @@ def _require_units(arm: Arm, given: Measurements) -> None:
                 f"the measured positions are {theirs / ours:.0f} times as far apart as those of the URDF; are they in "
                 "mm? m are needed"
             )
-    if given.kind == "distance" and np.median(np.abs(given.values)) > _OTHER_UNIT * max(arm.chain.size, 0.1):
-        raise ArgumentError(
-            f"distances of about {np.median(given.values):.4g} m are given; are they in mm? m are needed"
-        )

@@ -1,7 +1,6 @@
 """``Calibration``, the result of a fit: the new arm, the changes, the unobservable parameters, the errors."""
 
 import os
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
@@ -16,7 +15,7 @@ from urdf_ik.kinematics.derivatives import Parameter
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.model.urdf.edits import text_of, with_numbers
 from urdf_ik.support import files
-from urdf_ik.support.report import Report, svg_of
+from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section, plain
 from urdf_ik.typing import Array
 
@@ -278,24 +277,7 @@ class Calibration(Report):
         return out
 
     def to_html(self) -> str:
-        """A page with the tables, and a picture of each measurement's error where matplotlib is installed."""
-        drawn = ""
-        with suppress(ImportError):
-            drawn = self._picture()
+        """A page with the tables."""
         title = f"Calibration of {escape(self.nominal.name)}"
         head = f'<head><meta charset="utf-8"/><title>{title}</title></head>'
-        return f'<!doctype html><html lang="en">{head}<body>{self._repr_html_()}{drawn}</body></html>\n'
-
-    def _picture(self) -> str:
-        """Errors of each measurement before and after, as SVG."""
-        from matplotlib.figure import Figure
-
-        parts = [("position error [mm]", slice(0, 3), MM)]
-        parts += [("rotation error [deg]", slice(3, 6), DEG)] if self.given.kind == "pose" else []
-        figure = Figure(figsize=(9.0, 3.0 * len(parts)), layout="constrained")
-        for k, (label, columns, unit) in enumerate(parts):
-            axes = figure.add_subplot(len(parts), 1, k + 1, xlabel="measurement", ylabel=label, yscale="log")
-            for name, residuals in (("before", self.residuals_before), ("after", self.residuals_after)):
-                axes.plot(np.linalg.norm(residuals[:, columns], axis=1) * unit, ".", label=name)
-            axes.legend()
-        return svg_of(figure)
+        return f'<!doctype html><html lang="en">{head}<body>{self._repr_html_()}</body></html>\n'

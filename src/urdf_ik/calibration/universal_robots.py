@@ -101,19 +101,6 @@ def with_ur_kinematics(arm: Arm, kinematics: Mapping[str, tuple[float, ...]]) ->
     return with_numbers(text_of(arm.model), changes)
 
 
-def ur_kinematics(arm: Arm) -> str:
-    """The kinematics YAML of a Universal Robots arm.
-
-    Raises:
-        UrdfError: the URDF lacks one of the joints, or its axes are not the z axes of their frames.
-    """
-    import yaml
-
-    origins = {link: [*joint.origin[:3, 3], *joint.rpy] for link, joint in _joints(arm).items()}
-    tables = {link: dict(zip(NUMBERS, map(float, origin), strict=True)) for link, origin in origins.items()}
-    return str(yaml.safe_dump({"kinematics": tables}, sort_keys=False))
-
-
 def _joints(arm: Arm) -> dict[str, Joint]:
     """The six joints by the file's names."""
     found = {}

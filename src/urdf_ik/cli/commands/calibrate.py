@@ -12,7 +12,6 @@ from urdf_ik.cli.options import ReportFormat
 from urdf_ik.support import files
 from urdf_ik.support.text import Section
 
-Kind = StrEnum("Kind", ["POSE", "POSITION", "DISTANCE", "PLANE"])
 Fit = StrEnum("Fit", ["ORIGINS", "OFFSETS", "EVERYTHING"])
 Loss = StrEnum("Loss", ["SOFT_L1", "HUBER", "CAUCHY", "LINEAR"])
 
@@ -21,7 +20,6 @@ def calibrate(
     *,
     chosen: ArmOptions,
     measured: Path | None = None,
-    kind: Kind | None = None,
     fit_base: bool = False,
     fit_marker: bool = False,
     fit: Fit = Fit.ORIGINS,
@@ -29,7 +27,6 @@ def calibrate(
     ur_kinematics: Path | None = None,
     output: Path | None = None,
     report: Path | None = None,
-    write_ur_kinematics: Path | None = None,
     next_poses: int = 0,
     seed: int = 0,
     time_limit: float | None = None,
@@ -39,10 +36,9 @@ def calibrate(
     """Calibrate an arm: fit its URDF to measurements, or take over a vendor's calibration.
 
     Each row of the measurements holds every joint under its name [rad or m], and what was measured: a pose (x,y,z
-    and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz), a position (x,y,z), a distance from a fixed point (distance), or
-    nothing more, where the tip touched a plane. The new URDF keeps names, meshes and comments. The report says
-    which numbers the measurements cannot tell apart, which measurements are outliers, and how well unseen
-    measurements fit.
+    and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz) or a position (x,y,z). The new URDF keeps names, meshes and
+    comments. The report says which numbers the measurements cannot tell apart, which measurements are outliers, and
+    how well unseen measurements fit.
 
     Examples:
         urdf-ik calibrate my_arm.urdf --measured poses.csv -o calibrated.urdf
@@ -55,7 +51,6 @@ def calibrate(
 
     Options (Measurements):
         measured (FILE): CSV with a header, .npz or JSON.
-        kind: Default: as the columns say.
         fit_base: Fit the base's pose in the measuring frame too.
         fit_marker: Fit the marker's pose in the tip too.
         fit: Origins of moving joints (default), joint offsets alone, or fixed joints too.
@@ -64,20 +59,19 @@ def calibrate(
 
     Options (Output):
         output (-o FILE): The new URDF.
-        report (FILE): A page with a picture (HTML).
-        write_ur_kinematics (FILE): Write Universal Robots' YAML.
+        report (FILE): A page with the tables (HTML).
     """
     from urdf_ik import calibration
 
     if (measured is None) == (ur_kinematics is None):
         raise typer.BadParameter("give either --measured FILE or --ur-kinematics FILE")
-    for path in filter(None, (output, report, write_ur_kinematics)):
+    for path in filter(None, (output, report)):
         files.writable(path)
     arm, angles = chosen.loaded(degrees)
     if measured is None:
         console.write(calibration.with_ur_kinematics(arm, calibration.read_ur_kinematics(str(ur_kinematics))), output)
         return
-    measurements = calibration.read_measurements(arm, measured, kind=kind, degrees=degrees)
+    measurements = calibration.read_measurements(arm, measured, degrees=degrees)
     with Progress("fitting") as progress:
         found = calibration.calibrate(
             arm,
@@ -94,8 +88,6 @@ def calibrate(
         found.write(output)
     if report is not None:
         files.write(report, found.to_html().encode())
-    if write_ur_kinematics is not None:
-        files.write(write_ur_kinematics, calibration.ur_kinematics(found.arm).encode())
     data, text = found.to_dict(), f"{found}\n"
     if next_poses:
         best, gains, unchecked = calibration.best_poses(found, next_poses, seed=seed)

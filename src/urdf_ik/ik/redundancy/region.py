@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.descent import Wanted, descended
 from urdf_ik.ik.minima import spread_evenly
 from urdf_ik.ik.pose_solving import solve
@@ -98,15 +98,9 @@ class Region:
         The rotation is the one that remains after the shortest rotation that undoes the tilt.
         """
         T, reached = as_pose_array(T), as_pose_array(reached)
-        try:
-            batch = np.broadcast_shapes(T.shape[:-2], reached.shape[:-2])
-        except ValueError:
-            raise PoseError(
-                f"targets of shape {T.shape} and poses of shape {reached.shape} given; they do not fit"
-            ) from None
         off = (reached - T)[..., :3, :] @ self.axis.seen[:, 0]
         inverse = np.swapaxes(T[..., :3, :3], -1, -2)
-        motion = np.zeros((*batch, 4, 4))
+        motion = np.zeros((*off.shape[:-1], 4, 4))
         motion[..., :3, :3] = inverse @ reached[..., :3, :3]
         direction = motion[..., :3, :3] @ np.array(self.axis.direction)
         return np.einsum("...ij,...j->...i", inverse, off), direction, self.axis.angle(motion)
@@ -177,6 +171,8 @@ STARTS = 10
 """Starts of the search, at most."""
 APART = 0.2
 """rad or m: starts that differ by less in every joint are one."""
+_STEP = 1e-6
+"""rad or m: of central differences."""
 INSIDE = 1e-8
 """rad or m that the search keeps from the joint limits, so that rounding does not lead beyond them."""
 
@@ -245,7 +241,7 @@ def _nearest(
     tight = low > high
     low, high = np.where(tight, bounds[:, 0], low), np.where(tight, bounds[:, 1], high)
     scale = np.sqrt(np.maximum(factors, 1e-6))
-    conditions = _Conditions(solver, T, region)
+    conditions = _conditions(solver, T, region)
     best: Array | None = None
     least = np.inf
     for start in _starts(solver, T, q_ref, region, bounds, scale, threads):
@@ -255,7 +251,7 @@ def _nearest(
             jac=lambda q: (q - q_ref) * scale**2,
             method="SLSQP",
             bounds=list(zip(low, high, strict=True)),
-            constraints=conditions.for_scipy(),
+            constraints=conditions,
             options={"maxiter": 100, "ftol": 1e-11},
         )
         q = answer.x
@@ -265,126 +261,78 @@ def _nearest(
 
 
 def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int) -> Array:
-    """(k, n) joint vectors from which to search: of all branches of all samples, the nearest, no two alike."""
-    if solver.dof < 6:
-        return _starts_of_few(solver, T, q_ref, bounds, scale)
-    spread = region.widths > 0.0
+    """(k, n) joint vectors from which to search, nearest first, no two alike.
+
+    Of all branches of samples of the region; of fewer than six joints, which reach few poses, nearest postures, by the
+    position first.
+    """
+    few = solver.dof < 6
+    q = _nearest_postures(solver, T, q_ref, bounds) if few else _sampled(solver, T, region, threads)
+    turning = ~solver.chain.prismatic
+    image, inside = (q, np.ones(len(q), np.bool_)) if few else limits.image_near(q, q_ref, bounds, turning)
+    if inside.any():
+        order = np.argsort((((image[inside] - q_ref) * scale) ** 2).sum(axis=-1), kind="stable")
+        candidates = image[inside][order]
+    else:
+        _, out = limits.excess(q, bounds, turning)
+        order = np.argsort(np.abs(out).max(axis=-1), kind="stable")[: 16 * STARTS]
+        candidates = q[order].clip(*bounds.T)
+    chosen: list[Array] = []
+    for each in candidates:
+        if len(chosen) < STARTS and all(np.abs(each - other).max() > APART for other in chosen):
+            chosen.append(each)
+    return np.array(chosen).reshape(-1, solver.dof)
+
+
+def _sampled(solver: Solver, T: Array, region: Region, threads: int) -> Array:
+    """(k, n) all solutions of poses spread over a region, at values spread over the redundancy parameters."""
     parameters = solver.parameters
-    wide = int(spread.sum()) + len(parameters)
+    spread = np.append(region.widths > 0.0, np.ones(len(parameters), np.bool_))
+    wide = int(spread.sum())
     count = 1 if not wide else min(SAMPLES << (wide - 1), MOST_SAMPLES)
-    shares = np.full((count, 6 + len(parameters)), 0.5)
-    shares[:, np.flatnonzero(np.append(spread, [True] * len(parameters)))] = spread_evenly(count, wide)
+    shares = np.full((count, len(spread)), 0.5)
+    shares[:, spread] = spread_evenly(count, wide)
     shares[:, 3] = np.where(spread[3], shares[:, 3], 0.0)
     poses = region.sampled(T, shares[:, :6])
     poses[0] = T
     values: Any = None
     if parameters:
-        ends = np.array([span(solver, parameter, poses) for parameter in parameters])
-        grid = ends[:, 0] + shares[:, 6:] * (ends[:, 1] - ends[:, 0])
+        low, high = np.array([span(solver, parameter, poses) for parameter in parameters]).T
+        grid = low + shares[:, 6:] * (high - low)
         values = grid if len(parameters) > 1 else grid[:, 0]
     solutions = solve(solver, poses, redundancy=values, threads=threads)
-    q = solutions.q[solutions.valid]
-    turning = ~solver.chain.prismatic
-    image, inside = limits.image_near(q, q_ref, bounds, turning)
-    if not inside.any():
-        _, out = limits.excess(q, bounds, turning)
-        order = np.argsort(np.abs(out).max(axis=-1), kind="stable")[: 16 * STARTS]
-        candidates = q[order].clip(bounds[:, 0], bounds[:, 1])
-    else:
-        image = image[inside]
-        candidates = image[np.argsort((((image - q_ref) * scale) ** 2).sum(axis=-1), kind="stable")]
-    chosen: list[Array] = []
-    for each in candidates:
-        if all(np.abs(each - other).max() > APART for other in chosen):
-            chosen.append(each)
-            if len(chosen) == STARTS:
-                break
-    return np.array(chosen).reshape(-1, solver.dof)
+    return solutions.q[solutions.valid]
 
 
-def _starts_of_few(solver: Solver, T: Array, q_ref: Array, bounds: Array, scale: Array) -> Array:
-    """(k, n) joint vectors near a pose that the joints need not reach: nearest postures, by the position first."""
+def _nearest_postures(solver: Solver, T: Array, q_ref: Array, bounds: Array) -> Array:
+    """(k, n) the reference, and postures near a pose that the joints need not reach."""
     low, high = np.clip(bounds.T, -np.pi * solver.chain.size, np.pi * solver.chain.size)
-    q = np.vstack([q_ref[None], low + spread_evenly(SAMPLES, solver.dof) * (high - low)]).clip(
-        bounds[:, 0], bounds[:, 1]
-    )
+    q = np.vstack([q_ref, low + spread_evenly(SAMPLES, solver.dof) * (high - low)]).clip(*bounds.T)
     wanted = Wanted(solver.chain, np.tile(T[:3, 3], (len(q), 1)), np.tile(T[:3, :3], (len(q), 1, 1)), 3.0)
-    q = np.vstack([q[:1], descended(wanted, q, bounds, 1.0, 0.01, 30)])
-    chosen: list[Array] = []
-    for each in q[np.argsort((((q - q_ref) * scale) ** 2).sum(axis=-1), kind="stable")]:
-        if len(chosen) < STARTS and all(np.abs(each - other).max() > APART for other in chosen):
-            chosen.append(each)
-    return np.array(chosen)
+    return np.vstack([q[:1], descended(wanted, q, bounds, 1.0, 0.01, 30)])
 
 
-class _Conditions:
-    """What keeps the tip in a region, as functions of the joint vector and their derivatives."""
+def _conditions(solver: Solver, T: Array, region: Region) -> list[dict[str, Any]]:
+    """What keeps the tip in a region: equations and inequalities for SciPy, central differences as derivatives."""
+    low, high = np.array(region.box).T
+    exact, a, most = low == high, np.array(region.axis.direction), np.cos(region.cone)
+    steps = _STEP * np.eye(solver.dof)
 
-    def __init__(self, solver: Solver, T: Array, region: Region) -> None:
-        self._arm, self._T, self._region = solver, T, region
-        self._a = np.array(region.axis.direction)
-        self._across = region.across
-        low, high = np.array(region.box).T
-        self._low, self._high = low, high
-        self._exact = low == high
-        self._last: tuple[bytes, tuple[Array, Array, Array, Array]] | None = None
+    def equal(q: Array) -> Array:
+        place, direction, turn = region.measured(T, solver.chain.fk(q))
+        tilt = direction @ region.across.T if region.cone == 0.0 else place[..., :0]
+        turned = turn[..., None] if region.rotation == 0.0 else place[..., :0]
+        return np.concatenate([(place - low)[..., exact], tilt, turned], axis=-1)
 
-    def for_scipy(self) -> list[dict[str, Any]]:
-        """Equations and inequalities."""
-        out: list[dict[str, Any]] = []
-        for kind, parts in (("eq", (0, 1)), ("ineq", (2, 3))):
-            value: Callable[[Array], Array] = lambda q, k=parts[0]: self._at(q)[k]  # type: ignore[misc] # noqa: E731
-            slope: Callable[[Array], Array] = lambda q, k=parts[1]: self._at(q)[k]  # type: ignore[misc] # noqa: E731
-            if len(value(np.zeros(self._arm.dof))):
-                out.append({"type": kind, "fun": value, "jac": slope})
-        return out
+    def less(q: Array) -> Array:
+        place, direction, turn = region.measured(T, solver.chain.fk(q))
+        tilt = ((direction @ a - most) / (1.0 - most))[..., None] if region.cone > 0.0 else place[..., :0]
+        room = region.rotation - turn[..., None] * [1.0, -1.0]
+        room = room if 0.0 < region.rotation < np.pi else place[..., :0]
+        return np.concatenate([(place - low)[..., ~exact], (high - place)[..., ~exact], tilt, room], axis=-1)
 
-    def _at(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        """Equations (e,), their derivatives (e, n), inequalities (i,), theirs."""
-        key = q.tobytes()
-        if self._last is None or self._last[0] != key:
-            self._last = key, self._computed(q)
-        return self._last[1]
+    def slope(f: Callable[[Array], Array]) -> Callable[[Array], Array]:
+        return lambda q: (f(q + steps) - f(q - steps)).T / (2.0 * _STEP)
 
-    def _computed(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        solver, region, a = self._arm, self._region, self._a
-        reached, J = solver.chain.fk(q), solver.chain.jacobian(q)
-        back = self._T[:3, :3].T
-        place, d, turn = region.measured(self._T, reached)
-        angular = back @ J[3:]
-        lever = back @ reached[:3, :3] @ np.array(region.axis.at)
-        linear = back @ J[:3] + np.cross(angular, lever[:, None], axis=0)
-        tilting = np.cross(angular, d[:, None], axis=0)
-        equal = [place[self._exact] - self._low[self._exact]]
-        equal_slope = [linear[self._exact]]
-        wide = ~self._exact
-        less = [place[wide] - self._low[wide], self._high[wide] - place[wide]]
-        less_slope = [linear[wide], -linear[wide]]
-        if region.cone == 0.0:
-            equal.append(self._across @ d)
-            equal_slope.append(self._across @ tilting)
-        else:
-            unit = 1.0 - np.cos(region.cone)
-            less.append(np.array([(a @ d - np.cos(region.cone)) / unit]))
-            less_slope.append((a @ tilting / unit)[None])
-        if region.rotation < np.pi:
-            slope = self._turning(back @ reached[:3, :3], angular)
-            if region.rotation == 0.0:
-                equal.append(np.array([turn]))
-                equal_slope.append(slope[None])
-            else:
-                less.append(np.array([region.rotation - turn, region.rotation + turn]))
-                less_slope.append(np.stack([-slope, slope]))
-        return tuple(np.concatenate(part) for part in (equal, equal_slope, less, less_slope))  # type: ignore[return-value]
-
-    def _turning(self, R: Array, angular: Array) -> Array:
-        """(n,) derivative of the rotation about the axis, from angular velocities (3, n) in the target's frame."""
-        a = self._a
-        cross = np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
-        rest = np.eye(3) - np.outer(a, a)
-        sine, cosine = -np.trace(cross @ R), np.trace(rest @ R)
-        turned = np.cross(np.eye(3)[:, :, None], R[None], axisa=1, axisb=1, axisc=1)  # e_i x each column of R
-        along = (cosine * -np.einsum("ij,kji->k", cross, turned) - sine * np.einsum("ij,kji->k", rest, turned)) / (
-            sine * sine + cosine * cosine
-        )
-        return np.asarray(along @ angular)
+    parts = (("eq", equal), ("ineq", less))
+    return [{"type": kind, "fun": f, "jac": slope(f)} for kind, f in parts if f(np.zeros(solver.dof)).size]
