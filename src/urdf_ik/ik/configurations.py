@@ -180,15 +180,17 @@ class _Vendor(NamedTuple):
 
     Attributes:
         codes: flags (..., 3) and joint vectors (..., 6) to numbers (..., m).
-        text: m numbers to text.
-        read: text to m numbers, None for each that is left out; ``ValueError`` where it is no configuration.
+        words: for the first numbers, the words for 0 and 1.
+        form: of the text.
+        pattern: of text that is read, a group a number; words are read in any order, too.
         turning: which of the m numbers depend on whole turns of the joints.
         example: of the text.
     """
 
     codes: Callable[[NDArray[np.bool_], Array], list[Array]]
-    text: Callable[[Sequence[int]], str]
-    read: Callable[[str], list[int | None]]
+    words: tuple[tuple[str, str], ...]
+    form: str
+    pattern: str
     turning: tuple[int, ...]
     example: str
 
@@ -212,7 +214,9 @@ def codes(chain: Chain, q: Array, vendor: str) -> Codes:
 
 def text(numbers: Sequence[int], vendor: str) -> str:
     """The numbers of a configuration as the controller writes them."""
-    return _vendor(vendor).text(numbers)
+    known = _vendor(vendor)
+    words = [pair[k] for pair, k in zip(known.words, numbers, strict=False)]
+    return known.form.format(*words, *numbers[len(words) :])
 
 
 def read(written: str, vendor: str) -> list[int | None]:
@@ -221,12 +225,24 @@ def read(written: str, vendor: str) -> list[int | None]:
     Raises:
         ArgumentError: an unknown vendor, or text that is no configuration of its.
     """
-    known = _vendor(vendor)
-    try:
-        return known.read(written.strip())
-    except ValueError:
+    known, words = _vendor(vendor), [tuple(map(str.upper, pair)) for pair in _vendor(vendor).words]
+    plain = re.sub(r"\s*(<|>=)\s*", r"\1", written.strip().upper()).replace("NO FLIP", "NOFLIP").replace(" ARM", "")
+    if found := re.fullmatch(known.pattern, plain):
+        groups = found.groups()
+        return [None if each is None else _number(each, words[k : k + 1]) for k, each in enumerate(groups)]
+    parts = plain.replace(",", " ").split()
+    there = [[pair.index(part) for part in parts if part in pair] for pair in words]
+    if not parts or sum(map(len, there)) < len(parts) or max(map(len, there)) > 1:
         example = f"{known.example!r}; turn numbers may be left out"
-        raise ArgumentError(f"{quoted(written)} is no configuration of {vendor}, such as {example}") from None
+        raise ArgumentError(f"{quoted(written)} is no configuration of {vendor}, such as {example}")
+    return [each[0] if each else None for each in there]
+
+
+def _number(part: str, words: Sequence[tuple[str, ...]]) -> int:
+    """A number that is written as such, in KUKA's binary form, or by one of two words."""
+    if part.isalpha():
+        return words[0].index(part)
+    return int(part[2:-1], 2) if part.startswith("'") else int(part)
 
 
 def depends_on_turns(numbers: Sequence[int | None], vendor: str) -> bool:
@@ -234,111 +250,72 @@ def depends_on_turns(numbers: Sequence[int | None], vendor: str) -> bool:
     return any(numbers[k] is not None for k in _vendor(vendor).turning)
 
 
-def _numbers(found: str) -> list[int]:
-    return [int(each) for each in re.findall(r"-?\d+", found)]
-
-
-def _letters(written: str, words: Sequence[tuple[str, str]]) -> list[int | None]:
-    """Which word of each pair is in the text, in any order; ``ValueError`` where a word is of none, or two of one."""
-    rest = written.replace(",", " ").split()
-    out: list[int | None] = []
-    for pair in words:
-        there = [word for word in rest if word.lower() in pair]
-        if len(there) > 1:
-            raise ValueError
-        out.append(pair.index(there[0].lower()) if there else None)
-        rest = [word for word in rest if word not in there]
-    if rest or all(each is None for each in out):
-        raise ValueError
-    return out
-
-
-def _abb_codes(flags: NDArray[np.bool_], q: Array) -> list[Array]:
+def _abb(flags: NDArray[np.bool_], q: Array) -> list[Array]:
     quarters = np.floor(q[..., (0, 3, 5)] * (4.0 / TURN))
     return [*np.moveaxis(quarters, -1, 0), flags @ np.array([4, 2, 1])]
 
 
-def _abb_read(written: str) -> list[int | None]:
-    found: list[int | None] = [*_numbers(written)]
-    if len(found) == 1:  # cfx alone
-        found = [None, None, None, *found]
-    if len(found) != 4 or found[3] not in range(8) or re.search(r"[^\d\s,;\[\]-]", written):
-        raise ValueError
-    return found
-
-
-def _fanuc_codes(flags: NDArray[np.bool_], q: Array) -> list[Array]:
+def _fanuc(flags: NDArray[np.bool_], q: Array) -> list[Array]:
     turning = q[..., (0, 3, 5)]
     turns = np.sign(turning) * np.floor((np.abs(turning) + 0.5 * TURN) / TURN)
     return [*np.moveaxis(flags[..., ::-1], -1, 0), *np.moveaxis(turns, -1, 0)]
 
 
-def _fanuc_text(numbers: Sequence[int]) -> str:
-    letters = "".join(pair[k] for pair, k in zip(_FANUC, numbers, strict=False))
-    return f"{letters} {' '.join(map(str, numbers[3:]))}"
-
-
-def _fanuc_read(written: str) -> list[int | None]:
-    found = re.fullmatch(r"([NF])[\s,]*([UD])[\s,]*([TB])[\s,]*((?:-?\d[\s,]*){0,3})", written.upper())
-    turns = [int(each) for each in re.findall(r"-?\d", found[4])] if found else [0]
-    if found is None or len(turns) not in (0, 3):
-        raise ValueError
-    letters: list[int | None] = [pair.index(found[k + 1]) for k, pair in enumerate(_FANUC)]
-    return [*letters, *(turns or (None, None, None))]
-
-
-def _kuka_codes(flags: NDArray[np.bool_], q: Array) -> list[Array]:
+def _kuka(flags: NDArray[np.bool_], q: Array) -> list[Array]:
     behind, below, flipped = np.moveaxis(flags, -1, 0)
     bent = np.sin(q[..., 4]) != 0.0
     return [behind + 2 * ~below + 4 * (~flipped & bent), (q < 0.0) @ (1 << np.arange(6))]
 
 
-def _kuka_read(written: str) -> list[int | None]:
-    found = re.fullmatch(r"S\s*('B[01]+'|\d+)[\s,]*(?:T\s*('B[01]+'|\d+))?", written.upper())
-    if found is None:
-        raise ValueError
-    numbers = [int(each[2:-1], 2) if each.startswith("'") else int(each) for each in found.groups() if each]
-    if numbers[0] > 7 or numbers[-1] > 63:
-        raise ValueError
-    return [numbers[0], numbers[1] if len(numbers) == 2 else None]
-
-
-def _motoman_codes(flags: NDArray[np.bool_], q: Array) -> list[Array]:
+def _motoman(flags: NDArray[np.bool_], q: Array) -> list[Array]:
     behind, below, flipped = np.moveaxis(flags, -1, 0)
     far = [(q[..., i] > math.pi) | (q[..., i] <= -math.pi) for i in (3, 5, 0)]
     return [~flipped, below, behind, *far]
 
 
-def _motoman_text(numbers: Sequence[int]) -> str:
-    words = [pair[k] for pair, k in zip(_MOTOMAN, numbers, strict=True)]
-    return ", ".join(words).upper().replace("-", " ")
-
-
-def _motoman_read(written: str) -> list[int | None]:
-    if re.fullmatch(r"(?:[01][\s,]*){6}", written):  # ///RCONF
-        return [*_numbers(written)]
-    joined = re.sub(r"\s*(<|>=)\s*", r"\1", written.lower()).replace("no flip", "noflip")
-    return _letters(joined.replace(" arm", ""), _MOTOMAN)
-
-
-_FANUC = ("NF", "UD", "TB")
-_STAUBLI = (("righty", "lefty"), ("epositive", "enegative"), ("wpositive", "wnegative"))
-_MOTOMAN = (
-    ("flip", "noflip"), ("upper", "lower"), ("front", "rear"), ("r<180", "r>=180"), ("t<180", "t>=180"),
-    ("s<180", "s>=180"),
-)  # fmt: skip
-
 VENDORS: dict[str, _Vendor] = {
-    "abb": _Vendor(_abb_codes, lambda k: " ".join(map(str, k)), _abb_read, (0, 1, 2), "0 -1 0 1"),
-    "fanuc": _Vendor(_fanuc_codes, _fanuc_text, _fanuc_read, (3, 4, 5), "NUT 0 0 0"),
-    "kuka": _Vendor(_kuka_codes, lambda k: f"S {k[0]} T {k[1]}", _kuka_read, (1,), "S 2 T 35"),
-    "staubli": _Vendor(
-        lambda flags, q: list(np.moveaxis(flags, -1, 0)),
-        lambda k: " ".join(pair[each] for pair, each in zip(_STAUBLI, k, strict=True)),
-        lambda written: _letters(written, _STAUBLI),
-        (),
-        "righty epositive wpositive",
+    "abb": _Vendor(
+        codes=_abb,
+        words=(),
+        form="{} {} {} {}",
+        pattern=r"\[?(?:(-?\d+)[\s,;]+(-?\d+)[\s,;]+(-?\d+)[\s,;]+)?([0-7])\]?",
+        turning=(0, 1, 2),
+        example="0 -1 0 1",
     ),
-    "motoman": _Vendor(_motoman_codes, _motoman_text, _motoman_read, (3, 4, 5), "NOFLIP, UPPER, FRONT, S<180"),
-}
+    "fanuc": _Vendor(
+        codes=_fanuc,
+        words=(("N", "F"), ("U", "D"), ("T", "B")),
+        form="{}{}{} {} {} {}",
+        pattern=r"([NF])[\s,]*([UD])[\s,]*([TB])(?:[\s,]*(-?\d)[\s,]*(-?\d)[\s,]*(-?\d))?",
+        turning=(3, 4, 5),
+        example="NUT 0 0 0",
+    ),
+    "kuka": _Vendor(
+        codes=_kuka,
+        words=(),
+        form="S {} T {}",
+        pattern=r"S\s*('B[01]{1,3}'|[0-7])(?:[\s,]*T\s*('B[01]{1,6}'|[1-5]?\d|6[0-3]))?",
+        turning=(1,),
+        example="S 2 T 35",
+    ),
+    "staubli": _Vendor(
+        codes=lambda flags, q: list(np.moveaxis(flags, -1, 0)),
+        words=(("righty", "lefty"), ("epositive", "enegative"), ("wpositive", "wnegative")),
+        form="{} {} {}",
+        pattern=r"([01])([01])([01])",
+        turning=(),
+        example="righty epositive wpositive",
+    ),
+    "motoman": _Vendor(  # ///RCONF writes the numbers
+        codes=_motoman,
+        words=(
+            ("FLIP", "NOFLIP"), ("UPPER", "LOWER"), ("FRONT", "REAR"), ("R<180", "R>=180"), ("T<180", "T>=180"),
+            ("S<180", "S>=180"),
+        ),
+        form="{}, {}, {}, {}, {}, {}",
+        pattern=r"[\s,]*".join([r"([01])"] * 6) + r"[\s,]*",
+        turning=(3, 4, 5),
+        example="NOFLIP, UPPER, FRONT, S<180",
+    ),
+}  # fmt: skip
 """Each controller by the name of its maker."""
