@@ -8,15 +8,15 @@ sinusoid of the first angle. So a branch of the position has its minima where th
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.descent import Wanted
+from urdf_ik.ik.descent import Wanted, constrained, descended
 from urdf_ik.ik.families import few_joints
-from urdf_ik.ik.minima import EXACT, missed, ranked
+from urdf_ik.ik.minima import EXACT, distinct, missed, ranked
 from urdf_ik.ik.task import POSE, Task
 from urdf_ik.kinematics.chain import Chain, least_stretches, sampled
 from urdf_ik.support.angles import wrapped
@@ -28,6 +28,16 @@ _CONTINUUM = 1e-9
 _CONTROL = 1e-3
 """Smallest singular value of the position's Jacobian, at the middle one of sampled joint vectors, that is control."""
 _STATUS_BITS = np.uint8(96)
+_BESIDE = 0.05
+"""Share of the size: tips that miss the roll's axis by more are searched."""
+_NEARLY = 1e-3
+"""rad: axes that miss the structure by no more are taken for it."""
+_ROUNDS = 20
+"""Newton's rounds from a minimum of the arm without the offset."""
+_FIRST = 100.0
+"""Weight of the position where Newton's method does not lead to a minimum with the exact position at once."""
+_NEAR_YAW = 3.5
+"""Targets that are nearer to the first axis than so many offsets are searched."""
 
 Complex = NDArray[np.complex128]
 Found = tuple[Array, NDArray[np.intp], NDArray[np.bool_]]
@@ -211,6 +221,61 @@ class Planar:
             np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0]),
             np.concatenate([inside[..., None], inside[..., None], there], axis=-1),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """A yaw, three parallel axes and a roll that misses the tip a little: SO-101 and its kind.
+
+    The minima of the arm whose tip is on the roll's axis lead to those of the arm by Newton's method; nothing proves
+    that these are all.
+
+    Attributes:
+        chain: the arm.
+        planar: the arm with its tip moved onto the roll's axis.
+        sides: (4, 3) m, of the tip from there, in the tip's frame: as it is, and by quarter turns of the roll.
+    """
+
+    chain: Chain
+    planar: Planar
+    sides: Array
+
+    @classmethod
+    def of(cls, chain: Chain) -> Beside | None:
+        """None for other arms."""
+        if chain.n != 5 or chain.prismatic.any():
+            return None
+        h, tip = chain.H[4], chain.P.sum(axis=0)
+        offset = tip - chain.points[4]
+        offset = offset - (offset @ h) * h
+        if np.linalg.norm(offset) > _BESIDE * chain.size:
+            return None
+        moved = replace(chain, P=np.vstack([chain.P[:-1], chain.P[-1] - offset]))
+        planar = Planar.of(moved, 4, tip - offset, _NEARLY)
+        across = np.cross(h, offset)
+        return (
+            None if planar is None else cls(chain, planar, np.array([offset, across, -offset, -across]) @ chain.R_tip)
+        )
+
+    def __call__(self, wanted: Wanted) -> Found:
+        """Minima for targets (m), and whether there are any."""
+        moved = replace(wanted, chain=self.planar.chain)
+        sides = [self.planar(replace(moved, place=wanted.place - wanted.matrix @ side)) for side in self.sides]
+        q, owner = (np.concatenate(each) for each in list(zip(*sides, strict=True))[:2])
+        order = np.argsort(owner, kind="stable")
+        start, owner = q[order], owner[order]
+        free = np.full((q.shape[1], 2), [-np.inf, np.inf])
+        q, good = constrained(wanted[owner], start, free, "position", _ROUNDS)
+        if not good.all():
+            rest = wanted[owner[~good]]
+            near = descended(rest, start[~good], free, _FIRST, 1.0, _ROUNDS)
+            q[~good], good[~good] = constrained(rest, near, free, "position", _ROUNDS)
+        q, owner = distinct(wanted, q[good], owner[good])
+        there = np.zeros(len(wanted.place), dtype=np.bool_)
+        there[owner] = True
+        # Beside the first axis the yaw turns by half a turn within a small range of rolls: left to the search.
+        away = np.linalg.norm(np.cross(wanted.place - self.chain.points[0], self.chain.H[0]), axis=1)
+        return q, owner, there & (away > abs(self.planar.aside) + _NEAR_YAW * np.linalg.norm(self.sides[0]))
 
 
 def _turned(chain: Chain, wanted: Wanted, first: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:

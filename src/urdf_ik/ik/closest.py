@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.closed_minima import Placed, Planar, in_closed_form, prepare
+from urdf_ik.ik.closed_minima import Beside, Placed, Planar, in_closed_form, prepare
 from urdf_ik.ik.descent import Wanted
 from urdf_ik.ik.minima import searched
-from urdf_ik.ik.rolled_minima import Rolled
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import POSE, Task
@@ -40,8 +39,8 @@ def closest(
     For targets that an arm cannot reach, or of which its joints are too few to reach all. ``IKSolutions.error`` says
     what each misses. Where three joints place the tip, or a yaw and three parallel axes across it, and the joints
     behind turn about axes through it, all minima with the position first follow in closed form: ``status`` is
-    'complete'. Of a yaw, three parallel axes and a roll beside the tip one angle is scanned; else minima are searched
-    from 48 joint vectors spread evenly over the ranges of the joints, by Newton's method with the exact Hessian:
+    'complete'. Where a roll misses the tip a little, these lead to the minima; else minima are searched from 48 joint
+    vectors spread evenly over the ranges of the joints, by Newton's method with the exact Hessian:
     ``status`` is 'incomplete', since neither proves anything.
 
     Args:
@@ -93,7 +92,7 @@ def closest(
     for at, each in parts:
         q[at, : each.shape[1]] = each
     info = (~np.isnan(q[..., 0])).astype(np.uint8)
-    info[slice(None) if isinstance(closed, Rolled) else open_, 0] |= np.uint8(INCOMPLETE)
+    info[slice(None) if isinstance(closed, Beside) else open_, 0] |= np.uint8(INCOMPLETE)
     names = tuple("closest" if k == 1 else f"closest {k}" for k in range(1, count + 1))
     shape = target.shape[:-2]
     q, info = q.reshape(*shape, count, solver.dof), info.reshape(*shape, count)
@@ -116,5 +115,5 @@ def _weights(weights: ArrayLike | None, first: str | None, size: float) -> tuple
 
 
 @lru_cache(maxsize=64)
-def _closed(solver: Solver, asked: Task) -> Planar | Placed | Rolled | None:
-    return prepare(solver.chain, asked) or (Rolled.of(solver.chain) if asked == POSE else None)
+def _closed(solver: Solver, asked: Task) -> Planar | Placed | Beside | None:
+    return prepare(solver.chain, asked) or (Beside.of(solver.chain) if asked == POSE else None)
