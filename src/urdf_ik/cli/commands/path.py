@@ -28,6 +28,8 @@ from urdf_ik.typing import Array
 SUFFIXES = (".csv", ".json", ".npz")
 _FREE = {None: "not checked", True: "free", False: "hits"}
 """Whether the straight joint motion of a change touches something."""
+_KINDS = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
+"""What each cost sums up."""
 _TYPES: Mapping[str, tuple[Any, str | None]] = {
     "joint vector": (str, "Q1,Q2,..."),
     "number": (float, "VALUE"),
@@ -192,7 +194,7 @@ def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
             for stop in plan.stops
         ]
         return tables.render(head, tables.outline(about | {"plan": f"none, in {found.seconds:.2f} s", "stops": stops}))
-    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T)
+    q, limits, margins = angles.shown(plan.q), angles.shown(plan.solver.limits.T), plan.margins
     columns = {"first": q[0], "last": q[-1], "least": q.min(axis=0), "most": q.max(axis=0)}
     columns["step"] = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
     columns |= dict(zip(("lower", "upper"), limits, strict=True))
@@ -210,37 +212,18 @@ def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
         | {"clearance [m]": _clearance(each)}
         for each in others
     ]
-    about |= _facts(found, angles, in_time) | {"found": f"in {found.seconds:.2f} s"}
-    return tables.render(head, tables.outline(about | {"joints": joints, "changes": changes, "branches": branches}))
-
-
-def _facts(found: _Followed, angles: Angles, in_time: Timed | None) -> dict[str, str]:
-    """What is known of a plan, by its heading."""
-    plan, arm, margins = found.plan, found.arm, found.plan.margins
-    kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
-    used = list(dict.fromkeys(plan.branches))
-    facts = {"branch" if len(used) == 1 else "branches": "; ".join(used)}
-    facts["cost"] = f"{_cost(found, plan, angles):.6g} ({kinds[found.cost]})"
-    facts["reconfigurations"] = str(len(plan.changes))
-    if between := len(plan.motion) - len(plan.q):
-        facts["waypoints added"] = f"{between}, so that the tip keeps to the straight segments"
     strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
-    facts["tolerance"] = f"{strays} from the straight segments, proven"
-    room = _room(plan)
-    k, joint = (int(x) for x in np.unravel_index(int(np.argmin(room)), room.shape))
-    if np.isfinite(room[k, joint]):
-        shown = tables.number(angles.shown(room[k])[joint])
-        facts["room to a limit"] = f"{shown} {angles.units[joint]} of {arm.joint_names[joint]} at waypoint {k}"
-    if plan.obstacles is not None and np.isfinite(_clearance(plan)):
-        k = int(np.nanargmin(margins.clearance))
-        pair = plan.obstacles.pair(plan.q[k])
-        names = f" between {pair[0]} and {pair[1]}" if pair else ""
-        facts["least clearance"] = f"{_clearance(plan):.4f} m{names} at waypoint {k}"
-    k = int(np.argmin(margins.manipulability))
-    facts["manipulability"] = f"at least {margins.manipulability[k]:.4g}, at waypoint {k}"
-    if in_time is not None:
-        facts["time"] = f"{in_time.duration:.3f} s ({in_time.method})"
-    return facts
+    about |= {
+        "branches": "; ".join(dict.fromkeys(plan.branches)),
+        "cost": f"{_cost(found, plan, angles):.6g} ({_KINDS[found.cost]})",
+        "reconfigurations": len(plan.changes),
+        "tolerance": f"{strays} from the straight segments, proven",
+        "least clearance [m]": _clearance(plan),
+        "manipulability": f"at least {margins.manipulability.min():.4g}",
+        "time": "" if in_time is None else f"{in_time.duration:.3f} s ({in_time.method})",
+        "found": f"in {found.seconds:.2f} s",
+    }
+    return tables.render(head, tables.outline(about | {"joints": joints, "changes": changes, "branches": branches}))
 
 
 def _cost(found: _Followed, plan: Plan, angles: Angles) -> float:
