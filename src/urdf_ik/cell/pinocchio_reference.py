@@ -2,7 +2,7 @@
 
 import os
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -204,13 +204,7 @@ class Reference:
         Raises:
             ArgumentError: the last dimension is not n.
         """
-        Q = self.vectors(q)
-        out = np.full((*Q.shape[:-1], 4, 4), np.nan)
-        data = self._work.data
-        for index in finite(Q):
-            self._forward(Q[index])
-            out[index] = data.oMf[self._base].actInv(data.oMf[self._tip]).homogeneous
-        return out
+        return self._each(q, (4, 4), self._pose)
 
     def jacobian(self, q: ArrayLike) -> Array:
         """Velocity of the tip against the base: at the tip, in base axes, linear rows above angular ones.
@@ -224,11 +218,7 @@ class Reference:
         Raises:
             ArgumentError: the last dimension is not n.
         """
-        Q = self.vectors(q)
-        out = np.full((*Q.shape[:-1], 6, self.dof), np.nan)
-        for index in finite(Q):
-            out[index] = self._jacobian(Q[index])
-        return out
+        return self._each(q, (6, self.dof), self._jacobian)
 
     def link_poses(self, q: ArrayLike) -> dict[str, Array]:
         """Pose of every link of the URDF in the base link's frame.
@@ -242,15 +232,8 @@ class Reference:
         Raises:
             ArgumentError: the last dimension is not n.
         """
-        Q = self.vectors(q)
-        out = {name: np.full((*Q.shape[:-1], 4, 4), np.nan) for name, _ in self._bodies}
-        data = self._work.data
-        for index in finite(Q):
-            pin.framesForwardKinematics(self.pin_model, data, self.configuration(Q[index]))
-            base = data.oMf[self._base]
-            for name, frame in self._bodies:
-                out[name][index] = base.actInv(data.oMf[frame]).homogeneous
-        return out
+        poses = self._each(q, (len(self._bodies), 4, 4), self._links)
+        return {name: poses[..., k, :, :] for k, (name, _) in enumerate(self._bodies)}
 
     def error(self, q: ArrayLike, T: ArrayLike) -> tuple[float, float]:
         """How far the tip is from a pose.
@@ -299,11 +282,24 @@ class Reference:
             )
         return Q
 
-    def _forward(self, q: Array) -> None:
+    def _each(self, q: ArrayLike, shape: tuple[int, ...], compute: Callable[[Array], Any]) -> Array:
+        """What is computed of each of the joint vectors (..., n): (..., *shape), NaN where one is not finite."""
+        Q = self.vectors(q)
+        out = np.full((*Q.shape[:-1], *shape), np.nan)
+        for index in np.argwhere(np.isfinite(Q).all(axis=-1)):
+            out[tuple(index)] = compute(Q[tuple(index)])
+        return out
+
+    def _pose(self, q: Array) -> Any:
         data = self._work.data
         pin.forwardKinematics(self.pin_model, data, self.configuration(q))
-        pin.updateFramePlacement(self.pin_model, data, self._base)
-        pin.updateFramePlacement(self.pin_model, data, self._tip)
+        base, tip = (pin.updateFramePlacement(self.pin_model, data, frame) for frame in (self._base, self._tip))
+        return base.actInv(tip).homogeneous
+
+    def _links(self, q: Array) -> list[Any]:
+        data = self._work.data
+        pin.framesForwardKinematics(self.pin_model, data, self.configuration(q))
+        return [data.oMf[self._base].actInv(data.oMf[frame]).homogeneous for _, frame in self._bodies]
 
     def _jacobian(self, q: Array) -> Array:
         model, data = self.pin_model, self._work.data
@@ -383,12 +379,6 @@ def pose_errors(A: Array, B: Array) -> tuple[Array, Array]:
     )
     cosine = np.trace(turn, axis1=-2, axis2=-1) - 1.0
     return position, np.arctan2(np.linalg.norm(across, axis=-1), cosine)
-
-
-def finite(Q: Array) -> Iterator[tuple[int, ...]]:
-    """Indices of the rows (n,) of Q (..., n) whose values are all finite."""
-    good = np.asarray(np.isfinite(Q).all(axis=-1))
-    return (index for index in np.ndindex(Q.shape[:-1]) if good[index])
 
 
 def _build(model: urdf.UrdfModel) -> Any:
