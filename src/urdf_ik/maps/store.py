@@ -9,7 +9,6 @@ checksum that every Zarr reader checks.
 
 import contextlib
 import hashlib
-import json
 import math
 import os
 import shutil
@@ -306,17 +305,10 @@ def fill(
 def _checked(path: str | os.PathLike[str]) -> Path:
     """The folder of a store to be created or continued."""
     folder = Path(path)
-    if ":/" in str(path):
-        raise JobError(f"{path}: a store is a folder on a disk; give a path")
-    if not folder.absolute().parent.is_dir():
-        raise JobError(f"{path}: there is no folder {folder.absolute().parent}")
-    try:
-        if folder.exists() and not folder.is_dir():
-            raise JobError(f"{path} is a file, and a store is a folder; give another path")
-        if folder.is_dir() and not (folder / "zarr.json").exists() and any(folder.iterdir()):
-            raise JobError(f"{path} exists, and is no store of this package; give another path")
-    except OSError as error:
-        raise JobError(f"cannot read {path}: {error.strerror}") from None
+    if ":/" in str(path) or not folder.absolute().parent.is_dir():
+        raise JobError(f"{path}: a store is a folder on a disk, in a folder that is there")
+    if folder.exists() and not (folder / "zarr.json").exists() and not (folder.is_dir() and not any(folder.iterdir())):
+        raise JobError(f"{path} exists, and is no store of this package; give another path")
     return folder
 
 
@@ -355,31 +347,16 @@ def _create(folder: Path, question: Question, asked: dict[str, Any]) -> None:
 
 
 def _require_same(store: BlockStore, asked: dict[str, Any]) -> None:
-    """Refuse a store of another question, with the differences."""
+    """Refuse a store of another question, with what differs."""
     stored = {name: value for name, value in store.question.items() if name != "complete"}
-    one, other, unset = _flat(stored), _flat(asked), "not set"
-    both = ((one, "in the store"), (other, "now"))
     differing = [
-        f"{name} is {' and '.join(f'{printable(each.get(name, unset), 72)} {where}' for each, where in both)}"
-        for name in {**other, **one}
-        if one.get(name) != other.get(name)
+        f"{name} is {printable(stored.get(name), 120)} in the store and {printable(asked.get(name), 120)} now"
+        for name in {**asked, **stored}
+        if stored.get(name) != asked.get(name)
     ]
     if differing:
-        more = f", and {len(differing) - 4} more differ" if len(differing) > 4 else ""
-        raise JobError(
-            f"{store.path} contains another map: {'; '.join(differing[:4])}{more}; give another path, or ask as before"
-        )
-
-
-def _flat(value: Any, name: str = "") -> dict[str, str]:
-    """The leaves of nested dictionaries, by their names with dots, as JSON."""
-    if not isinstance(value, Mapping):
-        return {name: json.dumps(value)}
-    return {
-        key: text
-        for inner, item in value.items()
-        for key, text in _flat(item, f"{name}.{inner}" if name else inner).items()
-    }
+        words = "; ".join(differing[:4])
+        raise JobError(f"{store.path} contains another map: {words}; give another path, or ask as before")
 
 
 def available_memory() -> int:
