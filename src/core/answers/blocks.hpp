@@ -4,7 +4,8 @@
 // A Family is a struct with
 //   Arm        an arm's numbers; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
 //   branches   the number of columns
-//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>
+//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>. Without it, solve_branches()
+//              solves one branch after the other
 //   by_signs   whether three signs distinguish its branches; if so
 //   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
 //              branch's end (see margin_root)
@@ -235,6 +236,30 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     }
 }
 
+// All branches of a block of poses by a family's text for one branch. A later step is inaccurate past the end of an earlier one's
+// branch, so a branch is lost only if nothing is near its end.
+template <class Family>
+STEP void solve_branches(const typename Family::Arm& arm, const Goal<Block>& goal, Found<8>& found) {
+    const IdealFrames& ideal = arm.ideal;
+    const Tolerances& tol = arm.written.tolerances;
+    const Seen<Block> seen = to_frame_1(goal, ideal);
+    for (int b = 0; b < 8; ++b) {
+        const Branch<Block> at =
+            Family::template branch<Block>(arm, seen, {ideal.signs[0][b], ideal.signs[1][b], ideal.signs[2][b]});
+        const Block m[3] = {min(abs(at.shoulder), 1.0), min(abs(at.elbow), 1.0), min(abs(at.wrist), 1.0)};
+        const Block lever = min(min(at.lever[0], 1.0), min(at.lever[1], at.lever[2])), nearest = min(m[0], min(m[1], m[2]));
+        const Block least = min(at.shoulder, min(at.elbow, at.wrist));
+        Block q[6];
+        for (int j = 0; j < 6; ++j) q[j] = wrap(angle(at.turn[j]) - ideal.offset[j]);
+        const auto lost = (least < Block(-tol.edge)) & (min(nearest, lever) > Block(tol.edge));
+        const auto doubt =
+            (min(least, lever) <= Block(tol.edge)) | !(error_at(arm.written, goal, q).size <= Block(0.1 * tol.reach));
+        found.set(b, q, lost, doubt);
+        // No less close than by Clear, in whatever order the steps are.
+        found.unproven |= bits(m[0] * m[1] * m[2] * nearest * (lever * lever) <= Block(ideal.together));
+    }
+}
+
 // Solve one block of targets; only the first `part.m` count. Returns the index of the first invalid pose, or -1.
 template <class Family> STEP int solve_block(const typename Family::Arm& arm, const Batch& part, Write how) {
     constexpr int B = Family::branches, N = joints_of<Family>;
@@ -253,8 +278,10 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     if constexpr (redundant_of<Family>()) {
         value = load_values(arm, part.values);
         Family::fast(arm, to_frame_1(t, arm.ideal), value, found);
-    } else {
+    } else if constexpr (requires { &Family::fast; }) {
         Family::fast(arm, to_frame_1(t, arm.ideal), found);
+    } else {
+        solve_branches<Family>(arm, {{{t[0], t[4], t[8]}, {t[1], t[5], t[9]}, {t[2], t[6], t[10]}}, {t[3], t[7], t[11]}}, found);
     }
     if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], part.q);
     else store_rows<Write::plain, N * B>(&found.q[0][0], part.q);

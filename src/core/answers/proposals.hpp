@@ -78,6 +78,8 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
             }
             moves.set(l, wanted >> (first + l) & 1u);
         }
+        const auto moving = moves > Block(0.0);
+        if (!any(moving)) continue;
         Branch<Block> at;
         // A step's margin is known once the roots of the steps before it are.
         unsigned merged = 0;
@@ -94,7 +96,6 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
         out.merged |= (merged | merged >> 8 | merged >> 16) << first;
         out.fixed |= bits(at.arms > Block(free.below)) << first;
         for (int j = 0; j < 6; ++j) q[j] = wrap(angle(at.turn[j]) - ideal.offset[j]);
-        const auto moving = moves > Block(0.0);
         const Polished<Block> end = polish_block<true>(written, goals, q, {ROUNDS_FROM_BRANCH, FINISHED, PATIENCE}, moving);
         const unsigned reached = bits(moving & (end.error <= Block(written.exact ? written.tolerances.reach : CONVERGED)));
         for (int l = 0; l < BLOCK; ++l) {

@@ -162,48 +162,6 @@ template <LastAxes kind> struct ParallelShoulder {
     static constexpr int flags[3] = {WRIST, ELBOW, WRIST};  // of the singularities of its margins
     static constexpr unsigned root_bit = 1, root_joint = 5;  // see rooted.hpp
 
-    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
-        const auto& ideal = arm.ideal;
-        const Height<Block> at = height_of(ideal, seen);
-        for (int k = 0; k < 4; ++k) {
-            const int b = 4 * (k / 2) + k % 2;
-            const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, ideal.signs[0][b], ideal.signs[2][b], {});
-            const MiddleTurn<Block> middle = middle_turn(ideal, at, ends.t4, ends.t6);
-            const HandAxes<Block> hand = hand_at(ideal, ends.t4);
-            const Turn<Block> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
-            const Plane<Block> u = rest_across<Block>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
-            const Block arm6 = at.h.x * at.h.x + at.h.y * at.h.y;
-            both_elbows(arm, ends, middle, arm6, psi, u, b, found);
-        }
-    }
-
-    template <class Out>
-    static STEP void both_elbows(const Arm& arm, const WristEnds<Block>& ends, const MiddleTurn<Block>& middle, const Block& arm6,
-                                 const Turn<Block>& psi, const Plane<Block>& u, int b, Out& found) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0], sense = same_sense(ideal);
-        const Block uu = u.x * u.x + u.y * u.y, arm1 = uu * scale, arms = min(min(middle.arm5, arm6), arm1);
-        const Fold<Block> f = fold<Block>(uu, ideal.a[0], ideal.a[1], side, 1.0);
-        const Block miss = f.wx * f.wx + f.wy * f.wy - uu, wrist = min(ends.first, ends.second);
-        // Past the end of an earlier step's branch, later steps are inaccurate.
-        const Block edge = tol.edge;
-        const auto lost = (ends.first < -edge) | ((ends.second < -edge) & (min(ends.first, arm6) > edge)) |
-                          ((f.margin < -edge) & (min(wrist, min(middle.arm5, arm6)) > edge));
-        const auto doubt = (min(min(wrist, f.margin), arms) <= edge) |
-                           !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
-        const Clear<Block> clear = Clear<Block>::first(ends.first, arm6).then(ends.second, middle.arm5);
-        found.unproven |= bits(clear.is_close(f.margin, ideal.together));
-        const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x,
-                    yy = f.wy * u.y;
-        const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);
-        const Block q6 = wrap(angle(ends.t6) - ideal.offset[5]), t1 = atan2(xy - yx, xx + yy), t1_down = atan2(xy + yx, xx - yy);
-        const auto q3 = [&](const Block& t) { return wrap(wrap(sense * (turned - t) - ideal.offset[2])); };
-        found.set(b, {wrap(t1 - ideal.offset[0]), wrap(t2 - ideal.offset[1]), q3(t1 + bend), q4, q5, q6}, lost, doubt);
-        found.set(b + 2, {wrap(t1_down - ideal.offset[0]), wrap(-t2 - ideal.offset[1]), q3(t1_down - bend), q4, q5, q6}, lost,
-                  doubt);
-    }
-
     template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0];

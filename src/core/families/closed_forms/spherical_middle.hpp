@@ -117,44 +117,6 @@ template <LastPair kind> struct SphericalMiddle {
         return {arm.ideal.cos_alpha[1], arm.ideal.sin_alpha[1], arm.ideal.cos_alpha[2], arm.ideal.sin_alpha[2]};
     }
 
-    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
-        for (int k = 0; k < 4; ++k) {
-            const FirstTurn<Block> first = first_turn<kind, Block>(arm, seen, arm.ideal.signs[0][2 * k]);
-            const Vec<Block> u = centre_seen_from_6(arm, seen, first.t1);
-            both_middles(arm, seen.R, first, u, last_turns<kind, Block>(arm, u, arm.ideal.signs[1][2 * k]), 2 * k, found);
-        }
-    }
-
-    template <class Out>
-    static STEP void both_middles(const Arm& arm, const Rot<Block>& R, const FirstTurn<Block>& first, const Vec<Block>& u,
-                                  const LastTurns<Block>& last, int b, Out& found) {
-        const auto& ideal = arm.ideal;
-        const Tolerances& tol = arm.written.tolerances;
-        const Twists t = twists(arm);
-        const double scale = 1.0 / (ideal.size * ideal.size);
-        const Rot<Block> M = middle_rotation(ideal, R, first.t1, last.t5, last.t6);
-        const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
-        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flip = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
-        const Block arm6 = (u.x * u.x + u.y * u.y) * scale, arms = min(min(first.arm1, arm6), min(turns.fixed, flip.fixed));
-        // Past the end of an earlier step's branch, later steps are inaccurate.
-        const Block edge = tol.edge, before = min(first.margin, first.arm1);
-        const auto lost = (first.margin < -edge) | ((last.margin < -edge) & (before > edge)) |
-                          ((bend.margin < -edge) & (min(before, min(last.margin, arm6)) > edge));
-        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= edge) |
-                           !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
-        const Clear<Block> clear = Clear<Block>::first(first.margin, first.arm1).then(last.margin, arm6);
-        found.unproven |= bits(clear.is_close(bend.margin, ideal.together));
-        const double* offset = ideal.offset;
-        const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]),
-                    q6 = wrap(angle(last.t6) - offset[5]);
-        const Block t3 = angle(bend.turn);
-        found.set(b, {q1, wrap(angle(turns.first) - offset[1]), wrap(t3 - offset[2]), wrap(angle(turns.last) - offset[3]), q5, q6},
-                  lost, doubt);
-        found.set(b + 1,
-                  {q1, wrap(angle(flip.first) - offset[1]), wrap(-t3 - offset[2]), wrap(angle(flip.last) - offset[3]), q5, q6},
-                  lost, doubt);
-    }
-
     template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);

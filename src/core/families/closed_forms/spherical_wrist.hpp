@@ -41,12 +41,12 @@ template <Shoulder kind> struct SphericalWrist {
                          SIXTH_FLIPPED = 24;
     static constexpr int FIRST = 28;
 
-    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+    static STEP void fast(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
         if (arm.square_wrist) solve<true>(arm, seen, found);
         else solve<false>(arm, seen, found);
     }
 
-    template <bool square, class Out> static STEP void solve(const Arm& arm, const Seen<Block>& seen, Out& found) {
+    template <bool square> static STEP void solve(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
         Angles at;
         State state[4];
         if constexpr (kind == Shoulder::parallel_23) {
@@ -153,8 +153,8 @@ template <Shoulder kind> struct SphericalWrist {
     }
 
     // Joint values from the angles, less the offsets.
-    template <bool square, class Out>
-    static STEP void combine(const Arm& arm, const Angles& at, const State (&state)[4], Out& found) {
+    template <bool square>
+    static STEP void combine(const Arm& arm, const Angles& at, const State (&state)[4], Found<8>& found) {
         const double* offset = arm.ideal.offset;
         const Block* angle = at.y;
         for (int pair = 0; pair < 4; ++pair) {

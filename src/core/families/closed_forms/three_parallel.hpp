@@ -94,13 +94,13 @@ template <Hand kind> struct ThreeParallel {
         Clear<Block> clear;
     };
 
-    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+    static STEP void fast(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
         if (arm.square_wrist) solve_block<true>(arm, seen, found);
         else solve_block<false>(arm, seen, found);
     }
 
     // One shoulder after the other; wrists and elbows share intermediate results.
-    template <bool square, class Out> static STEP void solve_block(const Arm& arm, const Seen<Block>& seen, Out& found) {
+    template <bool square> static STEP void solve_block(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
         Angles at;
         State state[4];
         for (int shoulder = 0; shoulder < 2; ++shoulder) one_shoulder<square>(arm, seen, shoulder, at, state);
@@ -167,8 +167,7 @@ template <Hand kind> struct ThreeParallel {
     }
 
     // Joint values from the angles, less the offsets.
-    template <bool square, class Out> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state,
-                                                               Out& found) {
+    template <bool square> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state, Found<8>& found) {
         const double* offset = arm.ideal.offset;
         const Block* angle = at.y;
         const int shoulder = k / 2, flip = k % 2;
