@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.arm import Arm
+from urdf_ik.arm import example as examples
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
 from urdf_ik.cli.options import PartOfPose, PoseOptions
@@ -30,9 +31,6 @@ SHORTEST = 4
 """Numbers with fewer decimals than this, as 0.2 or 3.14, are meant as they stand."""
 POINT_TASKS = ("position", "planar position", "look at")
 """Tasks whose targets have no orientation."""
-# The example is drawn from the middle of each joint's range, where its joint values are easy to picture.
-EXAMPLE_DRAWS = 256
-EXAMPLE_SHARE = 0.6
 
 
 @dataclass(frozen=True)
@@ -62,8 +60,12 @@ def target(arm: Arm, typed: PoseOptions, random: int | None, seed: int, angles: 
         raise console.usage(f"{option} and --random exclude each other; give one kind of target")
     if random is not None:
         note = f"poses: {random} of random joint vectors inside the limits, seed {seed}"
-        return _of_vectors(arm, _draws(arm, random, seed), note)
-    return _example(arm, angles, seed) if found is None else found
+        return _of_vectors(arm, examples.draws(arm, random, seed), note)
+    if found is None:
+        q = examples.example(arm, seed)
+        shown = ",".join(f"{x:.6g}" for x in angles.vectors(q))
+        found = _of_vectors(arm, q[None], f"target: this arm's example, the tip at q = {shown}")
+    return found
 
 
 def given(arm: Arm, typed: PoseOptions, angles: Angles, task: str = "pose") -> Target | None:
@@ -206,29 +208,3 @@ def own_redundancy(arm: Arm, q: Array) -> Array | None:
 def _of_vectors(arm: Arm, q: Array, note: str) -> Target:
     """The poses of joint vectors (N, n), with the redundancy parameters of these joint vectors."""
     return Target(arm.fk(q), note, own_redundancy(arm, q))
-
-
-def _example(arm: Arm, angles: Angles, seed: int) -> Target:
-    """The pose with most solutions among seeded draws, of joint values that are short to write."""
-    q = _draws(arm, EXAMPLE_DRAWS, seed, EXAMPLE_SHARE)
-    lower, upper = arm.limits.T
-    rounded = np.round(q, 1)
-    q = np.where((rounded >= lower) & (rounded <= upper), rounded, q)
-    solutions = arm.ik(arm.fk(q), redundancy=own_redundancy(arm, q))
-    regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
-    inside = solutions.within_limits().valid.sum(axis=-1)
-    best = int(np.lexsort((-inside, -regular))[0])
-    shown = ",".join(f"{x:.6g}" for x in angles.vectors(q[best]))
-    return _of_vectors(arm, q[best : best + 1], f"target: this arm's example, the tip at q = {shown}")
-
-
-def _draws(arm: Arm, count: int, seed: int, share: float = 1.0) -> Array:
-    """Joint vectors (count, n) from the middle ``share`` of the limits, within half a turn or a metre of zero."""
-    turning = np.array([kind != "prismatic" for kind in arm.chain.joint_types])
-    reach = np.where(turning, np.pi, 1.0)
-    lower, upper = np.clip(arm.limits.T, -reach, reach)
-    # A joint whose whole range lies beyond half a turn is left as it is: clipping would leave its limits.
-    outside = (arm.limits[:, 0] > reach) | (arm.limits[:, 1] < -reach)
-    lower, upper = np.where(outside, arm.limits[:, 0], lower), np.where(outside, arm.limits[:, 1], upper)
-    middle, half = 0.5 * (lower + upper), 0.5 * share * (upper - lower)
-    return middle + half * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(count, len(lower)))

@@ -11,20 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm
+from urdf_ik.arm.example import example
+from urdf_ik.errors import ArgumentError, MissingPackage
 from urdf_ik.export.compilation import compile
 from urdf_ik.support import inputs
 from urdf_ik.support.palette import colours
-from urdf_ik.typing import Array
 
 WEB = Path(__file__).resolve().parent / "web"
 """The folder of the npm module, whose parts the page holds."""
 FACES = 12_000
 """Triangles of all shapes of a page together, at most, unless it is asked for others."""
 _FEWEST, _MOST = 200, 1_000_000
-# Of a shape with a texture.
-_DRAWS, _SEED = 64, 0  # joint vectors among which the example is chosen
-_GREY = (180, 180, 185)
+_GREY = (180, 180, 185)  # of a shape with a texture
 _BUILT = "`make wasm page` in a checkout builds it; wheels of releases hold it"
 
 
@@ -137,19 +135,3 @@ def bodies(arm: Arm, faces: int) -> list[dict[str, Any]]:
             }
         )
     return found
-
-
-def example(arm: Arm) -> Array:
-    """Of seeded joint vectors inside the limits, (n,) rad or m, the one whose pose has most regular solutions there."""
-    turning = ~arm.chain.prismatic
-    lower, upper = np.clip(arm.limits.T, *np.where(turning, np.pi, 1.0)[None] * [[-1.0], [1.0]])
-    lower, upper = np.minimum(lower, arm.limits[:, 1]), np.maximum(upper, arm.limits[:, 0])
-    draws = lower + (upper - lower) * np.random.default_rng(_SEED).uniform(0.2, 0.8, (_DRAWS, arm.dof))
-    try:
-        at = None if arm.redundancy is None else arm.redundancy_of(draws)
-        solutions = arm.ik(arm.fk(draws), redundancy=at).within_limits()
-    except UnsupportedArm:
-        best = 0
-    else:
-        best = int(np.argmax((solutions.valid & (solutions.singular == 0)).sum(axis=-1)))
-    return np.asarray(draws[best])

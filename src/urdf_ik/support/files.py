@@ -1,9 +1,8 @@
 """Reading and writing of files, with errors of this package; a file is replaced when the new one is whole."""
 
-import contextlib
 import os
 import secrets
-import stat
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -56,23 +55,17 @@ def write(
     file = writable(path, error)
     try:
         target = Path(os.path.realpath(file))
-        mode = target.stat().st_mode if target.exists() else None
-        if mode is not None and not stat.S_ISREG(mode):
+        if target.exists() and not target.is_file():
             _put(target, content)
             return
         unfinished = target.with_name(f".{os.getpid()}-{secrets.token_hex(4)}.unfinished")
         try:
             _put(unfinished, content)
-            if mode is not None:
-                unfinished.chmod(stat.S_IMODE(mode))
+            if target.exists():
+                shutil.copymode(target, unfinished)
             unfinished.replace(target)
-        except PermissionError:  # a folder that takes no new files may hold one that can be written
-            if mode is None:
-                raise
-            _put(target, content)
         finally:
-            with contextlib.suppress(OSError):
-                unfinished.unlink(missing_ok=True)
+            unfinished.unlink(missing_ok=True)
     except OSError as failure:
         reason = failure.strerror or failure
         raise error(f"cannot write {name_of(file)}: {reason} (folder {name_of(file.parent.absolute())})") from None

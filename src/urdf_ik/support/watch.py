@@ -41,11 +41,6 @@ class Watch:
         """Whether the time limit has passed."""
         return monotonic() >= self._end
 
-    @property
-    def left(self) -> float | None:
-        """s, what is left of the time limit; None without a limit."""
-        return None if self.limit == float("inf") else max(0.0, self._end - monotonic())
-
     def begin(self, doing: str) -> None:
         """Report what is looked at next; TimeIsUp where the time limit has passed."""
         self.check()

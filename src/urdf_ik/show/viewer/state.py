@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from urdf_ik.arm import Arm
+from urdf_ik.arm.example import example
 from urdf_ik.cell import CollisionModel, World
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.export.page import example
 from urdf_ik.ik.redundancy import Intervals
 from urdf_ik.ik.solutions import IKSolutions, Singular, distances
 from urdf_ik.typing import Array
@@ -96,7 +96,7 @@ class State:
 
 
 def start(arm: Arm, world: World | None = None) -> State:
-    """An arm where it shows most of what it can do; see :func:`urdf_ik.export.page.example`."""
+    """An arm where it shows most of what it can do; see :func:`urdf_ik.arm.example.example`."""
     best, note = example(arm), ""
     model = arm.cell.collisions.in_world(world) if arm.cell.collisions.has_geometry else None
     if model is None:
