@@ -31,6 +31,16 @@ _INCOMPLETE = np.uint8(32)
 COLUMNS = 16
 """Most solutions that a search returns."""
 
+_BY_SEARCH = Family(
+    name="by search",
+    reason="no closed form",
+    steps="Newton's method on the URDF as written, from evenly spread starts",
+    branches=columns(COLUMNS),
+    by_quadratics=False,
+    matches=lambda structure, chain: False,
+    prepare=lambda family, structure, chain: None,
+)
+
 
 def member(chain: Chain, asked: Task, whole: FamilyMember | None) -> FamilyMember:
     """The arm as it is solved for a task, its member for whole poses being ``whole``."""
@@ -85,22 +95,13 @@ def _placed(chain: Chain, placing: tuple[str, ...], numbers: tuple[int, ...]) ->
 
 def _by_search(chain: Chain, asked: Task) -> FamilyMember:
     reason = f"no closed form of {chain.n} joints for the task {str(asked)!r}"
-    family = Family(
-        name="by search",
-        reason=reason,
-        steps="Newton's method on the URDF as written, from evenly spread starts",
-        branches=columns(COLUMNS),
-        by_quadratics=False,
-        matches=lambda structure, chain: False,
-        prepare=lambda family, structure, chain: None,
-    )
     solver: Any = _Search(chain, asked)
     return FamilyMember(
-        family=family,
+        family=_BY_SEARCH,
         name=f"{kinds_of(chain)}: by search",
         reason=reason,
-        method=family.steps,
-        branches=family.branches,
+        method=_BY_SEARCH.steps,
+        branches=_BY_SEARCH.branches,
         solver=solver,
         why=partial(_nearest, chain, asked),
     )

@@ -9,7 +9,6 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik._core import Solver
 from urdf_ik.ik.families import hollow_wrist
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
@@ -35,16 +34,15 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     kinds = kinds if "P" in kinds else f"{len(kinds)}R"
     turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
     names = columns(min(_MOST_COLUMNS, _COLUMNS * turns))
-    solver = Solver(_arm(chain, len(names)))
-    return FamilyMember(
-        family=family,
+    return family.member(
+        chain,
+        _arm(chain, len(names)),
         name=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
         reason=f"{family.reason}: {', '.join(map(str, chain.followers))}",
         method="Bisection of the joint space with proven bounds: every part is shown to hold no solution, or one, "
         "which Newton's method finds on the URDF as written" + _searched_within_limits(chain),
         branches=names,
         why=lambda T: _out_of_reach(chain, T[:3, 3]),
-        solver=solver,
     )
 
 

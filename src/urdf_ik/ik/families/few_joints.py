@@ -13,7 +13,6 @@ from functools import partial
 
 import numpy as np
 
-from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Numbers, written
@@ -66,8 +65,9 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     turns = len(best.joints) - 3
     last = "axis 5, then joint 5" if turns == 2 else f"axis {chain.n}"
     added = sum(joint.index < 0 for joint in best.joints)
-    return FamilyMember(
-        family=family,
+    return family.member(
+        chain,
+        _arm(chain, Aim(), chosen, _COLUMNS[chain.n]),
         name=kinds_of(chain) + (" 1x2" if best.is_reversed and turns == 2 else " 4x5" if turns == 2 else ""),
         reason=f"axes {'1 and 2' if best.is_reversed else '4 and 5'} meet, in a point that three joints place"
         if turns == 2
@@ -81,8 +81,6 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         + (f", with {added} joint{'s' * (added > 1)} added that must stay at zero" if added else "")
         + "; verified and polished on the URDF as written",
         branches=columns(_COLUMNS[chain.n]),
-        why=partial(off_by, chain),
-        solver=Solver(_arm(chain, Aim(), chosen, _COLUMNS[chain.n])),
     )
 
 
@@ -129,15 +127,15 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Family
 
 def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> FamilyMember:
     count = 4 if aim.kind == POSITION else 2
-    return FamilyMember(
-        family=FAMILY,
+    return FAMILY.member(
+        chain,
+        _arm(chain, aim, ways, count),
         name=f"{kinds_of(chain)} {task}",
         reason=f"the task {task!r} asks for no more than the joints control",
         method="Closed form: two equations without the first joint, one of them without the second; verified and "
         "polished on the URDF as written",
         branches=columns(count),
         why=partial(off_by, chain, aim=aim),
-        solver=Solver(_arm(chain, aim, ways, count)),
     )
 
 

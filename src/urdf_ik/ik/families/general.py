@@ -4,14 +4,12 @@ Turning or with slides there are up to sixteen solutions; where the joints are s
 """
 
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
-from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
@@ -25,15 +23,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
     if structure.is_6r:
         reason = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
         reason = f"{triples}, but no closed form applies to these six axes" if triples else reason
-    return FamilyMember(
-        family=family,
-        name=f"{kinds_of(chain)} general",
-        reason=reason,
-        method=family.steps,
-        branches=family.branches,
-        solver=Solver(elimination_arm(chain)),
-        why=partial(off_by, chain),
-    )
+    return family.member(chain, elimination_arm(chain), name=f"{kinds_of(chain)} general", reason=reason)
 
 
 TURNING = Family(
@@ -80,15 +70,8 @@ def behind(plan: FamilyMember, chain: Chain) -> FamilyMember:
 
 def _prepare_singular(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Newton's method from starts all over the joints: samples of the continuum."""
-    return FamilyMember(
-        family=family,
-        name=f"{kinds_of(chain)} singular everywhere",
-        reason=family.reason,
-        method=family.steps,
-        branches=family.branches,
-        solver=Solver(Numbers(kind="sampled", written=written(chain))),
-        why=partial(off_by, chain),
-    )
+    arm = Numbers(kind="sampled", written=written(chain))
+    return family.member(chain, arm, name=f"{kinds_of(chain)} singular everywhere")
 
 
 SINGULAR = Family(

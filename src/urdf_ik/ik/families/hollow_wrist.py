@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from urdf_ik._core import Solver
 from urdf_ik.ik.families import spherical_wrist
 from urdf_ik.ik.families.parts.explanations import beyond_links
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
@@ -49,17 +48,14 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         direction=axes.R_tip.T @ axes.H[6],
     )
     names = chain.joint_names
-    return FamilyMember(
-        family=family,
-        name=family.name,
-        reason=family.reason,
+    return family.member(
+        chain,
+        arm,
         method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle "
         "between the two axes is one equation for that value, solved on every branch and refined by Newton's method on "
         "the URDF as written",
-        branches=family.branches,
         imperfection=(0.0, float(apart)),
         why=lambda T: _out_of_reach(chain, T[:3, 3]),
-        solver=Solver(arm),
     )
 
 

@@ -112,14 +112,13 @@ def _prepare_sampled(chain: Chain, k: int) -> FamilyMember:
     def why(T: Array, values: Array) -> str:
         return f"{_with(parameter, values)}: {off_by(chain.lock({parameter.joint: float(values[0])}), T)}"
 
-    return FamilyMember(
-        family=SINGULAR,
+    return SINGULAR.member(
+        chain,
+        arm,
         name=f"{kinds_of(chain)}, joint {k + 1} given: by search",
         reason="whichever of the first and the last joint is given, the six others are singular everywhere",
         method=f"Joint {k + 1} ({parameter.joint}) is given; Newton's method on the URDF as written from fixed starts: "
         "what the six others leave, samples where that is a continuum",
-        branches=SINGULAR.branches,
-        solver=Solver(arm),
         parameters=(parameter,),
         self_motion=None if is_redundant(chain) else self_motion(chain, k),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),

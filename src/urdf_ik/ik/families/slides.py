@@ -3,14 +3,10 @@
 The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/core/families/few_joints/slides.hpp.
 """
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik._core import Solver
 from urdf_ik.ik.families.few_joints import Joint, position_step
-from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
@@ -38,33 +34,21 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMem
     arm = _arm(chain, np.arange(3, 6), most, 0.0 if exact else error, step, in_tip)
     if arm is None:
         return None
-    return FamilyMember(
-        family=family,
+    return family.member(
+        chain,
+        arm,
+        0.0 if exact else error,
         name=f"{kinds_of(chain)} spherical wrist",
-        reason=family.why() if exact else f"{family.why()}, exactly or nearly",
         method=f"{'Closed form' if exact else 'Closed form of the arm whose wrist meets in a point'}: {family.steps}",
         branches=columns(most),
         imperfection=(0.0, off),
-        error=0.0 if exact else error,
-        why=partial(off_by, chain),
-        solver=Solver(arm),
     )
 
 
 def _prepare_three(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm with three slides; None where two of the turns are parallel."""
     arm = _arm(chain, np.flatnonzero(~chain.prismatic), 2, 0.0)
-    if arm is None:
-        return None
-    return FamilyMember(
-        family=family,
-        name=f"{kinds_of(chain)} three slides",
-        reason=family.why(),
-        method=f"Closed form: {family.steps}",
-        branches=family.branches,
-        why=partial(off_by, chain),
-        solver=Solver(arm),
-    )
+    return None if arm is None else family.member(chain, arm, name=f"{kinds_of(chain)} three slides")
 
 
 SPHERICAL_WRIST = Family(

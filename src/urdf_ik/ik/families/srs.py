@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.explanations import beyond_reach
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words, self_motion
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, self_motion
 from urdf_ik.ik.families.parts.ideal import snapped
 from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
@@ -73,12 +72,12 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
         off=_off(chain, S, W),
         value=0.0,
     )
-    return FamilyMember(
-        **in_words(family, error),
+    return family.member(
+        chain,
+        arm,
+        error,
         branches=family.branches if exact else family.branches + tuple(f"further {k}" for k in range(1, 9)),
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
-        error=error,
-        solver=Solver(arm),
         parameters=(Redundancy(SWIVEL, chain.joint_names[3], (-np.pi, np.pi), 0.0, "rad"),),
         self_motion=self_motion(chain, -1, frames),
         value_of=lambda Q, T: _swivels(chain, frames, Q)[:, None],

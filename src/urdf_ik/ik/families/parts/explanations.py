@@ -4,8 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.written import WHOLE_POSE, Aim, Numbers
+from urdf_ik.ik.descent import Wanted
+from urdf_ik.ik.families.parts.written import POSE, WHOLE_POSE, Aim, Numbers
+from urdf_ik.ik.minima import searched
 from urdf_ik.kinematics.chain import Chain
+from urdf_ik.model.poses import to_rotvec
 from urdf_ik.support.angles import amount
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
@@ -49,7 +52,6 @@ def beyond_links(what: str, far: float, size: float) -> str:
     return outside(f"{what} is {{at}} m from axis 1, and all links together measure {{high}} m", far, -np.inf, size)
 
 
-_STARTS, _ROUNDS = 32, 40
 _AXES = "xyz"
 # A part of an error below this [rad, share of size] is not mentioned beside a larger one.
 _SILENT = 1e-6
@@ -74,72 +76,25 @@ def off_by(chain: Chain, target: Array, aim: Aim = WHOLE_POSE) -> str:
     far = float(np.linalg.norm(target[:3, 3] - chain.points[0]))
     if not chain.prismatic.any() and (why := beyond_links("the tip", far, chain.size)):
         return why
-    e = _least(chain, aim, target)
-    worst = np.abs(e).max()
+    R, turning = target[:3, :3], aim.kind == POSE or aim.axis is not None
+    matrix, constant = (R, 3.0) if aim.axis is None else (2.0 * np.outer(R @ aim.axis, aim.axis), 2.0)
+    free = np.tile([-np.inf, np.inf], (chain.n, 1))
+    wanted = Wanted(chain, target[None, :3, 3], matrix[None], constant)
+    reached = chain.fk(searched(wanted, free, None, 1.0, float(turning))[0, 0])
+    off, turn = (target[:3, 3] - reached[:3, 3]) / chain.size, np.zeros(3)
+    if aim.axis is not None:
+        turn = np.cross(reached[:3, :3] @ aim.axis, R @ aim.axis)
+    elif turning:
+        lacking = np.eye(4)
+        lacking[:3, :3] = R @ reached[:3, :3].T
+        turn = to_rotvec(lacking)
+    worst = np.abs([off, turn]).max()
     parts = [
         f"{amount(abs(part[k]) * scale, unit, '.3g')} {name} {_AXES[k]}"
-        for part, scale, unit, name in ((e[:3], chain.size, "m", "along"), (e[3:], 1.0, "rad", "about"))
+        for part, scale, unit, name in ((off, chain.size, "m", "along"), (turn, 1.0, "rad", "about"))
         if abs(part[k := int(np.argmax(np.abs(part)))]) > min(_SILENT, 0.5 * worst)
     ]
     joints = f"{chain.n} joint{'s' if chain.n > 1 else ''}"
     # By the links' names: of a chain from tip to base these are the other way round.
-    off = f"{' and '.join(parts)} of {quoted(chain.base)}"
-    return f"{joints} cannot bring {quoted(chain.tip)} there: the nearest that was found is off by {off}"
-
-
-def _least(chain: Chain, aim: Aim, target: Array) -> Array:
-    """The error (6,) of least squares, lengths as shares of the size, that is smallest of those from many starts."""
-    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_STARTS, chain.n))
-    unit = np.where(chain.prismatic, chain.size, 1.0)
-    q = np.where(chain.prismatic, q * chain.size / np.pi, q)
-    best, least = np.zeros(6), np.inf
-    for _ in range(_ROUNDS):
-        T = chain.fk(q)
-        e, J = _error(chain, aim, target, T), _jacobian(chain, aim, chain.jacobian(q), T)
-        squares = (e**2).sum(axis=1)
-        if squares.min() < least:
-            least, best = float(squares.min()), e[squares.argmin()]
-        # Least squares, damped, by the singular values.
-        damping = 0.03 * np.minimum(1.0, np.sqrt(squares)) + 1e-9
-        U, s, V = np.linalg.svd(J, full_matrices=False)
-        along = np.einsum("kij,ki->kj", U, e) * s / (s**2 + damping[:, None] ** 2)
-        step = np.einsum("kji,kj->ki", V, along)
-        q = q + np.minimum(1.0, 0.5 / (np.abs(step).max(axis=1, keepdims=True) + 1e-12)) * step * unit
-    return best
-
-
-def _error(chain: Chain, aim: Aim, target: Array, T: Array) -> Array:
-    """Error (m, 6) of poses T (m, 4, 4) in the controlled components; lengths divided by the arm's size."""
-    e = np.zeros((len(T), 6))
-    e[:, :3] = (target[:3, 3] - T[:, :3, 3]) / chain.size
-    if aim.kind == 0:
-        E = target[:3, :3] @ T[:, :3, :3].transpose(0, 2, 1)
-        skew = 0.5 * np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
-        # The skew part of a rotation falls again beyond a quarter turn: its angle leads on.
-        sine = np.linalg.norm(skew, axis=1)
-        angle = np.arctan2(sine, 0.5 * (np.trace(E, axis1=1, axis2=2) - 1.0))
-        e[:, 3:] = skew * (angle / np.maximum(sine, 1e-12))[:, None]
-    elif aim.axis is not None:
-        now, wanted = T[:, :3, :3] @ aim.axis, target[:3, :3] @ aim.axis
-        e[:, 3:] = np.cross(_in_plane(now, aim), _in_plane(wanted, aim))
-    e[:, :3] = _in_plane(e[:, :3], aim)
-    return e
-
-
-def _jacobian(chain: Chain, aim: Aim, J: Array, T: Array) -> Array:
-    """What of geometric Jacobians ``J`` (m, 6, n) at the poses ``T`` counts; slides by shares of the size."""
-    linear, turning = J[:, :3] / np.where(chain.prismatic, 1.0, chain.size), J[:, 3:]
-    if aim.kind != 0 and aim.axis is None:
-        turning = np.zeros_like(turning)
-    elif aim.normal is not None:
-        turning = aim.normal[:, None] * (aim.normal @ turning)[:, None, :]
-    elif aim.axis is not None:
-        along = T[:, :3, :3] @ aim.axis
-        turning = turning - along[:, :, None] * np.einsum("ki,kij->kj", along, turning)[:, None, :]
-    linear = _in_plane(linear.transpose(0, 2, 1), aim).transpose(0, 2, 1)
-    return np.concatenate([linear, turning], axis=1)
-
-
-def _in_plane(v: Array, aim: Aim) -> Array:
-    """Vectors (..., 3) without what is across the plane, where there is one."""
-    return v if aim.normal is None else v - (v @ aim.normal)[..., None] * aim.normal
+    words = f"{' and '.join(parts)} of {quoted(chain.base)}"
+    return f"{joints} cannot bring {quoted(chain.tip)} there: the nearest that was found is off by {words}"

@@ -3,11 +3,13 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.explanations import off_by
 from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import Redundancy
@@ -49,6 +51,25 @@ class Family:
     def plan(self, structure: Structure, chain: Chain) -> "FamilyMember | None":
         """The plan of an arm, None for an arm that is not of this family."""
         return self.prepare(self, structure, chain) if self.matches(structure, chain) else None
+
+    def member(self, chain: Chain, arm: Numbers, error: float = 0.0, **own: Any) -> "FamilyMember":
+        """An arm of this family, solved by ``arm``; what ``own`` does not say is the family's, in words too.
+
+        ``error``: how far the arm is off the family, see :class:`FamilyMember`.
+        """
+        exact = error <= DEFAULT.exact_structure
+        near = f"Nearest ideal arm in closed form ({self.steps}), refined by Newton's method on the URDF as written"
+        common = {
+            "family": self,
+            "name": self.name,
+            "reason": self.why() if exact else f"{self.why()}, exactly or nearly",
+            "method": self.steps if self.by_elimination else f"Closed form: {self.steps}" if exact else near,
+            "branches": self.branches,
+            "error": error,
+            "solver": Solver(arm),
+            "why": partial(off_by, chain),
+        }
+        return FamilyMember(**{**common, **own})
 
     def why(self, joints: int = 6, *, from_tip: bool = False) -> str:
         """The reason in words, with the axes of an arm of so many joints counted from the base."""
@@ -127,18 +148,6 @@ def self_motion(chain: Chain, joint: int, frames: Numbers | None = None) -> Self
         frames: ``ends`` that the swivel angle is measured in.
     """
     return SelfMotion(Numbers(written=written(chain), given=joint, ends=frames))
-
-
-def in_words(family: Family, error: float) -> dict[str, Any]:
-    """Family, name, reason and method of a plan, for an arm that is off its family by ``error``."""
-    exact = error <= DEFAULT.exact_structure
-    near = f"Nearest ideal arm in closed form ({family.steps}), refined by Newton's method on the URDF as written"
-    return {
-        "family": family,
-        "name": family.name,
-        "reason": family.why() if exact else f"{family.why()}, exactly or nearly",
-        "method": f"Closed form: {family.steps}" if exact else near,
-    }
 
 
 def columns(count: int) -> tuple[str, ...]:

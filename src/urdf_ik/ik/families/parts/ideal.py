@@ -3,14 +3,13 @@
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import off_by, seen_in_frame_1
-from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.explanations import seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.dh.frames import DHFrames, denavit_hartenberg
@@ -228,21 +227,16 @@ def closed_form(
     if more is None:
         return None
     arm = Numbers(kind=kind, variant=family.variant, ideal=ideal, written=written(chain), **more)
-    solver = Solver(arm)
     inside = (first, first + 1) if relation == "parallel" else ()
     angles = [pair.off_angle for pair in structure.pairs if parallel[pair.first - 1] and pair.first not in inside]
     distances = [structure.pairs[i - 1].off_distance for i in meet]
     (distances if relation == "meet" else angles).append(three.imperfection)
-    return FamilyMember(
-        **in_words(family, error),
-        branches=family.branches,
-        imperfection=(max(angles, default=0.0), max(distances, default=0.0)),
-        error=error,
-        solver=solver,
-        why=partial(off_by, chain)
-        if explain is None
-        else seen_in_frame_1(chain, ideal, lambda rotation, point: explain(arm, solver, rotation, point)),
-    )
+    imperfection = max(angles, default=0.0), max(distances, default=0.0)
+    member = family.member(chain, arm, error, imperfection=imperfection)
+    if explain is None:
+        return member
+    why = seen_in_frame_1(chain, ideal, lambda rotation, point: explain(arm, member.solver, rotation, point))
+    return replace(member, why=why)
 
 
 def straightened(directions: Array, parallel: Sequence[bool]) -> Array:
