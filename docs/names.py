@@ -49,7 +49,6 @@ ROOMS = {
     "verify.testing": "Tests of your own",
     "model.catalogue": "Names of arms",
     "model.urdf": "Reading a URDF",
-    "arm.changes": "Changes of an arm",
     "arm.loading": "Compiled arms, positioners",
     "cell.cell": "The cell of an arm",
     "cell.collision_model": "Collision models",

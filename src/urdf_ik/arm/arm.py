@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.arm import changes
+from urdf_ik.cell import tool
 from urdf_ik.cell.cell import Cell
 from urdf_ik.cell.tool import Shapes
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik import solver as solvers
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.nearest import nearest
 from urdf_ik.ik.pose_solving import solve
@@ -24,12 +26,14 @@ from urdf_ik.ik.solutions.tables import stick_picture
 from urdf_ik.ik.solver import Solver, prepare
 from urdf_ik.ik.task import Task
 from urdf_ik.kinematics import velocity
-from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.chain import Chain, from_urdf, velocity_limits
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.paths.path_settings import takes_settings
 from urdf_ik.paths.target_tracker import Tracker
+from urdf_ik.support import inputs
 from urdf_ik.support.palette import colours
 from urdf_ik.support.report import table
 from urdf_ik.typing import Array, Threads
@@ -354,47 +358,136 @@ class Arm:
     def with_tool(self, pose: Any, shapes: Shapes = (), name: str = "tool") -> Arm:
         """A new arm with a tool at the tip: its tip is the tool's centre point, and the tool's shapes collide.
 
-        Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_tool`.
+        The tool is a link of the new arm's URDF, fixed to the present tip. So Pinocchio sees it too, and
+        ``arm.model.write`` writes it. Tools may be stacked. Base, locked joints, task and changes of the
+        allowed-collision table stay. A tool may touch the links that any link in its place may touch.
+
+        Args:
+            pose: (4, 4) of the tool's centre point in the present tip link [m], or a ``pinocchio.SE3``.
+            shapes: the tool's shapes, each a shape or a pair (shape, pose in the present tip link [m]):
+                ``Box``, ``Sphere``, ``Cylinder``, ``Capsule`` and ``Mesh``.
+            name: of the tool's link.
+
+        Raises:
+            PoseError: an invalid pose.
+            ArgumentError: the URDF has a link of this name, a shape is invalid, or the tip has a free axis.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> body = (urdf_ik.Cylinder(0.03, 0.2), urdf_ik.pose([0.0, 0.0, 0.1]))
+            >>> torch = arm.with_tool(urdf_ik.pose([0.0, 0.05, 0.25], rpy=[0.5, 0.0, 0.0]), [body], name="torch")
+            >>> torch.tip, len(torch.ik(torch.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+            ('torch', 8)
         """
-        return Arm(*changes.with_tool(self._parts, pose, shapes, name))
+        model = tool.with_tool(self.model, solvers.fixed_tip(self.solver), pose, shapes, name)
+        return self._again(model, from_urdf(model, self.base, name).lock(dict(self.chain.locked)))
 
     def with_free_axis(self, axis: Any, at: ArrayLike | None = None) -> Arm:
         """A new arm whose tip may turn about an axis: it has one more redundancy parameter.
 
-        Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_free_axis`.
+        For round tools: welding, spraying, drilling, gripping a cylinder. The parameter's value v [rad] is the angle
+        by which the tip is turned from the target: ``ik(T, redundancy=v)`` solves the target turned by v about the
+        axis, ``T @ arm.solver.free_axis.rotation(v)``; ``ik(T)`` is v = 0. ``ik_nearest`` and ``follow`` choose the
+        rotation. Mount a tool first: the axis belongs to the tip link. An arm with seven joints then has two parameters, this
+        one first, and takes values ``redundancy=(..., 2)``.
+
+        Args:
+            axis: 'x', 'y' or 'z' of the tip, or a direction (3,) in the tip's frame.
+            at: (3,) m, a point on the axis in the tip's frame; default: the tip's origin.
+
+        Raises:
+            ArgumentError: an invalid axis, the arm has a free axis already, a joint in its middle is given, or it
+                has fewer than six joints or controls less than a pose.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560").with_free_axis("z")
+            >>> T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+            >>> s = arm.ik(T, redundancy=0.5)
+            >>> arm.redundancy_of(s.to_array(), T).round(6).tolist()
+            [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]
         """
-        return Arm(*changes.with_free_axis(self._parts, axis, at))
+        return replace(self, solver=solvers.with_free_axis(self.solver, axis, at))
 
     def with_redundancy(self, *joints: str) -> Arm:
         """A new arm whose redundancy parameters are the values of these joints.
 
-        Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_redundancy`.
+        Any joint of an arm with seven or more may be chosen, such as a rail or the joint of a positioner. With an end
+        joint, a value costs as much as solving the other six. With a joint in the middle, each value is another arm,
+        prepared when the value is first used: a fraction of a millisecond for closed forms, up to a second for an
+        elimination. ``arm.structure.reason`` names the default parameter and the reason for it.
+
+        Args:
+            joints: names, at most one for each redundancy parameter of the arm; missing ones are added.
+                ``arm.solver.parameters`` has the order in which ``ik`` takes their values.
+
+        Raises:
+            ChainError: the chain has no such joint; the error lists those it has.
+            ArgumentError: more joints than the arm has redundancy parameters.
+            UnsupportedArm: no solver takes the other joints, or joints mimic others.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r").with_redundancy("joint_1")
+            >>> arm.redundancy.joint, arm.redundancy.kind
+            ('joint_1', 'locked joint')
         """
-        return Arm(*changes.with_redundancy(self._parts, *joints))
+        return replace(self, solver=self.solver.again(chosen=joints))
 
     def with_locked(self, values: Mapping[str, float]) -> Arm:
         """A new arm with joints locked at these values [rad or m]; the other joints move.
 
-        Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_locked`.
+        Locked joints of the chain become fixed geometry. Joints outside it, such as those of a second arm, put their
+        links there as obstacles. Joints that are locked already stay so, unless ``values`` gives them a new value.
+
+        Raises:
+            ChainError: the URDF has no such joint; the error lists those that it has.
+            ArgumentError: a value is not a finite number.
+
+        Example:
+            >>> import urdf_ik
+            >>> left = urdf_ik.load("dual_6r", tip="left_tool0")
+            >>> q = [-1.2, 0.4, -2.6, 2.3, -0.9, -2.5]
+            >>> crossed = left.with_locked({"right_joint_1": 1.6, "right_joint_2": 0.4, "right_joint_3": -2.6})
+            >>> bool(left.clearance(q) > 0.02), float(crossed.clearance(q))
+            (True, 0.0)
         """
-        return Arm(*changes.with_locked(self._parts, values))
+        given = inputs.mapping(values, "values", "a value for each joint by name")
+        return self._again(
+            self.model, from_urdf(self.model, self.base, self.tip).lock({**dict(self.chain.locked), **given})
+        )
 
     def with_cell(self, cell: Cell) -> Arm:
-        """A new arm in another cell, such as one with other allowed collisions.
-
-        Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_cell`.
-        """
-        return Arm(*changes.with_cell(self._parts, cell))
+        """A new arm in another cell, such as one with other allowed collisions."""
+        return replace(self, cell=cell, solver=replace(self.solver))
 
     def for_task(self, task: str | Task, axis: ArrayLike | str | None = None) -> Arm:
-        """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`ik` and :meth:`urdf_ik.Task.read`.
+        """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`urdf_ik.Arm.ik`.
 
-        Arguments, errors and an example: :func:`urdf_ik.arm.changes.for_task`.
+        A task that leaves more free than the arm's joints need has redundancy parameters: values of joints, or the
+        rotation about the axis. One that no closed form solves is searched, and ``status`` is 'incomplete'.
+
+        Raises:
+            ArgumentError: the task is unknown, or the arm cannot control it.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r").for_task("planar position")
+            >>> len(arm.ik([0.1, 0.1]))
+            2
         """
         asked = Task.chosen(task, axis, self.task)
         if asked not in self._tasks:
             same = asked == self.solver.settings["task"]
-            self._tasks[asked] = self if same else Arm(*changes.for_task(self._parts, asked))
+            if not same and self.solver.free_axis is not None:
+                raise ArgumentError(
+                    f"{self.name}: with {self.solver.free_axis} free, targets are poses, and the rotation about it "
+                    f"does not matter; {task!r} is a task of the arm without a free axis"
+                )
+            self._tasks[asked] = self if same else replace(self, solver=self.solver.again(task=asked))
         return self._tasks[asked]
 
     @cached_property
@@ -402,9 +495,10 @@ class Arm:
         """The arms of :meth:`for_task`."""
         return {}
 
-    @property
-    def _parts(self) -> changes.Parts:
-        return changes.Parts(self.model, self.chain, self.solver, self.cell)
+    def _again(self, model: UrdfModel, chain: Chain) -> Arm:
+        """The arm of another URDF or chain, with the settings that it has."""
+        own = self.solver
+        return assemble(model, chain, own.task, own.free_axis, own.chosen, self.cell.moved_to(model, chain))
 
     def _repr_html_(self) -> str:
         return html(self.solver)
@@ -413,9 +507,32 @@ class Arm:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
 
-def assemble(model: UrdfModel, chain: Chain, **settings: Any) -> Arm:
-    """The arm of a URDF and one of its chains; :func:`urdf_ik.arm.changes.assembled` lists settings and errors."""
-    return Arm(*changes.assembled(model, chain, **settings))
+def assemble(
+    model: UrdfModel,
+    chain: Chain,
+    task: str = "pose",
+    free_axis: FreeAxis | None = None,
+    chosen: Sequence[str] = (),
+    cell: Cell | None = None,
+) -> Arm:
+    """The arm of a URDF and one of its chains.
+
+    Args:
+        model: the URDF.
+        chain: the joints from base to tip.
+        task: the kind of targets; see :meth:`urdf_ik.Arm.ik`.
+        free_axis: a line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`.
+        chosen: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
+        cell: self-collision and worlds; default: those of the URDF.
+
+    Raises:
+        ArgumentError: ``model`` or ``chain`` is something else, or a setting does not fit.
+        ChainError: one of ``chosen`` is not a joint of the chain.
+        UnsupportedArm: no solver takes this arm with these settings.
+    """
+    cell = Cell(model, chain) if cell is None else cell
+    speeds = velocity_limits(model, chain)
+    return Arm(model, chain, prepare(model.name, chain, speeds, task, free_axis, chosen), cell)
 
 
 def _remade(model: UrdfModel, chain: Chain, cell: Cell, settings: dict[str, Any]) -> Arm:

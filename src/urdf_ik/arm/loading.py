@@ -205,12 +205,5 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
     model = joined(arm.model, positioner.model, arm.base, at, f"{name}_")
     held = {**dict(arm.chain.locked), **{f"{name}_{joint}": value for joint, value in positioner.chain.locked}}
     chain = from_urdf(model, f"{name}_{positioner.tip}", arm.tip).lock(held)
-    before = arm.solver
-    return assemble(
-        model,
-        chain,
-        task=before.task,
-        free_axis=before.free_axis,
-        chosen=before.chosen,
-        cell=arm.cell.moved_to(model, chain),
-    )
+    own = arm.solver
+    return assemble(model, chain, own.task, own.free_axis, own.chosen, arm.cell.moved_to(model, chain))

@@ -344,16 +344,7 @@ def _prepared(
     if not plans:
         return None
     k = min(plans, key=lambda end: cost(plans[end]))
-    if given:
-        why = "as asked"
-    elif len(plans) == 2:
-        other = last - k
-        better = cost(plans[k]) < cost(plans[other])
-        theirs = f"those of joint {numbers[other]} {COSTS[cost(plans[other])]}"
-        same = f"as those of joint {numbers[other]} would be"
-        why = f"whose others are solved {COSTS[cost(plans[k])]}, {theirs if better else same}"
-    else:
-        why = f"whose others are solved {COSTS[cost(plans[k])]}"
+    why = "as asked" if given else f"whose others are solved {COSTS[cost(plans[k])]}"
     return _held(chain, k, plans[k], numbers[k], why)
 
 

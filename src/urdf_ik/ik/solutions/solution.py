@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar, overload
@@ -98,9 +98,6 @@ class Solution:
     singular: Singular
     index: int
 
-    def __reduce__(self) -> tuple[Callable[..., Solution], tuple[Array, str, Singular, int]]:
-        return _solution, (self.q, self.branch, self.singular, self.index)
-
     def __str__(self) -> str:
         flag = f" (singular: {self.singular.name})" if self.singular else ""
         return f"{self.branch}: [{', '.join(f'{x:.6f}' for x in self.q)}]{flag}"
@@ -114,11 +111,6 @@ class Solution:
         return html_of(
             self.branch, found, not self.singular, [Section("", tuple(header), (tuple(f"{x:.6f}" for x in self.q),))]
         )
-
-
-def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution:
-    """A solution as it was before it was copied."""
-    return Solution(frozen(q), branch, singular, index)
 
 
 class Error(NamedTuple):
@@ -148,15 +140,6 @@ class Step(NamedTuple):
     apart: Array | None = None
     within: Array | None = None
     model: Any = None
-
-    def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
-        return _step, tuple(self)
-
-
-def _step(*fields: Any) -> Step:
-    """A step as it was before it was copied."""
-    parts: list[Any] = [frozen(each) if isinstance(each, np.ndarray) else each for each in fields]
-    return Step(*parts)
 
 
 class KeptSolutions(Answer):
@@ -404,18 +387,8 @@ class KeptSolutions(Answer):
             raise ArgumentError(
                 f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
             )
-        place: tuple[Any, ...] = index if isinstance(index, tuple) else (index,)
-        plain = all(isinstance(i, int | np.integer | slice) and not isinstance(i, bool) for i in place)
-        if plain and len(place) > len(self.shape):
-            raise ArgumentError(f"{len(place)} indices for a batch of poses of shape {self.shape}; take s[...].q[...]")
-        # Whole numbers in range, as a loop over a batch gives them, need no second look.
-        inside = plain and all(
-            not isinstance(i, slice) and -size <= i < size for i, size in zip(place, self.shape, strict=False)
-        )
-        if not inside:
-            found = picked(self.shape, index)
-            # Whatever NumPy makes of others, applied to the places of the poses so that columns and joints stay whole.
-            place = place if plain else np.unravel_index(found, self.shape)
+        # Applied to the places of the poses, so that columns and joints stay whole.
+        place = np.unravel_index(picked(self.shape, index), self.shape)
         step = self.step
         if step is not None:
             own = None if step.columns is None else step.columns[place]
