@@ -4,7 +4,6 @@ import math
 import pickle
 import re
 import warnings
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
 
@@ -114,18 +113,6 @@ def test_batches_and_rows_that_are_not_finite() -> None:
             with pytest.raises(ArgumentError, match="finite|array of numbers"):
                 question(bad)
     assert np.shape(body.in_collision(np.empty((0, 2)))) == (0,)
-
-
-def test_an_arm_without_joints_is_asked_like_any_other() -> None:
-    """Joint vectors of no numbers, single and in batch: the whole arm with the same joints held says the same."""
-    arm = urdf_ik.load("zyyzyz_6r")
-    values = dict.fromkeys(arm.joint_names, 0.1)
-    still, expected = arm.with_locked(values), arm.clearance([0.1] * 6)
-    assert still.clearance([]) == pytest.approx(expected, abs=1e-6)
-    np.testing.assert_array_equal(still.clearance(np.zeros((2, 3, 0))), np.full((2, 3), still.clearance([])))
-    assert still.cell.collisions.in_collision(np.zeros((2, 0))).tolist() == [False, False]
-    assert still.motion_is_free([], [])
-    assert still.motion_is_free(np.zeros((3, 0)), []).free.tolist() == [True] * 3
 
 
 # ---------------------------------------------------------------- which pairs may touch
@@ -354,20 +341,6 @@ def test_same_as_pinocchio_without_shortcuts(name: str, count: int) -> None:
         assert body.distance(q) == pytest.approx(max(distance, 0.0), abs=2e-6)
         verdicts.append(hit)
     assert 0 < sum(verdicts) < count
-
-
-def test_an_answer_does_not_depend_on_earlier_ones() -> None:
-    """The same joint vector gives the same digits, first or after a hundred others, and from eight threads."""
-    body, entry = from_catalogue("zyyzyz_6r"), catalogue.resolve("zyyzyz_6r")
-    q = np.random.default_rng(7).uniform(-2.2, 2.2, (100, 6))
-    distances = np.asarray(body.distance(q))
-    again = np.asarray(body.distance(q[::-1]))[::-1]
-    np.testing.assert_array_equal(distances, again)
-    fresh = CollisionModel(urdf.read(entry.path), entry.base, entry.tip)
-    assert fresh.distance(q[50]) == distances[50]
-    with ThreadPoolExecutor(8) as pool:
-        for got in pool.map(body.distance, [q] * 8):
-            np.testing.assert_array_equal(got, distances)
 
 
 def test_a_link_out_of_place_is_seen() -> None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik import ArgumentError, Box, Capsule, Cylinder, HalfSpace, Points, Sphere, World, pose
+from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Points, Sphere, World, pose
 from urdf_ik.cell import CollisionModel
-from urdf_ik.cell.swept_motions import LONGEST, TOUCH
+from urdf_ik.cell.swept_motions import TOUCH
 
 Array = np.ndarray
 
@@ -170,33 +170,3 @@ def test_almost_every_motion_that_is_free_is_called_free() -> None:
     clear = np.array([not touches(body, a, b, 50, 1e-3) for a, b in zip(q0, q1, strict=True)])
     assert clear.sum() > 30
     assert body.motions_free(q0, q1).free[clear].all()
-
-
-def test_batches_and_threads_change_nothing() -> None:
-    """A motion's answer is the same alone, in a batch, backwards in it, and in any shape of batch."""
-    arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(2)
-    world = random_world(rng, 2.0, 4)
-    q0 = rng.uniform(-2, 2, (3, 4, 6))
-    q1 = q0[0, 0] + rng.uniform(-0.3, 0.3, 6)
-    whole = arm.motion_is_free(q0, q1, world)
-    assert whole.free.shape == whole.share.shape == (3, 4)
-    assert len(whole.pairs) == 12
-    for i, index in enumerate(np.ndindex(3, 4)):
-        one = arm.motion_is_free(q0[index], q1, world)
-        assert bool(one) == whole.free[index]
-        assert one.pair == whole.pairs[i]
-        np.testing.assert_array_equal(one.share, whole.share[index])
-    assert arm.motion_is_free(np.empty((0, 6)), np.empty((0, 6)), world).free.shape == (0,)
-    with pytest.raises(ArgumentError, match="12 motions"):
-        bool(whole)
-    with pytest.raises(ArgumentError, match="12 motions"):
-        _ = whole.pair
-
-
-def test_a_motion_of_a_million_turns_is_refused() -> None:
-    """The pieces to be proven grow with the way: a motion is as long as says its limit, and none needs longer."""
-    arm = urdf_ik.load(BAR)
-    assert arm.motion_is_free([0.0], [LONGEST])
-    for ask in (arm.motion_is_free, arm.cell.collisions.motions_free):
-        with pytest.raises(ArgumentError, match=r"motion 1: joint turn goes from -0.5 to 1e\+09; .* at most 10000"):
-            ask([[0.0], [-0.5]], [[1.0], [1e9]])

@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
-from arms_mimic import linkage
 from cases import from_catalogue
 from numpy.typing import NDArray
 
@@ -141,18 +140,6 @@ def test_a_long_tool_hits_the_arm() -> None:
     assert all("tool" in pair for k in hit for pair in new.cell.collisions.colliding_pairs(q[k]))
 
 
-def test_tools_are_stacked() -> None:
-    """The next tool is mounted at the centre point of the one before; both collide, and may touch each other."""
-    arm = from_catalogue("zyyzyz_6r").arm
-    first = arm.with_tool(TOOLS["oblique"], [Box(0.1)], name="changer")
-    both = first.with_tool(TOOLS["right angle"], [Sphere(0.05)], name="gripper")
-    q = vectors(arm, 5)
-    np.testing.assert_allclose(both.fk(q), arm.fk(q) @ TOOLS["oblique"] @ TOOLS["right angle"], atol=1e-13)
-    assert both.cell.collisions.allowed_pairs["changer", "gripper"] == "rigid"
-    with pytest.raises(ArgumentError, match="'changer' already"):
-        first.with_tool(np.eye(4), name="changer")
-
-
 def test_what_the_arm_had_stays(tmp_path: Path) -> None:
     """Base, held joints, task, the SRDF, changes of the table, and the arm itself; the copy that was pickled, too."""
     arm = urdf_ik.load("panda", base="panda_link1", locked={"panda_joint4": -1.2})
@@ -178,23 +165,6 @@ def test_what_the_arm_had_stays(tmp_path: Path) -> None:
     assert kept["base_link", "forearm_link"] == "srdf"
     assert kept["upper_arm_link", "wrist_1_link"] == "allowed"
     assert "tool" not in ur.model.links
-
-
-def test_joints_that_mimic() -> None:
-    """A chain whose joints mimic others takes a tool as well."""
-    arm = urdf_ik.load(linkage("halves", 0), "base", "tool")
-    new = arm.with_tool(TOOLS["oblique"], name="pen")
-    q = vectors(arm, 5)
-    np.testing.assert_allclose(new.fk(q), arm.fk(q) @ TOOLS["oblique"], atol=1e-13)
-
-
-def test_what_the_readers_left_out_is_not_forgotten() -> None:
-    """A collision shape of the arm that could not be read is still an error, and not a collision check without it."""
-    text = from_catalogue("zyyzyz_6r").arm.model.xml.decode()
-    broken = text.replace("<collision>", "<collision><geometry/></collision><collision>", 1)
-    arm = urdf_ik.load(broken, "base_link", "tool0").with_tool(np.eye(4), Box(0.1))
-    with pytest.raises(urdf_ik.UrdfError, match="no shape"):
-        arm.clearance(np.zeros(6))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import math
 import pickle
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -27,7 +26,6 @@ from urdf_ik import (
     pose,
 )
 from urdf_ik.cell import CollisionModel, Nearest
-from urdf_ik.cell.coal_shapes import geometry
 from urdf_ik.cell.shapes import Shape
 from urdf_ik.model import (
     urdf,
@@ -215,25 +213,6 @@ def test_cells_that_are_refused(tmp_path: Path) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("make", "says"),
-    [
-        (lambda: Box((1.0, 0.0, 2.0)), r"Box: size is \(1.0, 0.0, 2.0\); lengths above zero"),
-        (lambda: Sphere(-1.0), "Sphere: radius is -1.0; lengths above zero"),
-        (lambda: Sphere(1e155), r"radius is 1e\+155; numbers of at most 1e\+15 are"),
-        (lambda: HalfSpace((0.0, 0.0, 0.0)), "normal is .*a direction"),
-        (lambda: Mesh("a.stl", 0.0), "scale is 0.0"),
-        (lambda: geometry(Mesh("gone.stl")), "no file .*gone.stl"),
-        (lambda: geometry(Mesh("package://pack/gone.stl", package_dirs="/tmp")), "package://pack/gone.stl.*not found"),
-        (lambda: Points([[0.0, math.nan, 0.0]], 0.1), r"points\[0, 1\] is nan"),
-    ],
-)
-def test_shapes_that_cannot_be(make: Callable[[], Any], says: str) -> None:
-    """What is wrong with a shape is said with its value and what would be valid."""
-    with pytest.raises(ArgumentError, match=says):
-        make()
-
-
 def test_bad_changes_of_a_world() -> None:
     """Names that are taken, unknown or empty, what is no shape, a mesh that is missing, and what is no pose."""
     world = World()
@@ -324,19 +303,6 @@ def test_the_base_need_not_be_the_root() -> None:
         for link, _ in [pair for pair in pairs if pair[1] == "it" and pair not in body.checked_pairs]:
             body = body.check(link, "it")
         assert body.distance(one[::-1]) == pytest.approx(arm.clearance(one, world), abs=5e-6)
-
-
-def test_placed_by_link_poses_in_a_world() -> None:
-    """With the arm's own link poses, moved as a whole, distances are those of the joint vector."""
-    arm = urdf_ik.load("zyyzyz_6r")
-    world = World()
-    world.add("box", Box(0.8), pose([1.0, 0.5, 1.0]))
-    body = arm.cell.collisions.in_world(world)
-    q = np.random.default_rng(8).uniform(-3, 3, (20, 6))
-    turn = pose([1.0, -2.0, 0.5], rpy=[0.3, -1.0, 2.0])
-    for x in q:
-        poses = {link: turn @ T for link, T in arm.link_poses(x).items()}
-        assert body.distance_with(poses) == pytest.approx(body.distance(x), abs=5e-6)
 
 
 def test_solutions_free_of_a_world() -> None:

@@ -210,16 +210,3 @@ def test_long_work_says_how_far_it_is(capsys: pytest.CaptureFixture[str], monkey
         shown.tick(1, 2)
         shown.say("looking")
     assert capsys.readouterr().err.splitlines() == ["following: 1 of 2, 0 s so far", "following: looking, 0 s so far"]
-
-
-def test_weights_and_steps_of_each_joint_are_those_of_follow(file: str) -> None:
-    """Options with one number, or one for each joint, mean the same as in Python; --degrees is for angles only."""
-    arm = urdf_ik.load(ARM)
-    weights, step = [1.0, 2.0, 1.0, 0.5, 1.0, 0.1], 0.2
-    plan = arm.follow(urdf_ik.read_waypoints(file), weights=weights, max_step=step, limit_cost=0.1)
-    typed = ("--weights", ",".join(map(str, weights)), "--limit-cost", "0.1")
-    for degrees in ((), ("--degrees",)):
-        given = ("--max-step", repr(float(np.rad2deg(step)) if degrees else step))
-        text = succeed("path", ARM, "-p", file, *typed, *given, *degrees)
-        cost = plan.cost * (np.rad2deg(1.0) ** 2 if degrees else 1.0)
-        assert f" {cost:.6g} (sum of dq^2)" in text

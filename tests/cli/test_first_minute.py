@@ -57,16 +57,6 @@ def test_robots_lists_every_name() -> None:
     assert "puma_560" in table and "ur5" not in table
 
 
-def test_robots_that_are_not_here_are_listed_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With --all the arms of robot_descriptions stand there, none of them here while its cache is empty."""
-    pytest.importorskip("robot_descriptions")
-    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path))
-    robots = strict_json(succeed("robots", "ur10e", "--all", "-f", "json"))["robots"]
-    assert [robot["name"] for robot in robots] == ["ur10e_description", "ur10e_mj_description"]
-    assert not any(robot["here"] for robot in robots)
-    assert strict_json(succeed("robots", "ur10e", "-f", "json"))["robots"] == []
-
-
 def test_the_doctor_finds_versions_and_a_working_solver() -> None:
     """It names what is installed, and finds all joint vectors that it made poses of."""
     found = strict_json(succeed("doctor", "--json"))

@@ -246,24 +246,6 @@ def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
     assert other.about["urdf_sha256"] != found.about["urdf_sha256"]
 
 
-def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
-    """Text, another npz, a cut-off map, another version, an array of the wrong shape: one kind of error, in words."""
-    found = workspaces.workspace(urdf_ik.load("positioning_3r"), 0.4)
-    good = tmp_path / "good.npz"
-    found.save(good)
-    with np.load(good) as file:
-        arrays = {name: file[name] for name in file.files}
-    header = json.loads(str(arrays["header"]))
-    (tmp_path / "text.npz").write_text("no map")
-    (tmp_path / "cut.npz").write_bytes(good.read_bytes()[:-100])
-    np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    np.savez(tmp_path / "version.npz", **{**arrays, "header": np.array(json.dumps({**header, "version": 3}))})
-    np.savez(tmp_path / "shape.npz", **{**arrays, "solutions": arrays["solutions"][1:]})
-    for name in ("text", "cut", "other", "version", "shape", "missing"):
-        with pytest.raises(urdf_ik.ArgumentError, match=f"{name}.npz"):
-            workspaces.opened(tmp_path / f"{name}.npz")
-
-
 def test_questions_to_a_map() -> None:
     """Slices are layers, shares are counts."""
     arm = urdf_ik.load("positioning_3r")

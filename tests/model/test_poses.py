@@ -124,29 +124,6 @@ def test_rpy_beside_gimbal_lock(case: tuple[float, int, float, float]) -> None:
         assert got[0] == 0.0
 
 
-def test_quaternion_sign_is_fixed() -> None:
-    """Of the two quaternions the one with w > 0 comes back; at a half turn the first component decides."""
-    rng = np.random.default_rng(0)
-    q = rng.normal(size=(200, 4))
-    got = to_quat_xyzw(pose(np.zeros(3), quat_xyzw=q))
-    np.testing.assert_allclose(got, Rotation.from_quat(q).as_quat(canonical=True), rtol=0, atol=EXACT)
-    for axis in rng.normal(size=(50, 3)):
-        axis /= np.linalg.norm(axis)
-        expected = axis * np.sign(axis[0])
-        for angle in (np.pi, -np.pi):
-            T = pose(np.zeros(3), rotvec=angle * axis)
-            np.testing.assert_allclose(to_quat_xyzw(T)[:3], expected, rtol=0, atol=EXACT)
-            np.testing.assert_allclose(to_rotvec(T), np.pi * expected, rtol=0, atol=4 * EXACT)
-    np.testing.assert_allclose(to_rotvec(pose(np.zeros(3), rotvec=[0, -np.pi, 0])), [0, np.pi, 0], rtol=0, atol=EXACT)
-
-
-@given(directions, st.sampled_from([0.0, 1e-300, 1e-170, 1e-20, 1e-12, 1e-9, 1e-8, 1e-4]))
-def test_small_rotations_keep_their_digits(axis: tuple[float, float, float], angle: float) -> None:
-    """A rotation vector near zero comes back with a small relative error: nothing is lost to 1 - cos."""
-    rotvec = unit(axis) * angle
-    np.testing.assert_allclose(to_rotvec(pose(np.zeros(3), rotvec=rotvec)), rotvec, rtol=0, atol=4 * EPS * angle)
-
-
 def test_pose_broadcasts() -> None:
     """Positions and orientations broadcast like NumPy arrays, and each element is the single pose."""
     p, r = np.random.default_rng(1).normal(size=(5, 1, 3)), np.random.default_rng(2).normal(size=(4, 3))

@@ -44,15 +44,6 @@ def test_shapes_that_are_too_large_are_left_out_by_name(shape: str) -> None:
     assert refused.value.element == f'<{shape.split()[0]}> of <collision> of <link name="d">'
 
 
-@pytest.mark.parametrize(("value", "xyz"), [("5e-324", "0 {} 0"), ("-5.77779e-34", "1 {} 0")])
-def test_tiny_lengths_are_what_they_are(value: str, xyz: str) -> None:
-    """What rounding left of zero in an export is read, and every solution is that of zero."""
-    arm, zero = (urdf_ik.load(text(axis="1 0 0", xyz=xyz.format(each))) for each in (value, 0))
-    T = zero.fk([0.3, 0.4])
-    np.testing.assert_allclose(arm.fk([0.3, 0.4]), T, atol=1e-15)
-    np.testing.assert_allclose(arm.ik(T).to_array(), zero.ik(T).to_array(), atol=1e-12)
-
-
 def test_limits_that_stand_for_none_leave_the_redundancy_parameter_where_postures_are() -> None:
     """Of a first joint up to 1e15 rad the middle would be 5e14, an angle without a digit: solutions missed by 15 mm."""
     arm = urdf_ik.load("panda")

@@ -86,18 +86,6 @@ def test_a_tool_moved_by_3_mm_is_3_mm_off_everywhere() -> None:
     assert re.search(r"position \[mm\] +3 +3 +3$", str(found.sections()[0]), re.MULTILINE)
 
 
-def test_a_tool_turned_by_2_degrees_is_2_degrees_off() -> None:
-    """A turn about the tip leaves its position."""
-    table = DHTable.from_chain(urdf_ik.load(ARM).chain, name=ARM)
-    c, s = math.cos(math.radians(2.0)), math.sin(math.radians(2.0))
-    turn = np.eye(4)
-    turn[:2, :2] = [[c, -s], [s, c]]
-    found = compared(_with_tool(table, table.tool @ turn))
-    assert found.tool is not None
-    np.testing.assert_allclose(found.tool.rotation, math.radians(2.0), atol=1e-9)
-    assert found.tool.position[2] < 1e-9
-
-
 def _with_tool(table: DHTable, tool: np.ndarray) -> Arm:
     rows = np.stack([table.alpha, table.a, table.d, table.theta], axis=1)
     same = {key: getattr(table, key) for key in ("joint_types", "joint_names", "limits", "base", "name")}
@@ -170,17 +158,6 @@ def test_an_axis_that_was_flipped(number: int) -> None:
     np.testing.assert_allclose(arm.fk(q), flipped.fk(mirrored), atol=1e-12)
 
 
-def test_joints_of_other_names_are_paired_by_order() -> None:
-    """Names alone change nothing that is measured."""
-    renamed = urdf_ik.load(TEXT.replace('"joint_', '"axis_'))
-    found = compared(renamed, n=20)
-    assert [(change.joint, change.joint_b) for change in found.axes[:2]] == [
-        ("joint_1", "axis_1"),
-        ("joint_2", "axis_2"),
-    ]
-    assert found.tool is not None and found.tool.position[2] == 0.0
-
-
 def test_arms_of_other_families_are_matched_by_the_nearest_solution() -> None:
     """Where a branch's name is unknown to the other arm, its nearest solution counts; no difference exceeds pi."""
     a, b = urdf_ik.load(ur_like().urdf), urdf_ik.load(industrial().urdf)
@@ -190,25 +167,6 @@ def test_arms_of_other_families_are_matched_by_the_nearest_solution() -> None:
     for branch in found.branches:
         assert branch.matched == ("name" if branch.branch in b.structure.branches else "nearest")
         assert branch.poses == 0 or max(branch.worst) <= math.pi
-
-
-@pytest.mark.parametrize(
-    ("task", "rows"),
-    [
-        ("planar position", [[0, 0.4, 0, 0], [0, 0.3, 0, 0]]),
-        ("planar pose", [[0, 0.4, 0, 0], [0, 0.3, 0, 0], [0, 0.2, 0, 0]]),
-        ("position", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [0, 0.3, 0, 0]]),
-        ("position and axis", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [0, 0.3, 0, 0], [90, 0, 0, 90], [0, 0, 0.1, 0]]),
-        ("pose", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [90, 0, 0, 90], [-90, 0, 0.3, 0], [90, 0, 0, 0], [0, 0, 0.1, 0]]),
-    ],
-)
-def test_what_an_arm_controls_of_a_pose_is_a_target_for_it(task: str, rows: list[list[float]]) -> None:
-    """The joint vector that made a pose is found again from what its task takes of the pose."""
-    arm = urdf_ik.load(DHTable.from_array(rows, "standard", degrees=True).to_urdf())
-    assert arm.task == task
-    Q = np.random.default_rng(5).uniform(-2.0, 2.0, (20, arm.dof))
-    found = arm.ik(arm.solver.control.target_of(arm.fk(Q)), task=task)
-    assert np.abs(found.nearest(Q).q[:, 0] - Q).max() < 1e-6
 
 
 def test_what_cannot_be_compared_is_said() -> None:
