@@ -43,8 +43,9 @@ def check_convention(convention: Any, error: Callable[[str], Exception] = Argume
 
 def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) -> dict[str, Any]:
     """Arguments of :meth:`urdf_ik.DHTable.from_array` from a file."""
+    content = files.read(path)
     try:
-        text = files.read(path).decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
         header, _, rows = csv_rows(text, "joint")
     except UnicodeDecodeError:
         raise table_error("is no text; a table is a CSV") from None
