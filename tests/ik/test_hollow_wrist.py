@@ -145,7 +145,7 @@ def refused() -> dict[str, tuple[str, str]]:
         ),
         "another axis": (
             mimicking(plain.replace('<mimic joint="joint_5" multiplier="-1.0" offset="0.0" />', ""), 3, "joint_2", -1),
-            r"axis 3 \(joint_3\) follows joint_2",
+            r"axis 3 \(joint_3\) follows -1 joint_2",
         ),
         "no fraction": (plain.replace('multiplier="-1.0"', 'multiplier="-0.7071"'), "'joint_5'.*does not repeat"),
     }

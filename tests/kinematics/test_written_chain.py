@@ -1,4 +1,4 @@
-"""Derivatives by a URDF's numbers and of second order, against Pinocchio's model of changed URDFs."""
+"""Derivatives by a URDF's numbers, against Pinocchio's model of changed URDFs."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError
-from urdf_ik.kinematics.derivatives import Parameter, curvature, written
+from urdf_ik.kinematics.derivatives import Parameter, written
 
 Array = NDArray[np.float64]
 STEP = 1e-6
@@ -56,33 +56,6 @@ def test_twists_are_those_of_pinocchio_with_the_number_changed(name: str, base: 
         np.testing.assert_allclose(twists[..., k], twist(*ends, T, 2.0 * STEP), atol=2e-9, err_msg=str(parameter))
 
 
-def lines(model: object, base: str, tip: str, q: Array) -> Array:
-    """Axes (..., 6, n) by Pinocchio's Jacobian: moment about the base's origin above direction, a slide's direction."""
-    reference = Reference(model, base, tip)
-    J, p = reference.jacobian(q), reference.pose(q)[..., :3, 3]
-    J[..., :3, :] += np.cross(p[..., None], J[..., 3:, :], axis=-2)
-    return J
-
-
-@pytest.mark.parametrize(("name", "base", "tip"), ARMS)
-def test_axes_move_as_pinocchios_with_the_number_changed(name: str, base: str | None, tip: str | None) -> None:
-    """The rates of an axis's point and direction are those of its line in Pinocchio's model of a changed URDF."""
-    arm = urdf_ik.load(name, base, tip)
-    q = np.random.default_rng(5).uniform(-1.5, 1.5, (3, arm.dof))
-    geometry = written(arm.chain)
-    turning = [k for k in range(arm.dof) if not arm.chain.prismatic[k]]
-    axes = {k: geometry.axis(k, q) for k in turning}
-    for number, parameter in enumerate(geometry.parameters):
-        if parameter.field == "offset":
-            continue
-        ends = [lines(changed(arm, parameter, by), arm.base, arm.tip, q) for by in (-STEP, STEP)]
-        change = (ends[1] - ends[0]) / (2.0 * STEP)
-        for k, (point, direction, rates) in axes.items():
-            dp, dh = rates[..., :3, number], rates[..., 3:, number]
-            expected = np.concatenate([np.cross(dp, direction) + np.cross(point, dh), dh], axis=-1)
-            np.testing.assert_allclose(change[..., k], expected, atol=2e-9, err_msg=f"axis {k} by {parameter}")
-
-
 @pytest.mark.parametrize(("name", "base", "tip"), ARMS)
 def test_an_offset_moves_the_tip_as_its_joint(name: str, base: str | None, tip: str | None) -> None:
     """The twist of a joint's offset is Pinocchio's column of that joint, for a base above the tip too."""
@@ -102,17 +75,6 @@ def test_poses_of_changed_numbers_are_pinocchios() -> None:
         values[k] += 0.05
         theirs = Reference(changed(arm, geometry.parameters[k], 0.05), arm.base, arm.tip).pose(q)
         np.testing.assert_allclose(geometry.fk(q, values), theirs, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", ["planar_2r", "scara_rrpr", "stanford_rrprrr", "srs_7r"])
-def test_curvature_is_how_pinocchios_jacobian_changes(name: str) -> None:
-    """It is the central difference of Pinocchio's Jacobian, for different velocities too."""
-    arm = urdf_ik.load(name)
-    reference = Reference(arm.model, arm.base, arm.tip)
-    q, along, moving = np.random.default_rng(4).uniform(-1.0, 1.0, (3, 5, arm.dof))
-    change = (reference.jacobian(q + STEP * moving) - reference.jacobian(q - STEP * moving)) / (2.0 * STEP)
-    expected = np.einsum("mij,mj->mi", change, along)
-    np.testing.assert_allclose(curvature(arm.chain, q, along, moving), expected, atol=5e-9)
 
 
 @pytest.mark.parametrize("wrong", [("joint_9", "xyz", 0), ("joint_2", "mass", 0), ("joint_2", "xyz", 3), "joint_2"])

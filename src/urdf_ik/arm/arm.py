@@ -389,8 +389,8 @@ class Arm:
         For round tools: welding, spraying, drilling, gripping a cylinder. The parameter's value v [rad] is the angle
         by which the tip is turned from the target: ``ik(T, redundancy=v)`` solves the target turned by v about the
         axis, ``T @ arm.solver.free_axis.rotation(v)``; ``ik(T)`` is v = 0. ``ik_nearest`` and ``follow`` choose the
-        rotation. Mount a tool first: the axis belongs to the tip link. An arm with seven joints then has two parameters, this
-        one first, and takes values ``redundancy=(..., 2)``.
+        rotation. Mount a tool first: the axis belongs to the tip link. An arm with seven joints then has two
+        parameters, this one first, and takes values ``redundancy=(..., 2)``.
 
         Args:
             axis: 'x', 'y' or 'z' of the tip, or a direction (3,) in the tip's frame.

@@ -124,7 +124,11 @@ class Task:
         if self.components != "axis":
             out[..., :3, 3] = target[..., :3]
         if self.components in ("axis", "position and axis"):
-            out[..., :3, :3] = _turn_to(np.array(self.axis), target[..., -3:])
+            directions = target[..., -3:].reshape(-1, 3)
+            length = np.linalg.norm(directions, axis=1, keepdims=True)
+            if not (length > 0.0).all():
+                raise PoseError("a direction of the target has no length")
+            out[..., :3, :3] = turn_to(np.array(self.axis), directions / length).reshape(*target.shape[:-1], 3, 3)
         return out
 
     def matrix(self, T: Array) -> tuple[Array, float]:
@@ -181,20 +185,22 @@ def are_poses(T: Any) -> bool:
         return False
 
 
-def _turn_to(axis: Array, directions: Array) -> Array:
-    """Rotations (..., 3, 3) that turn unit ``axis`` (3,) to ``directions`` (..., 3).
+_HALF = 0.5
 
-    Raises:
-        PoseError: a direction has no length.
+
+def turn_to(axis: Array, directions: Array) -> Array:
+    """Rotations (m, 3, 3), one each, that turn unit ``axis`` (3,) to unit ``directions`` (m, 3).
+
+    Half turns about the middle of the two; where they are nearly opposite, after half a turn about what lies across
+    the axis.
     """
-    length = np.linalg.norm(directions, axis=-1, keepdims=True)
-    if not (length > 0.0).all():
-        raise PoseError("a direction of the target has no length")
+    opposite = np.linalg.norm(directions + axis, axis=1) < _HALF
+    middle = directions + np.where(opposite[:, None], -axis, axis)
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    turn = 2.0 * middle[:, :, None] * middle[:, None, :] - np.eye(3)
     across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    x = across / np.linalg.norm(across)
-    frame = np.stack([x, np.cross(axis, x), axis], axis=-1)
-    d = directions / length
-    side = np.where(np.abs(d[..., :1]) < 0.7, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
-    u = np.cross(d, side)
-    u /= np.linalg.norm(u, axis=-1, keepdims=True)
-    return np.asarray(np.stack([u, np.cross(d, u), d], axis=-1) @ frame.T)
+    across /= np.linalg.norm(across)
+    # (2 m m' - 1)(2 a a' - 1), number by number, so that a batch has the digits of its members.
+    shared = (middle * across).sum(axis=1)[:, None, None]
+    flipped = 4.0 * shared * middle[:, :, None] * across - turn - 2.0 * np.outer(across, across)
+    return np.where(opposite[:, None, None], flipped, turn)

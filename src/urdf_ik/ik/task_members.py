@@ -16,15 +16,14 @@ from urdf_ik.ik.families.joint_given import PythonSolver, prepare_middle
 from urdf_ik.ik.families.parts.family import Family, columns
 from urdf_ik.ik.minima import searched
 from urdf_ik.ik.task import Task
-from urdf_ik.kinematics.chain import Chain, kinds_of, least_stretches, sampled
+from urdf_ik.ik.tasks import CONTROL, controls_aim
+from urdf_ik.kinematics.chain import Chain, kinds_of, sampled
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model.poses import project_rotation
 from urdf_ik.typing import Array
 
 _MOST_GIVEN = 4
 """Joints that are given beside the three that place the tip; a joint more makes preparing five times as long."""
-_CONTROL = 1e-3
-"""Smallest singular value of a task's Jacobian, at the middle one of sampled joint vectors, that counts as control."""
 _REACHED = 2e-11
 """Share of the size, rad: what a solution that is searched may miss."""
 _INCOMPLETE = np.uint8(32)
@@ -60,14 +59,6 @@ def member(chain: Chain, asked: Task, whole: FamilyMember | None) -> FamilyMembe
     return _by_search(chain, asked)
 
 
-def controls_aim(chain: Chain, axis: Array) -> bool:
-    """Whether five joints control the tip's position and the direction of its ``axis``."""
-    q = sampled(chain)
-    J, along = chain.jacobian(q), chain.fk(q)[:, :3, :3] @ axis
-    across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
-    return float(np.median(least_stretches(chain, np.concatenate([J[:, :3], across], axis=1)))) > _CONTROL
-
-
 def _placing(chain: Chain) -> tuple[str, ...]:
     """Three joints that place the tip well, those nearest to the base; () where none do."""
     J = chain.jacobian(sampled(chain))[:, :3] / chain.size
@@ -78,7 +69,7 @@ def _placing(chain: Chain) -> tuple[str, ...]:
 
     every = list(combinations(range(chain.n), 3))
     best = max(map(stretch, every))
-    if best < _CONTROL:
+    if best < CONTROL:
         return ()
     chosen = next(joints for joints in every if stretch(joints) >= 0.5 * best)
     return tuple(chain.joint_names[k] for k in chosen)

@@ -14,7 +14,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik import families
 from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, planar
-from urdf_ik.ik.task import are_poses
+from urdf_ik.ik.task import are_poses, turn_to
 from urdf_ik.kinematics.chain import Chain, least_stretches, sampled
 from urdf_ik.kinematics.chain.plane import Plane, plane_of
 from urdf_ik.kinematics.structure import Structure, analyse
@@ -26,8 +26,7 @@ from urdf_ik.typing import Array
 _WIDTH = {"position": 3, "position and axis": 6, "planar position": 2, "planar pose": 3}
 TASKS = ("pose", *_WIDTH)
 # Smallest singular value of a task's Jacobian, at the middle one of sampled joint vectors, that counts as control.
-_CONTROL = 1e-3
-_HALF = 0.5
+CONTROL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +86,7 @@ def control_of(chain: Chain) -> Control:
     J = chain.jacobian(sampled(chain))
 
     def controls(rows: Array) -> bool:
-        return float(np.median(least_stretches(chain, rows))) > _CONTROL
+        return float(np.median(least_stretches(chain, rows))) > CONTROL
 
     if plane is not None:
         linear, turn = plane.axes @ J[:, :3], plane.normal @ J[:, 3:]
@@ -99,13 +98,18 @@ def control_of(chain: Chain) -> Control:
     elif chain.n == 3 and controls(J[:, :3]):
         return Control("position")
     elif chain.n == 5 and not chain.prismatic.any():
-        R = chain.fk(sampled(chain))[:, :3, :3]
         for aimed in np.eye(3)[[2, 0, 1]]:
-            along = R @ aimed
-            across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
-            if controls(np.concatenate([J[:, :3], across], axis=1)):
+            if controls_aim(chain, aimed):
                 return Control("position and axis", None, aimed)
     return Control("pose", plane)
+
+
+def controls_aim(chain: Chain, axis: Array) -> bool:
+    """Whether five joints control the tip's position and the direction of its ``axis``."""
+    q = sampled(chain)
+    J, along = chain.jacobian(q), chain.fk(q)[:, :3, :3] @ axis
+    across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
+    return float(np.median(least_stretches(chain, np.concatenate([J[:, :3], across], axis=1)))) > CONTROL
 
 
 class Targets:
@@ -203,7 +207,7 @@ class Targets:
             T[:, :3, 3] = target
         elif control.aimed is not None:
             T[:, :3, 3] = target[:, :3]
-            T[:, :3, :3] = _turn_to(control.aimed, target[:, 3:])
+            T[:, :3, :3] = turn_to(control.aimed, target[:, 3:])
         elif control.plane is not None:
             plane = control.plane
             # Number by number, not as a product of matrices: its digits depend on how many there are.
@@ -233,24 +237,6 @@ def _plan(chain: Chain, control: Control) -> FamilyMember | None:
 def _numbers(value: Any, task: str, words: str) -> Array:
     needed = f"an array of numbers{', ' if words else ''}{words}"
     return inputs.real(value, f"a target for the task {quoted(task)}", needed, PoseError)
-
-
-def _turn_to(axis: Array, directions: Array) -> Array:
-    """Rotations (m, 3, 3), one each, that turn unit ``axis`` (3,) to unit ``directions`` (m, 3).
-
-    Half turns about the middle of the two; where they are nearly opposite, after half a turn about what lies across
-    the axis.
-    """
-    opposite = np.linalg.norm(directions + axis, axis=1) < _HALF
-    middle = directions + np.where(opposite[:, None], -axis, axis)
-    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-    turn = 2.0 * middle[:, :, None] * middle[:, None, :] - np.eye(3)
-    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    across /= np.linalg.norm(across)
-    # (2 m m' - 1)(2 a a' - 1), number by number, so that a batch has the digits of its members.
-    shared = (middle * across).sum(axis=1)[:, None, None]
-    flipped = 4.0 * shared * middle[:, :, None] * across - turn - 2.0 * np.outer(across, across)
-    return np.where(opposite[:, None, None], flipped, turn)
 
 
 def _turned(R: Array, axis: Array, angles: Array) -> Array:

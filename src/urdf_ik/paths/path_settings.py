@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from urdf_ik.cell.swept_motions import TOUCH
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.nearest import nearest as nearest_solution
+from urdf_ik.ik.solutions.distances import per_joint
 from urdf_ik.ik.solver import Solver
 from urdf_ik.paths.planner.nodes import Joints
 from urdf_ik.support import inputs
@@ -131,21 +132,6 @@ def velocities(solver: Solver) -> Array:
     return limits
 
 
-def per_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
-    """Numbers (n,), one for each joint, from one number or from n.
-
-    They lie between 1e-15 and 1e15, so that their squares and inverses neither overflow nor vanish; or they are
-    infinite, or with ``zero`` zero instead.
-    """
-    numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
-    fits = numbers.shape in ((), (1,), (len(names),))
-    numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
-    if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
-        valid = f"{'zero, or ' if zero else ''}a number {inputs.USABLE}"
-        raise ArgumentError(f"{name} is {value!r}; {valid} is needed, or one for each of {', '.join(names)}")
-    return numbers
-
-
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-3, 0.02
 """Default of the largest distance of the tip from the straight segment between two waypoints [m, rad]."""
 LOOSER = 4.0
@@ -241,7 +227,7 @@ def checked(solver: Solver, T: Array, settings: PathSettings, obstacles: Obstacl
     names = solver.joint_names
     cost = inputs.choice(settings.cost, "cost", COSTS)
     weights, max_step = settings.weights, settings.max_step
-    factors = np.ones(len(names)) if weights is None else per_joint("weights", weights, names, zero=True)
+    factors = np.ones(len(names)) if weights is None else per_joint("weights", weights, names, (0.0,))
     if cost == "time":
         factors = factors / velocities(solver)
     tolerance = (POSITION_TOLERANCE, ROTATION_TOLERANCE) if settings.tolerance is None else settings.tolerance

@@ -20,12 +20,12 @@ from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik.descent import Wanted, constrained, descended
 from urdf_ik.ik.families.parts import written as task
+from urdf_ik.ik.solutions.distances import per_joint
 from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import POSE
 from urdf_ik.kinematics.chain import CoupledChain, velocity_limits
 from urdf_ik.model.poses import check_poses
-from urdf_ik.paths.path_settings import per_joint
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 
@@ -90,7 +90,6 @@ class Tracker:
         recentring: float | None = None,
         first: str | None = None,
         world: Any = None,
-        self_collision: bool = False,
         margin: float = 0.0,
     ) -> None:
         """Start at a joint vector.
@@ -110,7 +109,6 @@ class Tracker:
                 fewer than six joints, 'orientation', or 'both' (the least sum of squares, rad and shares of the size).
                 The joints go to the nearest posture of :func:`urdf_ik.ik.closest.closest` on this branch.
             world: obstacles to stay clear of, see :class:`urdf_ik.World`; the arm is checked against itself too.
-            self_collision: whether the arm is checked against itself where no world is given.
             margin: m, clearance to keep.
 
         Raises:
@@ -164,7 +162,7 @@ class Tracker:
         )
         self._margin = inputs.number(margin, "margin", low=0.0, unit="m")
         self._collision: Any = None
-        if self_collision or world is not None:
+        if world is not None:
             self._collision = solver.arm.cell.in_world(world)
         # A pose is tracked and no collision is checked: the core does the whole cycle.
         chosen = inputs.choice(first or "position", "first", ("position", "orientation", "both"))

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions.distances import per_joint
 from urdf_ik.kinematics.chain import velocity_limits
-from urdf_ik.paths.path_settings import per_joint, velocities
+from urdf_ik.paths.path_settings import velocities
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import json_text
 from urdf_ik.typing import Array

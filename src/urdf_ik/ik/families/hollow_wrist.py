@@ -73,23 +73,17 @@ FAMILY = Family(
 def why_not(chain: CoupledChain) -> str:
     """Why an arm of six independent joints is not solved as one with a hollow wrist; '' where it is."""
     axes, gain, names = chain.axes, chain.gain, chain.joint_names
-    if axes.prismatic.any() or "prismatic" in chain.joint_types:
-        slides = [name for name, kind in zip(names, chain.joint_types, strict=True) if kind == "prismatic"]
-        return f"joints slide ({', '.join(slides or axes.joint_names)})"
-    if axes.n != 7:
-        return f"six joints drive {axes.n} axes, and such a wrist has seven in all"
+    if axes.prismatic.any() or "prismatic" in chain.joint_types or axes.n != 7:
+        return f"such a wrist has seven axes in all that turn, and six joints drive {axes.n} here"
     wanted = np.zeros((7, 6), dtype=np.bool_)
-    wanted[[0, 1, 2, 3, 4, 5, 6], [0, 1, 2, 3, 4, 4, 5]] = True
-    wrong = np.flatnonzero(((gain != 0.0) != wanted).any(axis=1))
-    if len(wrong):
-        k = int(wrong[0])
-        drivers = ", ".join(name for name, factor in zip(names, gain[k], strict=True) if factor)
-        found = f"axis {k + 1} ({axes.joint_names[k]}) follows {drivers}"
-        return f"its axes 5 and 6 would follow one joint, and here {found}"
+    wanted[range(7), [0, 1, 2, 3, 4, 4, 5]] = True
     alone = np.abs(gain[[0, 1, 2, 3, 6], [0, 1, 2, 3, 5]])
-    if (alone != 1.0).any():
-        k = int(np.argmax(alone != 1.0))
-        return f"axis {(1, 2, 3, 4, 7)[k]} turns {alone[k]:g} times as far as {(*names[:4], names[5])[k]}"
+    wrong = np.flatnonzero(((gain != 0.0) != wanted).any(axis=1))
+    if len(wrong) or (alone != 1.0).any():
+        k = int(wrong[0]) if len(wrong) else (0, 1, 2, 3, 6)[int(np.argmax(alone != 1.0))]
+        drivers = ", ".join(f"{factor:g} {name}" for name, factor in zip(names, gain[k], strict=True) if factor)
+        found = f"axis {k + 1} ({axes.joint_names[k]}) follows {drivers}"
+        return f"its axes 5 and 6 would follow one joint, the others a joint of their own, and here {found}"
     turns = chain.image_turns[4]
     if not 0.0 < turns <= _MOST_TURNS:
         factors = ", ".join(f"{factor:g}" for factor in gain[4:6, 4])
@@ -98,7 +92,7 @@ def why_not(chain: CoupledChain) -> str:
     if not structure.is_parallel(2):
         return f"axes 2 and 3 ({names[1]}, {names[2]}) are {structure.pairs[1].relation}, and would have to be parallel"
     if structure.is_parallel(1) or structure.is_parallel(3):
-        return "axes 1 to 3, or 2 to 4, are parallel"
+        return "three of its first four axes are parallel"
     *_, apart = _crossings(_signed(chain), gain, _samples(chain))
     if apart > DEFAULT.near_distance * chain.size:
         return (

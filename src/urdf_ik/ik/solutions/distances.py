@@ -14,7 +14,6 @@ from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import quoted
-from urdf_ik.support.tolerances import LARGEST
 
 Array = NDArray[np.float64]
 Metric = Literal["l2", "max", "time"]
@@ -102,7 +101,7 @@ class Measure:
 def measure(solver: Solver, metric: str, weights: ArrayLike | None, within: ArrayLike | None) -> Measure:
     """A distance for the joint vectors of an arm."""
     names = solver.joint_names
-    each = np.ones(len(names)) if weights is None else factors(weights, names)
+    each = np.ones(len(names)) if weights is None else per_joint("weights", weights, names, (0.0,))
     inputs.choice(metric, "metric", METRICS)
     if metric == "time":
         speeds = solver.velocity_limits
@@ -112,7 +111,7 @@ def measure(solver: Solver, metric: str, weights: ArrayLike | None, within: Arra
                 f"{', '.join(unknown)}; write velocity=... into <limit>, or take metric='max' with weights of 1 / speed"
             )
         each = each / speeds
-    return Measure(metric, each, None if within is None else bounds(within, names))  # type: ignore[arg-type]
+    return Measure(metric, each, None if within is None else per_joint("within", within, names, (0.0, np.inf)))  # type: ignore[arg-type]
 
 
 def difference(q: Array, q_ref: Array, round_joints: NDArray[np.bool_] | Array) -> Array:
@@ -150,27 +149,19 @@ def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) ->
     return array
 
 
-def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
-    """``within`` as (n,), one number for all joints ``names`` or one a joint, zero or positive, perhaps infinite."""
-    array = inputs.real(within, "within", "a number, or one a joint")
-    if array.shape not in ((), (len(names),)):
-        raise ArgumentError(
-            f"within has the shape {array.shape}; one number [rad or m] is needed, or one for each of the "
-            f"{len(names)} joints: {', '.join(names)}"
-        )
-    if not (((array >= 0.0) & (array <= LARGEST)) | (array == np.inf)).all():
-        raise ArgumentError(
-            f"within={quoted(within)} given; zero or positive numbers of rad or m are needed, up to {LARGEST:g}, or inf"
-        )
-    return np.broadcast_to(array, (len(names),)).copy()
+def per_joint(name: str, value: ArrayLike, names: Sequence[str], also: tuple[float, ...] = (np.inf,)) -> Array:
+    """Numbers (n,), one for each joint, from one number or from n.
 
-
-def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
-    """``weights`` as (n,) finite float64: zero, or within a factor of LARGEST of one."""
-    array = _joint_vector(weights, "weights", names)
-    if array.ndim != 1 or not ((array == 0.0) | inputs.usable(array)).all():
-        raise ArgumentError(f"weights are {quoted(weights)}; one number a joint is needed, zero or {inputs.USABLE}")
-    return array
+    They lie between 1e-15 and 1e15, so that their squares and inverses neither overflow nor vanish, or are among
+    ``also``.
+    """
+    numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
+    fits = numbers.shape in ((), (1,), (len(names),))
+    numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
+    if not (inputs.usable(numbers) | np.isin(numbers, also)).all():
+        valid = f"{'zero, or ' if 0.0 in also else ''}a number {inputs.USABLE}"
+        raise ArgumentError(f"{name} is {value!r}; {valid} is needed, or one for each of {', '.join(names)}")
+    return numbers
 
 
 def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:

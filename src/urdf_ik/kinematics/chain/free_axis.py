@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.errors import ArgumentError
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
@@ -103,10 +103,7 @@ class FreeAxis(Frozen):
     def apart(self, one: Array, other: Array) -> tuple[Array, Array]:
         """Distance (...) [m] and angle (...) [rad] between poses (..., 4, 4), apart from rotations about the line."""
         one, other = as_pose_array(one), as_pose_array(other)
-        try:
-            off = (one - other)[..., :3, :] @ self.seen
-        except ValueError:
-            raise PoseError(f"poses of shape {one.shape} and {other.shape} given; they do not fit") from None
+        off = (one - other)[..., :3, :] @ self.seen
         far, between = np.linalg.norm(off[..., 0], axis=-1), np.linalg.norm(off[..., 1], axis=-1)
         return far, 2.0 * np.arcsin(np.minimum(0.5 * between, 1.0))
 
