@@ -22,7 +22,7 @@ TEXT = """<?xml version='1.0' encoding="iso8859-1"?>
 
 
 def test_only_the_numbers_change() -> None:
-    """Comments, quotes, spaces, other origins and other joints of the same name stay; missing elements are added."""
+    """Comments, other origins and other joints of the same name stay; missing elements are added."""
     out = with_numbers(
         TEXT,
         {
@@ -38,9 +38,7 @@ def test_only_the_numbers_change() -> None:
         .replace('<joint name="c"/>', '<joint name="c"><mimic offset="0.5"/></joint>')
     )
     both = [etree.tostring(etree.fromstring(text.encode()), method="c14n") for text in (out, expected)]
-    assert both[0].count(b"origin") == both[1].count(b"origin")
-    removed = [line for line in TEXT.splitlines() if line not in out.splitlines()]
-    assert len(removed) == 4  # the declaration, a's xyz, b and c
+    assert both[0] == both[1]
 
 
 def test_joints_must_be_there(tmp_path: Path) -> None:
