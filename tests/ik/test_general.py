@@ -109,7 +109,7 @@ def test_on_a_singularity(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["random-0", "random-1", "manseur_doty", *STRUCTURED])
 def test_the_elimination_alone_finds_nearly_all(name: str) -> None:
-    """Without the continuation, 98 of 100 poses keep all their solutions, and a certain count is never too small."""
+    """One variant alone: 98 of 100 poses keep all their solutions, and a certain count is never too small."""
     case = named(name)
     targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(11), 100))
     setup = elimination_arm(case.arm.chain)

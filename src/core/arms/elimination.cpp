@@ -23,35 +23,28 @@ void read_variant(const Values& values, int variants, int index, EliminationVari
     part("inexact", to.inexact);
 }
 
-static void read(const Values& values, Continuation& to) {
-    to.solutions = values.integer("solutions"), to.poses = values.integer("poses");
-    if (to.poses < 0 || to.poses > Continuation::most) throw values.error("poses", "at most 16 known poses");
-    if (to.solutions < 0 || to.solutions > KnownPose::most) throw values.error("solutions", "at most 16 of a known pose");
-    for (int i = 0; i < to.poses; ++i) {
-        const auto part = [&](const char* name, auto& member) { read_part(values, name, to.poses, i, member); };
-        part("turn", to.known[i].turn), part("point", to.known[i].point);
-        part("solution", reinterpret_cast<double (&)[KnownPose::most][6][2]>(to.known[i].solution));
-    }
-}
-
 void read_common(const Values& values, EliminationArm& to) {
     read(*values.group("written"), to.written);
     read_motions(values, "home_inverse", &to.home_inverse, 1);
     values.read("centre", to.centre), values.read("scale", to.scale);
     to.any_slide = false;
     for (const bool slides : to.written.slides) to.any_slide |= slides;
-    read(*values.group("known"), to.paths);
+    to.near = values.number("near") != 0.0;
 }
 
 void read(const Values& values, EliminationArm& to) {
     read_common(values, to);
-    read_variant(*values.group("variant"), 1, 0, to.variant);
+    const auto rows = values.group("variant");
+    to.variants = int(rows->array("first").size());
+    if (to.variants < 1 || to.variants > 3) throw rows->error("first", "one to three variants are needed");
+    for (int i = 0; i < to.variants; ++i) read_variant(*rows, to.variants, i, to.variant[i]);
     read_variant(*values.group("counter"), 1, 0, to.counter);
     const auto rest = values.group("counter_rest");
     rest->read("left", to.counter_rest.left), rest->read("right", to.counter_rest.right);
     rest->read("inexact", to.counter_rest.inexact);
-    to.counter_apart = to.counter.first != to.variant.first || to.counter.reversed != to.variant.reversed ||
-                       to.counter.inexact[0] != to.variant.inexact[0];
+    const EliminationVariant& own = to.variant[0];
+    to.counter_apart =
+        to.counter.first != own.first || to.counter.reversed != own.reversed || to.counter.inexact[0] != own.inexact[0];
 }
 
 namespace {

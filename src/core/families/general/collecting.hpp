@@ -25,7 +25,6 @@ struct SearchState {
     Columns<6> columns;
     double enough;  // a candidate with at most this error is a solution
     double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
-    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
     bool provable = false;  // whether complex roots are counted
     bool on_curve = false;  // whether a curve of solutions was found
     OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
@@ -36,7 +35,7 @@ struct SearchState {
     int zeros = -1;  // real roots that there can be at most; -1 where that is open
     Loop loop = {};
     Account account = {};
-    static constexpr int most = 48;
+    static constexpr int most = 6;  // where more are left, clusters do not explain them
     Number left[most][6];  // joint vectors near which no single root is certified
     int lefts = 0, tried = 0;  // how many there are; how many of them were tried as clusters
     unsigned tried_columns = 0;
@@ -75,18 +74,13 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
     for (int j = 0; j < 6; ++j) out[j] = q[j][l];
 }
 
-// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known
-// solutions: the paths of the others are too far from real to be followed. These come near real only where the special
-// arm is singular.
-STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
-
-// Whether the solver counts certified roots: six turning joints, and known poses with all sixteen solutions.
-STEP bool is_provable(const EliminationArm& arm) { return all_known(arm) && !arm.any_slide; }
+// Whether the solver counts certified roots: six turning joints, and all sixteen solutions of a pose can be found.
+STEP bool is_provable(const EliminationArm& arm) { return !arm.near && !arm.any_slide; }
 
 STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, double enough) {
     SearchState search;
     search.columns = columns, search.enough = enough;
-    search.all_known = all_known(arm), search.provable = is_provable(arm);
+    search.provable = is_provable(arm);
     search.certifies = !arm.any_slide;
     if (search.certifies) search.loop = loop_of(arm.written, goal);
     return search;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "certificate/proof.hpp"
-#include "families/general/continuation_arm.hpp"
 #include "kinematics/arm.hpp"
 
 namespace urdf_ik {
@@ -37,10 +36,12 @@ struct EliminationArm {
     Motion home_inverse;      // of the tip at zero, then moved to the midst of the axes
     double centre[3], scale;  // of the axes [m], and one over their mean distance from it
     bool any_slide;
-    EliminationVariant variant, counter;  // which proposes solutions; whose determinant's zeros are counted
-    bool counter_apart;                   // whether they differ
+    bool near;  // whether it is near a special arm: half of the complex solutions are then too far from real to be found
+    int variants;
+    EliminationVariant variant[3];  // with different cuts, which propose solutions one after the other
+    EliminationVariant counter;     // whose determinant's zeros are counted
+    bool counter_apart;             // whether it is not the first variant
     PreciseFactors counter_rest;
-    Continuation paths;
 };
 
 // The number of solutions that each variant alone finds of each pose, and whether it is certain of them (1) and they are proven to
@@ -59,9 +60,6 @@ struct EliminationSolvers {
 struct EliminationPreparation {
     // Tries `variants` variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
-    // Finds poses with all their solutions from m joint vectors (m, 6), at least two. near: leaves out solutions far
-    // from real, for an arm near a special one.
-    void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
 };
 
 }  // namespace urdf_ik

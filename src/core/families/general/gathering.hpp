@@ -70,18 +70,19 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
 
 // Adds the solutions that one variant finds. Returns whether they are certain to be all. Of an arm whose roots are counted: they
 // are proven to be. Else: each root that may be real led to a different solution, and no other solution is known; at least one
-// solution has to confirm the determinant.
+// solution has to confirm the determinant. of: the equations of the target, or of a pose beside it, from whose roots `slowly` takes
+// damped steps to the target.
 PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Eliminant& of,
-                 SearchState& search) {
+                 SearchState& search, bool slowly = false) {
     const auto& [G, A, coefficients, error, noise] = of;
-    // Noisy harmonics never make the result certain. If all_known(), they are not used at all.
+    // Noisy harmonics never make the result certain. Of arms whose roots are counted they are not used at all.
     const bool noisy = !(noise < HALF_OF_THE_DIGITS);
-    if (noisy && all_known(arm)) return false;
+    if (noisy && search.provable) return false;
     Complex z[2 * DEGREE];
     self_inversive_roots<2 * DEGREE>(coefficients, z);
     RealRoots roots = real_roots(z, variant.slides[(variant.first + 5) % 6]);
     for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
-    const double own = all_known(arm) ? OWN_ROOT : OWN_ROOT_NEAR_SPECIAL;
+    const double own = search.provable ? OWN_ROOT : OWN_ROOT_NEAR_SPECIAL;
     unsigned owned = 0;
     int settled = 0;
     for (int from = 0; from < roots.many; from += BLOCK) {
@@ -98,7 +99,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         Candidates slow = candidates;
         int column[BLOCK];
         columns_from<false>(arm, goal, search, candidates, 12, column);
-        if (!all_known(arm)) follow_slowly(arm, goal, search, slow, column);
+        if (slowly || !search.provable) follow_slowly(arm, goal, search, slow, column);
         for (int l = 0; l < BLOCK; ++l) {
             if (column[l] < 0 || owned >> column[l] & 1) continue;
             double q[6];

@@ -1,5 +1,4 @@
 // The preparation of arms of six joints for the elimination, compiled once; see ../../preparation.hpp.
-#include "families/general/continuation.hpp"
 #include "families/general/gathering.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -26,6 +25,6 @@ static void try_variants(const EliminationArm& arm, const EliminationVariant* va
 }
 
 extern const EliminationPreparation elimination_preparation;
-const EliminationPreparation elimination_preparation = {try_variants, find_known_poses};
+const EliminationPreparation elimination_preparation = {try_variants};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

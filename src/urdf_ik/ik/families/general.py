@@ -18,7 +18,7 @@ from urdf_ik.kinematics.structure import Structure
 
 
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
-    """The elimination's constant matrices, and poses of which all solutions are known."""
+    """The elimination's constant matrices."""
     triples, reason = " and ".join(map(str, structure.triples)), family.reason
     if structure.is_6r:
         reason = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
@@ -29,8 +29,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember
 TURNING = Family(
     name="6R general",
     reason="six turning joints, whatever their axes",
-    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where that "
-    "leaves doubts, Newton's method on the URDF as written",
+    steps="Elimination to one joint's angle (Raghavan and Roth), to another one's where that leaves doubts, Newton's "
+    "method on the URDF as written",
     branches=columns(16),
     by_quadratics=False,
     by_elimination=True,
@@ -86,12 +86,6 @@ SINGULAR = Family(
 )
 
 
-# Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
-# they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and
-# 4e-3 such exchanges were too rare to rely on.
-_NEAR = 4e-3
-
-
 def beside(plan: FamilyMember, chain: Chain) -> FamilyMember:
     """The plan of the ideal arm that is nearest to six turning joints, made to hold for the arm as written."""
     further = tuple(f"further {k}" for k in range(1, 17 - len(plan.branches)))
@@ -117,7 +111,7 @@ def _imperfect(family: Any, chain: Chain) -> Numbers:
     return Numbers(
         kind="imperfect",
         family=family,
-        elimination=elimination_arm(chain, near=bool(ideal.imperfection < _NEAR)),
+        elimination=elimination_arm(chain, near=True),
         inner_steps=inner,
         ideal_steps=steps,
     )

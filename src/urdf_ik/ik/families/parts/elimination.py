@@ -3,9 +3,9 @@
 There are eight variants that depend on the arm alone: the loop can be cut in four places, on the chain or on the
 reversed chain. The accuracy of each depends on the arm. On arms with parallel or meeting neighbours every variant may
 be singular at all angles. Moving the axes by a millionth cures that, since solutions are polished on the arm as
-written. When an arm is loaded, all variants are tried on some poses, and the one that is certain of most poses is kept.
-The equations are those of src/core/families/general/hidden_joint.hpp. Where the elimination is not certain,
-continuation from a pose whose solutions are all known takes over (continuation.hpp there).
+written. When an arm is loaded, all variants are tried on some poses, and those that are certain of most poses are kept:
+where one is in doubt, the next one hides another joint.
+The equations are those of src/core/families/general/hidden_joint.hpp.
 """
 
 import math
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik._core import known_poses, try_elimination
+from urdf_ik._core import try_elimination
 from urdf_ik.ik.families.parts.inexact import UNKNOWN, inexact
 from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain
@@ -22,14 +22,14 @@ from urdf_ik.typing import Array
 
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
-# Poses on which variants are tried. The known poses are chosen among them.
-_KNOWN = 32
-# With slides the solutions of all poses may form several separate surfaces, each of which needs a known pose.
-_KNOWN_WITH_SLIDES = 128
-# The first poses select a few variants, which are tried on all poses.
-_FIRST, _FEW = 8, 3
+# Poses on which variants are tried; the first ones choose how far the axes move for each cut.
+_POSES, _FIRST = 32, 8
 # Poses that choose the counter.
 _SOME = 16
+# Variants that are kept.
+_KEPT = 3
+# The share of poses whose sixteen solutions a variant finds; below it, real solutions are counted alone.
+_MOST = 0.9
 # Sizes of the core's arrays: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
 # From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
@@ -37,13 +37,11 @@ _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
 def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
-    """The arm for the compiled elimination.
-
-    It has the variant that is certain of most poses, and poses whose solutions are all known.
+    """The arm for the compiled elimination, with the variants that are certain of most poses.
 
     Args:
         chain: six joints.
-        near: whether the arm is near a special one: complex solutions far from real are then left out.
+        near: whether the arm is near a special one: its complex solutions are then too far from real to be counted.
     """
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
@@ -51,21 +49,24 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
     rng = np.random.default_rng(0)
-    Q = rng.uniform(-math.pi, math.pi, (_KNOWN_WITH_SLIDES if chain.prismatic.any() else _KNOWN, 6))
+    Q = rng.uniform(-math.pi, math.pi, (_POSES, 6))
     Q[:, chain.prismatic] *= chain.size / math.pi
-    as_written = written(chain)
     setup = Numbers(
-        written=as_written,
+        written=written(chain),
         home_inverse=np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
         centre=centre,
         scale=scale,
-        known=Numbers(**known_poses(as_written, Q, near)),
+        near=float(near or chain.prismatic.any()),
     )
-    targets = chain.fk(Q[:_KNOWN])
+    targets = chain.fk(Q)
     every = _all_variants(H, points, chain.prismatic, rng)
-    best = _best(setup, _best(setup, every, targets[:_FIRST], _FEW), targets, 1)
+    variant = _best(setup, every, targets)
     counter, rest = _counter(setup, every, targets[:_SOME])
-    variant = _with_bounds(best, setup)[0]
+    if not setup.near and (_tried(setup, _at(variant, [0]), targets)[1] & 1).mean() < _MOST:
+        setup.near = 1.0
+        variant = Numbers(**{k: np.concatenate([v, vars(variant)[k][:-1]]) for k, v in vars(counter).items()})
+    if np.array_equal(variant.left[0], counter.left[0]):
+        variant.inexact[0] = counter.inexact[0]
     return Numbers(kind="elimination", **vars(setup), variant=variant, counter=counter, counter_rest=rest)
 
 
@@ -92,14 +93,22 @@ def _counter(setup: Numbers, variants: Numbers, targets: Array) -> tuple[Numbers
     return _with_bounds(_at(unmoved, [int(np.argsort(proven, kind="stable")[-1])]), setup)
 
 
-def _best(setup: Numbers, variants: Numbers, targets: Array, count: int) -> Numbers:
-    """The ``count`` variants that are rightly certain of most of the poses (m, 4, 4); the best one last."""
+def _best(setup: Numbers, variants: Numbers, targets: Array) -> Numbers:
+    """Variants of the best cuts, the best one first; the first poses (m, 4, 4) choose how far their axes move."""
+    order = _order(setup, variants, targets[:_FIRST])
+    cuts = variants.first[order] + 4 * variants.reversed[order]
+    few = _at(variants, order[np.sort(np.unique(cuts, return_index=True)[1])])
+    return _at(few, _order(setup, few, targets)[:_KEPT])
+
+
+def _order(setup: Numbers, variants: Numbers, targets: Array) -> NDArray[np.intp]:
+    """The places of the variants, from the one that is rightly certain of most of the poses (m, 4, 4)."""
     counts, found = _tried(setup, variants, targets)
     certain = found & 1
     # A variant that is certain of fewer solutions than another one finds: its determinant lacks some of them as roots.
     wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
-    order = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))
-    return _at(variants, order[-count:])
+    # Among equals the one whose equations take the fewest products, see ``EliminationVariant`` of the core.
+    return np.lexsort((-variants.first, np.where(wrong, 1, -certain.sum(axis=1, dtype=np.int64))))
 
 
 def _at(variants: Numbers, rows: Sequence[int] | NDArray[np.intp]) -> Numbers:
