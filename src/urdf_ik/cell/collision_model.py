@@ -220,20 +220,6 @@ class CollisionModel:
         """
         return self._changed(first, second, True)
 
-    def checking(self, pairs: Collection[Pair]) -> "CollisionModel":
-        """This model, checking these pairs of links and no others.
-
-        Raises:
-            ArgumentError: there is no such link, or it has no shape.
-            UrdfError: there are no collision shapes, or not all of them were found.
-        """
-        own, wanted, model = set(self.checked_pairs), {(first, second) for first, second in pairs}, self
-        for pair in sorted(own - wanted):
-            model = model.allow(*pair)
-        for pair in sorted(wanted - own):
-            model = model.check(*pair)
-        return model
-
     @property
     def is_changed(self) -> bool:
         """Whether anything but the URDF decides what is checked: an SRDF, :meth:`allow` or :meth:`check`, a world."""

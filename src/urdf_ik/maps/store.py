@@ -9,15 +9,13 @@ checksum that every Zarr reader checks.
 
 import contextlib
 import hashlib
-import math
 import os
 import shutil
 import uuid
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +26,10 @@ from urdf_ik.errors import ArgumentError, JobError, printable
 from urdf_ik.maps import cluster
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
 
-VERSION = 2
+if TYPE_CHECKING:
+    from urdf_ik.maps.workspaces.creation import Question
+
+FORMAT, VERSION = "urdf-ik workspace map in Zarr", 2
 _LEVEL = 1  # of Zstandard: a higher one takes longer than solving and saves little
 
 STORE_KEYS = ("format", "version", "block", "complete")
@@ -64,89 +65,21 @@ class Variable(NamedTuple):
         return {"long_name": self.words, "units": self.units}
 
 
+VARIABLES = {
+    "solutions": Variable(np.uint8, "orientation", "number of solutions"),
+    "within": Variable(np.uint8, "orientation", "number of solutions within the limits"),
+    "free": Variable(np.uint8, "orientation", "number of solutions within the limits and free of collision"),
+    "manipulability": Variable(np.float32, "orientation", "greatest manipulability of the solutions that count"),
+    "margin": Variable(np.float32, "orientation", "greatest limit margin of the solutions that count"),
+    "clearance": Variable(np.float32, "orientation", "greatest clearance of the solutions that count", "m"),
+    "branch_poses": Variable(
+        np.uint16, "branch", "number of orientations in which a branch has a solution that counts"
+    ),
+}
+"""The arrays that a map can contain."""
+
 Coordinate = tuple[tuple[str, ...], NDArray[Any], dict[str, str]]
 """Names of dimensions, values and attributes, as xarray takes them."""
-
-
-@dataclass(frozen=True, eq=False)
-class Question:
-    """All that the arrays of a map depend on; pickled for workers.
-
-    Attributes:
-        arm: the arm.
-        world: obstacles, or None.
-        grid: the voxels.
-        names: names of the requested arrays, some of ``VARIABLES``.
-        most: greatest number of voxels of a block.
-        threads: number of threads that solve.
-        pairs: pairs of links that are checked for collision; None without a collision check.
-        lengths: lengths of the dimensions after x, y and z, by name.
-    """
-
-    FORMAT: ClassVar[str]
-    VARIABLES: ClassVar[Mapping[str, Variable]]
-
-    arm: Arm
-    world: World | None
-    grid: Grid
-    names: tuple[str, ...]
-    most: int
-    threads: int
-    pairs: Pairs | None
-    lengths: Mapping[str, int]
-
-    @property
-    def blocks(self) -> Blocks:
-        """The division of the grid."""
-        return Blocks.cut(self.grid.shape, self.most)
-
-    @property
-    def coordinates(self) -> dict[str, Coordinate]:
-        """The arrays that say what the places along the dimensions are."""
-        words = {"units": "m", "long_name": "voxels' centres"}
-        return {name: ((name,), self.grid.coordinates(k), words) for k, name in enumerate(AXES)}
-
-    def solved(self, part: Part) -> dict[str, NDArray[Any]]:
-        """The arrays of a box of voxels."""
-        raise NotImplementedError
-
-    def shape(self, name: str, positions: tuple[int, ...]) -> tuple[int, ...]:
-        """Shape of an array at positions of some shape."""
-        return (*positions, self.lengths[self.VARIABLES[name].last])
-
-    def size(self, positions: int) -> int:
-        """Size of all arrays at so many positions [bytes]."""
-        return sum(
-            math.prod(self.shape(name, (positions,))) * np.dtype(self.VARIABLES[name].kind).itemsize
-            for name in self.names
-        )
-
-    def described(self) -> dict[str, Any]:
-        """The question in JSON, for a store."""
-        versions = {"instructions": cluster.versions()["instructions"]}
-        about = about_arm(self.arm, self.pairs, self.world) | versions
-        return about | {"grid": self.grid.described(), "holds": list(self.names)}
-
-    def computed(self, progress: Progress | None, units: int) -> dict[str, NDArray[Any]]:
-        """All arrays in memory, block by block, read-only; ``progress``: finished units, and their number."""
-        arrays: dict[str, NDArray[Any]] = {
-            name: np.empty(self.shape(name, self.grid.shape), self.VARIABLES[name].kind) for name in self.names
-        }
-        for done, part in enumerate(self.blocks.parts(), 1):
-            for name, values in self.solved(part).items():
-                arrays[name][part] = values
-            if progress is not None:
-                progress(done * units // self.blocks.count, units)
-        for array in arrays.values():
-            array.setflags(write=False)
-        return arrays
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        # A pickled arm has no collision model; the copy builds a new one, which needs the pairs that are checked.
-        self.__dict__.update(state)
-        if self.pairs is not None:
-            cell = self.arm.cell
-            self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(self.pairs)))
 
 
 def about_arm(arm: Arm, pairs: Pairs | None, world: World | None) -> dict[str, Any]:
@@ -173,7 +106,6 @@ class BlockStore:
 
     Args:
         path: the group's folder.
-        form: the group's format, ``FORMAT`` of its question.
 
     Attributes:
         path: the folder.
@@ -187,7 +119,7 @@ class BlockStore:
         JobError: there is no such store.
     """
 
-    def __init__(self, path: str | os.PathLike[str], form: str) -> None:
+    def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         zarr = cluster.package("zarr")
         try:
@@ -195,8 +127,10 @@ class BlockStore:
                 self.group = zarr.open_group(str(self.path), mode="r+", zarr_format=3)
                 self.question = dict(self.group.attrs)
                 stored = self.question.get("format"), self.question.get("version")
-                if stored != (form, VERSION):
-                    raise JobError(f"{path} is {stored[0]!r}, version {stored[1]}; {form!r}, version {VERSION} is read")
+                if stored != (FORMAT, VERSION):
+                    raise JobError(
+                        f"{path} is {stored[0]!r}, version {stored[1]}; {FORMAT!r}, version {VERSION} is read"
+                    )
                 self.names: tuple[str, ...] = tuple(self.question["holds"])
                 self._arrays = {name: self.group[name] for name in self.names}
             self.grid = Grid.from_described(self.question["grid"])
@@ -247,7 +181,7 @@ class BlockStore:
 
 
 def fill(
-    path: str | os.PathLike[str], question: Question, client: Any, progress: Progress | None, units: int
+    path: str | os.PathLike[str], question: "Question", client: Any, progress: Progress | None, units: int
 ) -> BlockStore:
     """Compute all blocks that a store lacks; a missing store is created.
 
@@ -265,14 +199,14 @@ def fill(
     """
     folder = _checked(path)
     blocks = question.blocks
-    asked = {"format": question.FORMAT, "version": VERSION, "block": list(blocks.shape), **question.described()}
-    store = BlockStore(folder, question.FORMAT) if (folder / "zarr.json").exists() else None
+    asked = {"format": FORMAT, "version": VERSION, "block": list(blocks.shape), **question.described()}
+    store = BlockStore(folder) if (folder / "zarr.json").exists() else None
     if store is not None:
         _require_same(store, asked)
     pending = list(range(blocks.count)) if store is None else store.pending()
     if store is None:
         _create(folder, question, asked)
-        store = BlockStore(folder, question.FORMAT)
+        store = BlockStore(folder)
     done = blocks.count - len(pending)
 
     def tick() -> None:
@@ -312,7 +246,7 @@ def _checked(path: str | os.PathLike[str]) -> Path:
     return folder
 
 
-def _create(folder: Path, question: Question, asked: dict[str, Any]) -> None:
+def _create(folder: Path, question: "Question", asked: dict[str, Any]) -> None:
     """Create the group without blocks, under a temporary name first."""
     zarr, codecs = cluster.package("zarr"), cluster.package("zarr.codecs")
     packing = [codecs.ZstdCodec(level=_LEVEL), codecs.Crc32cCodec()]
@@ -325,7 +259,7 @@ def _create(folder: Path, question: Question, asked: dict[str, Any]) -> None:
                 name, data=values, dimension_names=dimensions, compressors=packing, attributes=attributes
             )
         for name in question.names:
-            variable = question.VARIABLES[name]
+            variable = VARIABLES[name]
             group.create_array(
                 name,
                 shape=question.shape(name, grid.shape),

@@ -16,14 +16,7 @@ A map contains the answers of ``arm.ik`` for every voxel's centre in every sampl
 from urdf_ik.maps.grid import Grid
 from urdf_ik.maps.workspaces.creation import CHUNK, grid_of, stored_workspace, workspace
 from urdf_ik.maps.workspaces.planar_regions import ELBOWS, Arc, PlanarWorkspace, Region, planar
-from urdf_ik.maps.workspaces.workspace_map import (
-    VALUES,
-    VARIABLES,
-    MapSlice,
-    WorkspaceMap,
-    opened,
-    require_map_of,
-)
+from urdf_ik.maps.workspaces.workspace_map import VALUES, MapSlice, WorkspaceMap, opened, require_map_of
 
 __all__ = [
     "Arc",
@@ -34,7 +27,6 @@ __all__ = [
     "PlanarWorkspace",
     "Region",
     "VALUES",
-    "VARIABLES",
     "WorkspaceMap",
     "grid_of",
     "opened",

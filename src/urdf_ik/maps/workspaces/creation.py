@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps.grid import Grid, Part, checked_bounds
-from urdf_ik.maps.store import Coordinate, Progress, Question, Variable, digest, fill
+from urdf_ik.maps import cluster
+from urdf_ik.maps.grid import AXES, Blocks, Grid, Part, checked_bounds
+from urdf_ik.maps.store import VARIABLES, Coordinate, Pairs, Progress, about_arm, digest, fill
 from urdf_ik.maps.workspaces.solution_counts import Counting, sum_over_samples
 from urdf_ik.maps.workspaces.workspace_map import (
-    STORE_FORMAT,
-    VARIABLES,
     WorkspaceMap,
     opened,
     require_memory,
@@ -89,8 +88,7 @@ def workspace(
     """
     question = _question(arm, voxel, orientations, None, **options)
     grid, count = question.grid, len(question.samples)
-    size = question.size(grid.count)
-    require_memory(grid, count, size + question.scratch())
+    require_memory(grid, count, question.memory(grid.shape))
     if output is not None:
         files.writable(output)
     arrays = question.computed(progress, grid.count * count)
@@ -142,7 +140,7 @@ def stored_workspace(
     """
     question = _question(arm, voxel, orientations, block, **options)
     grid, count = question.grid, len(question.samples)
-    require_memory(grid, count, question.size(math.prod(question.blocks.shape)) + question.scratch())
+    require_memory(grid, count, question.memory(question.blocks.shape))
     fill(store, question, client, progress, grid.count * count)
     return opened(store)
 
@@ -163,7 +161,7 @@ def _question(
     redundancy: float | None = None,
     threads: Threads = 1,
     chunk: int = CHUNK,
-) -> "_Question":
+) -> "Question":
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     if world is not None and not (collision_free or clearance):
@@ -183,7 +181,7 @@ def _question(
     if collision_free or clearance:
         usual = BLOCK_WITH_COLLISIONS
     most = usual if block is None else inputs.whole(block, "block", low=1)
-    return _Question(
+    return Question(
         arm=arm,
         world=world,
         grid=grid_of(arm, voxel, bounds),
@@ -199,36 +197,65 @@ def _question(
 
 
 @dataclass(frozen=True, eq=False)
-class _Question(Question):
-    """All that a workspace map depends on.
+class Question:
+    """All that the arrays of a workspace map depend on; pickled for workers.
 
     Attributes:
+        arm: the arm.
+        world: obstacles, or None.
+        grid: the voxels.
+        names: names of the requested arrays, some of ``VARIABLES``.
+        most: greatest number of voxels of a block.
+        threads: number of threads that solve.
+        pairs: pairs of links that are checked for collision; None without a collision check.
+        lengths: lengths of the dimensions after x, y and z, by name.
         samples: (S, ...) orientations, directions or angles at each position.
         redundancy: value of the redundancy parameter, or None.
         at_once: positions that are solved at a time.
     """
 
-    FORMAT: ClassVar[str] = STORE_FORMAT
-    VARIABLES: ClassVar[Mapping[str, Variable]] = VARIABLES
-
+    arm: Arm
+    world: World | None
+    grid: Grid
+    names: tuple[str, ...]
+    most: int
+    threads: int
+    pairs: Pairs | None
+    lengths: Mapping[str, int]
     samples: Array = field(repr=False)
     redundancy: float | None
     at_once: int
 
     @property
-    def coordinates(self) -> dict[str, Coordinate]:
-        """The voxels' centres and the samples."""
-        return {**super().coordinates, **sample_coordinates(self.described(), self.samples)}
+    def blocks(self) -> Blocks:
+        """The division of the grid."""
+        return Blocks.cut(self.grid.shape, self.most)
 
-    def scratch(self) -> int:
-        """Memory that solving takes in addition to the arrays [bytes]."""
-        return self.at_once * len(self.samples) * (128 + 20 * self.lengths["branch"] * (self.arm.dof + 1) * 8)
+    @property
+    def coordinates(self) -> dict[str, Coordinate]:
+        """The voxels' centres and the samples, with what they are."""
+        words = {"units": "m", "long_name": "voxels' centres"}
+        centres = {name: ((name,), self.grid.coordinates(k), words) for k, name in enumerate(AXES)}
+        return {**centres, **sample_coordinates(self.described(), self.samples)}
+
+    def shape(self, name: str, positions: tuple[int, ...]) -> tuple[int, ...]:
+        """Shape of an array at positions of some shape."""
+        return (*positions, self.lengths[VARIABLES[name].last])
+
+    def memory(self, box: tuple[int, int, int]) -> int:
+        """Memory that a box of voxels takes: its arrays, and what solving needs in addition [bytes]."""
+        arrays = (math.prod(self.shape(name, box)) * np.dtype(VARIABLES[name].kind).itemsize for name in self.names)
+        solved = 128 + 20 * self.lengths["branch"] * (self.arm.dof + 1) * 8
+        return sum(arrays) + self.at_once * len(self.samples) * solved
 
     def described(self) -> dict[str, Any]:
-        """The question in JSON."""
+        """The question in JSON, for a store."""
         arm, free = self.arm, self.arm.redundancy
         return {
-            **super().described(),
+            **about_arm(arm, self.pairs, self.world),
+            "instructions": cluster.versions()["instructions"],
+            "grid": self.grid.described(),
+            "holds": list(self.names),
             "joints": list(arm.joint_names),
             "limits": [[value if np.isfinite(value) else None for value in pair] for pair in arm.limits.tolist()],
             "task": arm.task,
@@ -239,6 +266,20 @@ class _Question(Question):
             "redundancy": None if free is None else float(free.default if self.redundancy is None else self.redundancy),
             "drawn": {"count": len(self.samples), "sha256": digest(self.samples.tobytes())},
         }
+
+    def computed(self, progress: Progress | None, units: int) -> dict[str, NDArray[Any]]:
+        """All arrays in memory, block by block, read-only; ``progress``: finished units, and their number."""
+        arrays: dict[str, NDArray[Any]] = {
+            name: np.empty(self.shape(name, self.grid.shape), VARIABLES[name].kind) for name in self.names
+        }
+        for done, part in enumerate(self.blocks.parts(), 1):
+            for name, values in self.solved(part).items():
+                arrays[name][part] = values
+            if progress is not None:
+                progress(done * units // self.blocks.count, units)
+        for array in arrays.values():
+            array.setflags(write=False)
+        return arrays
 
     def solved(self, part: Part) -> dict[str, NDArray[Any]]:
         """The arrays of a box of voxels."""

@@ -14,22 +14,10 @@ from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps import cluster, store
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
-from urdf_ik.maps.store import STORE_KEYS, BlockStore, Coordinate, Variable, digest
+from urdf_ik.maps.store import STORE_KEYS, VARIABLES, BlockStore, Coordinate, digest
 from urdf_ik.support import files
 from urdf_ik.typing import Array
 
-VARIABLES = {
-    "solutions": Variable(np.uint8, "orientation", "number of solutions"),
-    "within": Variable(np.uint8, "orientation", "number of solutions within the limits"),
-    "free": Variable(np.uint8, "orientation", "number of solutions within the limits and free of collision"),
-    "manipulability": Variable(np.float32, "orientation", "greatest manipulability of the solutions that count"),
-    "margin": Variable(np.float32, "orientation", "greatest limit margin of the solutions that count"),
-    "clearance": Variable(np.float32, "orientation", "greatest clearance of the solutions that count", "m"),
-    "branch_poses": Variable(
-        np.uint16, "branch", "number of orientations in which a branch has a solution that counts"
-    ),
-}
-"""The arrays that a map can contain."""
 VALUES = {
     "reach": "share of the orientations that are reached",
     "solutions": "mean number of solutions",
@@ -39,7 +27,6 @@ VALUES = {
 }
 """Values of a voxel, by name, with their descriptions."""
 FORMAT, VERSION = "urdf-ik workspace map", 2
-STORE_FORMAT = "urdf-ik workspace map in Zarr"
 HINT = "take larger voxels, fewer orientations or narrower bounds"
 
 
@@ -306,7 +293,7 @@ def opened(path: str | os.PathLike[str]) -> WorkspaceMap:
         True
     """
     if os.path.isdir(path):
-        store = BlockStore(path, STORE_FORMAT)
+        store = BlockStore(path)
         return WorkspaceMap(store.about, store.grid, np.asarray(store.group["samples"][...]), store=store)
     try:
         with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
