@@ -15,7 +15,7 @@ import uuid
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,6 @@ from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, JobError, printable
 from urdf_ik.maps import cluster
 from urdf_ik.maps.grid import AXES, Blocks, Grid, Part
-
-if TYPE_CHECKING:
-    from urdf_ik.maps.workspaces.creation import Question
 
 FORMAT, VERSION = "urdf-ik workspace map in Zarr", 2
 _LEVEL = 1  # of Zstandard: a higher one takes longer than solving and saves little
@@ -180,14 +177,12 @@ class BlockStore:
             self._arrays[name][part] = arrays[name]
 
 
-def fill(
-    path: str | os.PathLike[str], question: "Question", client: Any, progress: Progress | None, units: int
-) -> BlockStore:
+def fill(path: str | os.PathLike[str], question: Any, client: Any, progress: Progress | None, units: int) -> BlockStore:
     """Compute all blocks that a store lacks; a missing store is created.
 
     Args:
         path: folder of the store.
-        question: the question.
+        question: the question, a ``maps.workspaces.creation.Question``.
         client: a ``distributed.Client`` whose workers compute the blocks; None for this process.
         progress: called with the number of finished units, and of all.
         units: their number.
@@ -246,7 +241,7 @@ def _checked(path: str | os.PathLike[str]) -> Path:
     return folder
 
 
-def _create(folder: Path, question: "Question", asked: dict[str, Any]) -> None:
+def _create(folder: Path, question: Any, asked: dict[str, Any]) -> None:
     """Create the group without blocks, under a temporary name first."""
     zarr, codecs = cluster.package("zarr"), cluster.package("zarr.codecs")
     packing = [codecs.ZstdCodec(level=_LEVEL), codecs.Crc32cCodec()]
