@@ -1,14 +1,13 @@
 """An arm: its repr, immutability, pickling, threads, and the arms that it refuses to solve."""
 
 import pickle
-import threading
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from arms import DescribedArm, industrial, random_arm, serial_urdf, ur_like
-from cases import assert_exact, described, from_catalogue, nearest, rows
+from cases import described, from_catalogue, nearest, rows
 from numpy.typing import NDArray
 from oracle import Oracle, angle_distance
 
@@ -95,21 +94,6 @@ def test_answers_do_not_follow_the_callers_array(form: str) -> None:
         assert solutions.explain() == text
 
 
-@pytest.mark.parametrize("described_arm", [industrial(), ur_like(), random_arm("2||3||4", 1)], ids=lambda a: a.name)
-@pytest.mark.parametrize("threads", [2, 3, 4])
-def test_threads_share_a_batch(described_arm: DescribedArm, threads: int) -> None:
-    """Two, three and four threads give, bit for bit, what one thread gives, for batches that do not divide evenly."""
-    arm = urdf_ik.load(described_arm.urdf, "base", "tool")
-    q = np.random.default_rng(1).uniform(-np.pi, np.pi, (3001, 6))
-    q[::9, 4] = 0.0
-    targets = arm.fk(q)
-    targets[::7, :3, 3] *= 5.0
-    alone, together = arm.ik(targets), arm.ik(targets, threads=threads)
-    np.testing.assert_array_equal(together.q, alone.q)
-    np.testing.assert_array_equal(together.valid, alone.valid)
-    np.testing.assert_array_equal(together.singular, alone.singular)
-
-
 @pytest.mark.parametrize("bad", [(0,), (1700,), (2999,), (2500, 700), (700, 1600, 2999)])
 def test_the_first_bad_pose_is_named_whatever_thread_meets_it(bad: tuple[int, ...]) -> None:
     """With bad poses in several threads' shares the error still tells the first."""
@@ -187,15 +171,6 @@ def test_unsupported_arm(text: str, words: str) -> None:
 # ---------------------------------------------------------------- the first call
 
 
-def test_a_first_call_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    """The first call compiles nothing: it writes nothing and leaves no thread behind."""
-    before = set(threading.enumerate())
-    arm = urdf_ik.load("zyyzyz_6r")
-    assert arm.ik(arm.fk(Q)).count == 8
-    assert set(threading.enumerate()) <= before  # one that ended meanwhile was another test's
-    assert capfd.readouterr() == ("", "")
-
-
 # ---------------------------------------------------------------- a chain with other ends
 
 
@@ -216,15 +191,6 @@ def test_an_arm_that_is_solved_from_its_tool(described_arm: DescribedArm) -> Non
     for solution in found:
         assert forward.oracle.error(solution[::-1], np.linalg.inv(target)) < 1e-9
         assert float(angle_distance(expected, solution[::-1]).min()) < 1e-6
-
-
-def test_solutions_belong_to_their_arm() -> None:
-    """Two arms in one process do not share state: each solves its own URDF."""
-    short, tall = described(industrial()), described(industrial(tool=(0.3, 0.1, 0.2)))
-    target = short.oracle.pose(Q)
-    for case in (short, tall, short):
-        assert_exact(case, case.arm.ik(target), target)
-        assert case.arm.ik(target).solver is case.arm.solver
 
 
 def test_the_stick_of_an_arm_runs_either_way() -> None:

@@ -2,6 +2,8 @@
 
 import math
 import re
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import core_arms
@@ -10,7 +12,7 @@ import pinocchio as pin
 import pytest
 from arms import industrial, random_arm
 from arms_general import crx_like, jaco_like
-from cases import described, from_catalogue
+from cases import Case, described, from_catalogue
 from numpy.typing import NDArray
 from oracle import Oracle
 
@@ -47,54 +49,36 @@ def turns(m: int) -> Array:
     return np.array([pin.exp3(rng.uniform(-2.0, 2.0, 3)) for _ in range(m)])
 
 
-def test_zyyzyz_out_of_reach_tells_the_wrist_distance() -> None:
-    """The text tells the wrist centre's distance from the shoulder, and the reach of 1 m + 1.1 m."""
-    case = from_catalogue("zyyzyz_6r")
-    shoulder, centre = origin_of(case.oracle, 2, np.zeros(6)), origin_of(case.oracle, 5, np.zeros(6))
-    np.testing.assert_allclose([shoulder, centre], [[0.0, 0.0, 1.0], [0.0, 0.0, 3.1]], atol=1e-15)
-    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [*centre, 1.0])[:3]
-    for distance, turn in zip((2.1001, 2.5, 3.0, 12.0), turns(4), strict=True):
-        direction = turn[0]
-        target = placed(case.arm, in_tip, shoulder + distance * direction, turn)
-        for text in (case.arm.explain(target), case.arm.ik(target).explain()):
-            assert numbers_in(text)[:2] == pytest.approx([distance, 2.1], rel=1e-5)
-            assert numbers_in(text)[2:] == pytest.approx([distance - 2.1], rel=5e-3)
-            assert "shoulder" in text and "reach" in text and text.endswith("too far")
+ZYYZYZ = lru_cache(lambda: from_catalogue("zyyzyz_6r"))
+HYPOT = math.hypot(math.hypot(1.2, 1.3) - 0.15, 0.9 - 0.5)
+FOREARM = math.hypot(0.35 + 0.35, 0.12)  # axis 3 to the wrist's centre
 
 
-def test_zyyzyz_inside_the_folded_elbow_tells_the_folded_length() -> None:
-    """Closer to the shoulder than the folded arm, the text tells that distance and the folded length of 0.1 m."""
-    case = from_catalogue("zyyzyz_6r")
-    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.0, 0.0, 3.1, 1.0])[:3]
-    for distance, turn in zip((0.0999, 0.05, 0.001), turns(3), strict=True):
-        target = placed(case.arm, in_tip, [0.0, 0.0, 1.0] + distance * turn[1], turn)
-        text = case.arm.explain(target)
-        assert numbers_in(text)[:2] == pytest.approx([distance, 0.1], rel=1e-5)
-        assert numbers_in(text)[2:] == pytest.approx([0.1 - distance], rel=5e-3)
-        assert "folded" in text and text.endswith("too near")
-
-
-def test_industrial_arm_out_of_reach_counts_its_shoulder_offset() -> None:
-    """The distance is the smaller one of both ways to turn the shoulder, the reach is that of the elbow's lengths."""
-    case = described(industrial())
-    upper, lower = 0.6, math.hypot(0.35 + 0.35, 0.12)  # axis 2 to 3; axis 3 to the centre at (0.85, 1.22)
-    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.85, 0.0, 1.22, 1.0])[:3]
+@pytest.mark.parametrize(
+    ("case", "centre", "shoulder", "distance", "told", "words"),
+    [
+        (ZYYZYZ, (0.0, 0.0, 3.1), (0.0, 0.0, 1.0), 2.1001, (2.1001, 2.1, 0.0001), "shoulder.*reach.*too far$"),
+        (ZYYZYZ, (0.0, 0.0, 3.1), (0.0, 0.0, 1.0), 12.0, (12.0, 2.1, 9.9), "shoulder.*reach.*too far$"),
+        (ZYYZYZ, (0.0, 0.0, 3.1), (0.0, 0.0, 1.0), 0.0999, (0.0999, 0.1, 0.0001), "folded.*too near$"),
+        (ZYYZYZ, (0.0, 0.0, 3.1), (0.0, 0.0, 1.0), 0.001, (0.001, 0.1, 0.099), "folded.*too near$"),
+        # The smaller distance of both ways to turn the shoulder, which stands 0.15 m beside axis 1.
+        (lambda: described(industrial()), (0.85, 0.0, 1.22), (1.2, 1.3, 0.9), 0.0, (HYPOT, 0.6 + FOREARM), "reach"),
+        (lambda: described(industrial(b=0.1)), (0.85, 0.1, 1.22), (0.03, 0.04, 1.0), 0.0, (0.05, 0.1, 0.05), "axis 1"),
+    ],
+)
+def test_the_wrists_distance_and_the_reach_are_told(
+    case: Callable[[], Case], centre: Sequence[float], shoulder: Sequence[float], distance: float,
+    told: Sequence[float], words: str,
+) -> None:  # fmt: skip
+    """With the wrist's centre (at zero: ``centre``) at a distance from a place, the text tells the lengths [m]."""
+    arm, oracle = case().arm, case().oracle
+    in_tip = (np.linalg.inv(oracle.pose(np.zeros(6))) @ [*centre, 1.0])[:3]
     for turn in turns(3):
-        wrist = np.array([1.2, 1.3, 0.9])
-        target = placed(case.arm, in_tip, wrist, turn)
-        distance = math.hypot(math.hypot(1.2, 1.3) - 0.15, 0.9 - 0.5)
-        assert numbers_in(case.arm.explain(target))[:2] == pytest.approx([distance, upper + lower], rel=1e-5)
-
-
-def test_industrial_lateral_arm_near_axis_1_tells_its_offset() -> None:
-    """Closer to axis 1 than the lateral offset, the text tells the distance from the axis and the offset."""
-    case = described(industrial(b=0.1))
-    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.85, 0.1, 1.22, 1.0])[:3]
-    for turn in turns(3):
-        target = placed(case.arm, in_tip, np.array([0.03, 0.04, 1.0]), turn)
-        text = case.arm.explain(target)
-        assert numbers_in(text) == pytest.approx([0.05, 0.1, 0.05], rel=1e-5)
-        assert "axis 1" in text
+        target = placed(arm, in_tip, shoulder + distance * turn[0], turn)
+        for text in (arm.explain(target), arm.ik(target).explain()):
+            assert numbers_in(text)[:2] == pytest.approx(told[:2], rel=1e-5)
+            assert numbers_in(text)[2 : len(told)] == pytest.approx(told[2:], rel=5e-3)
+            assert re.search(words, text)
 
 
 def test_ur5_wrist_near_axis_1_tells_its_offset() -> None:

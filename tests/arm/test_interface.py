@@ -44,29 +44,6 @@ def test_the_nearest_of_any_arm_is_where_it_came_from(name: str) -> None:
     np.testing.assert_allclose(found.q[:, 0], Q, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("within_limits", [False, True])
-def test_nearest_and_ik_nearest_treat_limits_alike(within_limits: bool) -> None:
-    """``ik_nearest`` and ``nearest`` of all solutions agree for the same ``within_limits``."""
-    arm = from_catalogue("ur5_limited").arm
-    Q = within(arm, 3, 20)
-    T = arm.fk(Q)
-    one, other = arm.ik_nearest(T, Q, within_limits=within_limits), arm.ik(T).nearest(Q, within_limits=within_limits)
-    np.testing.assert_array_equal(one.q, other.q)
-    assert one.filters == (("limits", "nearest") if within_limits else ("nearest",))
-    if within_limits:
-        assert ((one.q >= arm.limits[:, 0] - 1e-9) & (one.q <= arm.limits[:, 1] + 1e-9)).all()
-
-
-def test_ur5_image_at_5_rad_is_nearest() -> None:
-    """Two turns allowed: near 5 rad the solution at -1.28 rad is returned as its image at 5 rad."""
-    arm = from_catalogue("ur5").arm
-    q = np.array([5.0, -1.0, 1.2, -0.7, 0.9, -5.5])
-    np.testing.assert_allclose(arm.ik_nearest(arm.fk(q), q).q[0], q, rtol=0.0, atol=1e-8)
-    np.testing.assert_allclose(arm.ik_nearest(arm.fk(q), q, within_limits=False).q[0], q, rtol=0.0, atol=1e-8)
-    alone = arm.ik(arm.fk(q)).nearest(q, modulo_turns=True).q[0]
-    np.testing.assert_allclose(alone, np.remainder(q + np.pi, 2.0 * np.pi) - np.pi, rtol=0.0, atol=1e-8)
-
-
 @pytest.mark.parametrize("name", LINKAGES)
 def test_mimic_joints_follow_in_pinocchios_configuration(name: str) -> None:
     """In ``to_pinocchio`` mimic joints follow their drivers: Pinocchio's tip is the arm's."""

@@ -10,9 +10,10 @@ from closed_forms import member, members, near_member
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_poses(kind: str) -> None:
-    """Planted joint vectors are found, all solutions are exact, none is given twice."""
+    """Planted joint vectors are found, all solutions are exact, none is given twice; a batch is its poses."""
     for case in members(kind):
         contract.holds(case, 40, 1)
+    contract.batch_equals_single_but_for_one(member(kind), 4)
 
 
 @pytest.mark.parametrize("kind", thinned(KINDS, 4))
@@ -23,16 +24,10 @@ def test_many_members(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", thinned(KINDS, 4))
-def test_near_singularities(kind: str) -> None:
-    """At 1e-1 to 1e-8 rad from any singularity every planted one is found."""
+def test_singularities(kind: str) -> None:
+    """At 1e-1 to 1e-8 rad from any every planted one is found, on one there are marked solutions and the reference."""
     for case in members(kind):
         contract.holds_near_singularities(case, 10, 2, decades=8)
-
-
-@pytest.mark.parametrize("kind", thinned(KINDS, 4))
-def test_on_singularities(kind: str) -> None:
-    """Exactly singular poses have marked solutions, and the planted one where it is the reference."""
-    for case in members(kind):
         contract.holds_on_singularities(case, 8, 3)
         closed_forms.returns_its_reference(case, 8, 3)
 
@@ -54,12 +49,6 @@ def test_agrees_with_the_elimination(kind: str) -> None:
 def test_no_solution_is_missing(kind: str) -> None:
     """A multi-start Newton search on Pinocchio's model finds no further solution."""
     contract.is_complete(member(kind), 2, 6)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_batch_equals_single(kind: str) -> None:
-    """A stack of poses gives what each pose gives."""
-    contract.batch_equals_single_but_for_one(member(kind), 4)
 
 
 @pytest.mark.parametrize("kind", [*PARALLEL_SHOULDER, *SPHERICAL_MIDDLE])

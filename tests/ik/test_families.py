@@ -57,9 +57,11 @@ def test_forward_kinematics_and_jacobian_agree_with_pinocchio(name: str) -> None
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_solutions_are_exact_and_contain_the_planted_one(name: str) -> None:
-    """On random poses the planted joint vector is found, all solutions reach the pose, none is given twice."""
+def test_contract(name: str) -> None:
+    """Planted joint vectors are found, all solutions exact; a batch is its poses; out of reach there is nothing."""
     contract.holds(named(name), 40, 2)
+    contract.batch_equals_single_but_for_one(named(name), 4)
+    contract.is_empty_out_of_reach(named(name))
 
 
 @pytest.mark.parametrize("name", thinned(ALL, 4))
@@ -74,18 +76,6 @@ def test_many_members_of_a_family(kind: str) -> None:
     for seed in range(10, 26):
         case = described(random_arm(kind, seed, orthogonal=bool(seed % 2), aligned=bool(seed // 2 % 2)))
         contract.holds(case, 6, seed)
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_batch_equals_single(name: str) -> None:
-    """A stack of poses gives what each pose gives, column by column, with any number of threads and in any shape."""
-    contract.batch_equals_single_but_for_one(named(name), 4)
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_out_of_reach_is_empty_and_no_exception(name: str) -> None:
-    """A pose 1 % beyond all links, or far away, has no solution."""
-    contract.is_empty_out_of_reach(named(name))
 
 
 @pytest.mark.parametrize("name", NAMED_BRANCHES)

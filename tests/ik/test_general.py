@@ -40,19 +40,16 @@ def named(name: str) -> Case:
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_solved_by_elimination(name: str) -> None:
-    """These arms belong to no family: they are solved by elimination, in sixteen columns with numbers for names."""
+def test_contract(name: str) -> None:
+    """Solved by elimination, in sixteen columns with numbers for names; the contract holds."""
     structure = named(name).arm.structure
     assert structure.family == "6R general"
     assert structure.branches == tuple(f"solution {k}" for k in range(1, 17))
     assert structure.max_solutions == 16
     assert structure.imperfection == (0.0, 0.0)
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_planted_solutions_are_found(name: str) -> None:
-    """The planted joint vector is found, all solutions are exact, none is given twice, and their number is even."""
     contract.holds(named(name), 60, 1)
+    contract.batch_equals_single_but_for_one(named(name), 3)
+    contract.is_empty_out_of_reach(named(name))
 
 
 @pytest.mark.parametrize("name", thinned(["random-0", "random-1", "manseur_doty", *STRUCTURED], 3))
@@ -77,30 +74,10 @@ def test_manseur_doty_published_pose_has_sixteen() -> None:
     assert closest_pair(found) > 1e-2
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_batch_equals_single(name: str) -> None:
-    """A stack of poses gives what each pose gives, column by column, with any number of threads."""
-    contract.batch_equals_single_but_for_one(named(name), 3)
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_out_of_reach_is_empty(name: str) -> None:
-    """A pose 1 % beyond all links, or far away, has no solution."""
-    contract.is_empty_out_of_reach(named(name))
-
-
 @pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])
-def test_planted_near_singularities(name: str) -> None:
-    """At 1e-1 to 1e-7 rad from where Pinocchio's Jacobian is singular every planted one is found.
-
-    All solutions are exact, and none is given twice.
-    """
+def test_singularities(name: str) -> None:
+    """Where Pinocchio's Jacobian is singular a solution is marked; 1e-1 to 1e-7 rad beside it none is lost."""
     contract.holds_near_singularities(named(name), 30, 5)
-
-
-@pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])
-def test_on_a_singularity(name: str) -> None:
-    """Where Pinocchio's Jacobian is singular there is an exact solution, marked as singular."""
     contract.holds_on_singularities(named(name), 10, 6)
 
 

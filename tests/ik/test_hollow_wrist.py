@@ -3,9 +3,7 @@
 import math
 
 import numpy as np
-import pinocchio as pin
 import pytest
-from arms import random_arm
 from arms_hollow import hollow
 from arms_mimic import mimicking
 from numpy.typing import NDArray
@@ -34,21 +32,6 @@ def test_planted_vectors_are_found(kind: str) -> None:
         arm, reference = arm_and_reference(hollow(kind, seed))
         assert arm.structure.family == "6R hollow wrist, 2||3"
         holds(arm, reference, drawn(kind, 40, seed), loosened=10.0)
-
-
-def test_irb_5400_solutions_reach_the_pose_of_pinocchios_mimic_joint() -> None:
-    """Pinocchio's own mimic joint puts the tip of every solution at the target."""
-    arm, _ = arm_and_reference(hollow("irb_5400", 0))
-    model = pin.buildModelFromXML(hollow("irb_5400"), mimic=True)
-    data = model.createData()
-    assert model.nq == 6
-    tip = model.getFrameId("tool", pin.FrameType.BODY)
-    target = arm.fk(np.array([0.3, -0.4, 0.6, 0.7, 1.1, -0.8]))
-    solutions = arm.ik(target).to_array()
-    assert len(solutions) >= 4
-    for q in solutions:
-        pin.framesForwardKinematics(model, data, q)
-        np.testing.assert_allclose(data.oMf[tip].homogeneous, target, atol=1e-9)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -159,10 +142,3 @@ def test_what_is_refused(case: str) -> None:
     assert arm.dof == 6
     with pytest.raises(UnsupportedArm, match=reason):
         arm.ik(arm.fk(np.zeros(6)))
-
-
-def test_five_independent_joints_are_refused() -> None:
-    """The refusal of five independent joints and a follower says how many are solved, and how many the arm has."""
-    arm = urdf_ik.load(mimicking(random_arm("wrist, 2||3", 1).urdf, 4, "joint_2", -1.0), "base", "tool")
-    with pytest.raises(UnsupportedArm, match="at most 4 independent ones.*5"):
-        arm.ik(np.eye(4))

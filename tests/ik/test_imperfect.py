@@ -54,12 +54,6 @@ def made(name: str) -> Case:
     return described(MADE[name]())
 
 
-@lru_cache
-def ideal(kind: str) -> Case:
-    """Load the member that ``near`` starts from."""
-    return described(random_arm(kind, 0))
-
-
 @pytest.mark.parametrize(("kind", "eps"), ALL_MEMBERS)
 def test_contract_whatever_the_imperfection(kind: str, eps: float) -> None:
     """A family's member that is off by 1e-12 to 1e-1 rad and length: planted found, all exact, none twice."""
@@ -82,17 +76,10 @@ def test_none_of_many_is_lost(kind: str, eps: float) -> None:
     assert not lost.any(), q[lost]
 
 
-@pytest.mark.parametrize("kind", thinned(KINDS, 3))
-def test_many_members(kind: str) -> None:
-    """Other members of the family, each off by a size of its own from 1e-13 to 1e-6, keep the contract."""
-    for seed, eps in enumerate(10.0 ** np.linspace(-13.0, -6.0, 8), start=1):
-        contract.holds(near(kind, float(eps), seed), 10, seed)
-
-
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= 1e-4])
 def test_the_structure_reports_the_imperfection(kind: str, eps: float) -> None:
     """Up to 1e-4 the family is recognised, the reported imperfection is about eps, and the method refines."""
-    structure, exact = near(kind, eps).arm.structure, ideal(kind).arm.structure
+    structure, exact = near(kind, eps).arm.structure, described(random_arm(kind, 0)).arm.structure
     assert structure.family.split(",")[0] == exact.family.split(",")[0]
     assert "refine" in structure.method
     assert "refine" not in exact.method
@@ -107,23 +94,6 @@ def test_the_structure_reports_the_imperfection(kind: str, eps: float) -> None:
 def test_no_solution_is_missing(kind: str, eps: float) -> None:
     """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
     contract.is_complete(near(kind, eps), 2, 3)
-
-
-@pytest.mark.parametrize("kind", thinned(KINDS, 3))
-def test_the_ideal_arms_solutions(kind: str) -> None:
-    """Away from singularities an arm off by 1e-9 has as many solutions as the ideal arm, each a small step away."""
-    member = random_arm(kind, 0)
-    exact, off = described(tilted(member, 0.0, 0)), described(tilted(member, 1e-9, 0))
-    compared = 0
-    for q in exact.oracle.draw(np.random.default_rng(5), 30):
-        target = exact.oracle.pose(q)
-        expected, found = rows(exact.arm.ik(target)), rows(off.arm.ik(target))
-        if min(exact.oracle.sigma_min(x) for x in expected) < 1e-2:
-            continue
-        compared += 1
-        assert len(found) == len(expected), q
-        assert all(nearest(found, x) < 1e-5 for x in expected), q
-    assert compared > 5
 
 
 @pytest.mark.parametrize("kind", thinned(KINDS, 3))
@@ -171,11 +141,6 @@ def test_rounded_and_calibrated_arms(name: str) -> None:
     contract.holds(made(name), 60, 2)
     contract.holds_near_singularities(made(name), 15, 7)
     contract.is_complete(made(name), 2, 4)
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_batch_equals_single(name: str) -> None:
-    """A stack of poses gives what each pose gives, column by column, with any number of threads."""
     contract.batch_equals_single_but_for_one(made(name), 8)
 
 
@@ -199,16 +164,23 @@ def stretched_or_over_itself(case: Case, rng: np.random.Generator, m: int) -> Ar
     return np.stack([second, low], axis=-1)[rng.permutation(len(low))[:m]]
 
 
-@pytest.mark.parametrize("name", ["industrial rpy 1.5708", "industrial rpy 1.57080"])
-def test_an_aligned_wrist_of_a_rounded_arm_is_proven_and_lacks_nothing(name: str) -> None:
-    """Wrist axes aligned but for 1e-3 rad: most poses are certain, and Newton's method finds no further solution."""
-    case, rng = made(name), np.random.default_rng(3)
-    q = rng.uniform(-np.pi, np.pi, (40, 6))
-    q[:, 4] = rng.choice([0.0, np.pi], 40) + 1e-3 * rng.choice([-1.0, 1.0], 40)
-    T = np.asarray(case.arm.fk(q))
+@pytest.mark.parametrize(
+    ("name", "certain_of_40"),
+    [("industrial rpy 1.5708", 30), ("industrial rpy 1.57080", 30), ("ur calibrated", 10), ("ur off by 1e-3", 10)],
+)
+def test_what_is_proven_lacks_nothing(name: str, certain_of_40: int) -> None:
+    """1e-3 rad off an aligned wrist, a UR's elbow stretched too: where it is certain, Newton's method finds no more."""
+    case, rng = made(name), np.random.default_rng(4)
+    q = rng.uniform(-np.pi, np.pi, (240, 6))
+    if name.startswith("ur"):
+        assert (case.arm.ik(case.arm.fk(q)).status == "complete").mean() > 0.93
+        q[20:40, 2] = 1e-3 * rng.choice([-1.0, 1.0], 20)
+    wrists = 20 if name.startswith("ur") else 40
+    q[:wrists, 4] = rng.choice([0.0, np.pi], wrists) + 1e-3 * rng.choice([-1.0, 1.0], wrists)
+    T = np.asarray(case.arm.fk(q[:40]))
     found = case.arm.ik(T)
     certain = np.flatnonzero(np.asarray(found.certain))
-    assert len(certain) >= 30
+    assert len(certain) >= certain_of_40
     for k in certain[:12]:
         have = rows(found[int(k)])
         starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
@@ -217,28 +189,9 @@ def test_an_aligned_wrist_of_a_rounded_arm_is_proven_and_lacks_nothing(name: str
 
 
 @pytest.mark.parametrize("name", ["ur calibrated", "ur off by 1e-3"])
-def test_a_calibrated_arm_is_proven_and_lacks_nothing(name: str) -> None:
-    """Random poses are proven; 1e-3 rad off an aligned wrist or a stretched elbow Newton's method finds no more."""
-    case, rng = made(name), np.random.default_rng(4)
-    q = rng.uniform(-np.pi, np.pi, (240, 6))
-    assert (case.arm.ik(case.arm.fk(q)).status == "complete").mean() > 0.93
-    q[:20, 4] = rng.choice([0.0, np.pi], 20) + 1e-3 * rng.choice([-1.0, 1.0], 20)
-    q[20:40, 2] = 1e-3 * rng.choice([-1.0, 1.0], 20)
-    T = np.asarray(case.arm.fk(q[:40]))
-    found = case.arm.ik(T)
-    certain = np.flatnonzero(np.asarray(found.certain))
-    assert len(certain) >= 10
-    for k in certain:
-        have = rows(found[int(k)])
-        starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
-        for root in newton(case.arm.fk, case.arm.jacobian, case.arm.chain.size, T[k], starts, 1e-5):
-            assert nearest(have, root) < 1e-6, (q[k].tolist(), root.tolist())
-
-
-@pytest.mark.parametrize("name", ["ur calibrated", "ur off by 1e-3"])
-@pytest.mark.parametrize(("off", "share"), [(1e-3, 0.95), (1e-4, 0.95), (1e-6, 0.6)])
-def test_a_calibrated_arm_is_proven_beside_its_singularities(name: str, off: float, share: float) -> None:
-    """Beside joint vectors where det J changes its sign most poses are proven, and no planted one is missing."""
+@pytest.mark.parametrize("off", [1e-3, 1e-4, 1e-6])
+def test_a_calibrated_arm_lacks_nothing_beside_its_singularities(name: str, off: float) -> None:
+    """Beside joint vectors where det J changes its sign no planted one is missing."""
     case, rng = made(name), np.random.default_rng(5)
     d = rng.normal(size=(100, 6))
     q = folds(case.arm, 100, rng) + off * d / np.linalg.norm(d, axis=1, keepdims=True)

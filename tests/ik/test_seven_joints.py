@@ -6,6 +6,7 @@ from arms import Y, Z, serial_urdf
 from arms_seven import SEVEN, random_seven, skew, sliding
 from cases import Array, Case, assert_exact, closest_pair, indistinct_pairs, nearest, rows
 from oracle import Oracle, angle_distance
+from scipy.optimize import least_squares
 from searches import newton
 from seven_joints import member, tolerance
 
@@ -188,35 +189,15 @@ def test_near_singularities(where: str, distance: float, seed: int) -> None:
 
 
 def above_the_base(case: Case, q: Array) -> Array | None:
-    """``q`` with joint 2 turned until the wrist lies on axis 1, where that is possible in the plane of joint 3."""
-    q = q.copy()
-    J = case.oracle.jacobian(np.zeros(7))
+    """``q`` with joints 2 and 3 turned until the wrist lies on axis 1, where they can bring it there."""
+    axis = case.oracle.jacobian(np.zeros(7))[3:, 0]
 
-    def aside(angle: float) -> Array:
-        p = q.copy()
-        p[0], p[1] = 0.0, angle
-        offset = crossing(case, p, (4, 5)) - crossing(case, p, (0, 1))
-        return offset - (offset @ J[3:, 0]) * J[3:, 0]
+    def aside(angles: Array) -> Array:
+        p = np.concatenate([[0.0], angles, q[3:]])
+        return np.cross(axis, crossing(case, p, (4, 5)) - crossing(case, p, (0, 1)))
 
-    # Joint 3 brings the wrist into the plane that joint 2 swings in, at right angles to axis 2.
-    for joint in (2, 1):
-
-        def off(angle: float, joint: int = joint) -> float:
-            p = q.copy()
-            p[0], p[joint] = 0.0, angle
-            offset = crossing(case, p, (4, 5)) - crossing(case, p, (0, 1))
-            return float(offset @ (J[3:, 1] if joint == 2 else np.cross(J[3:, 0], J[3:, 1])))
-
-        grid = np.linspace(-np.pi, np.pi, 40)
-        values = np.array([off(angle) for angle in grid])
-        crossings = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-        if not len(crossings):
-            return None
-        low, high = grid[crossings[0]], grid[crossings[0] + 1]
-        while (middle := 0.5 * (low + high)) not in (low, high):
-            low, high = (middle, high) if off(low) * off(middle) > 0.0 else (low, middle)
-        q[joint] = low
-    return q if np.linalg.norm(aside(q[1])) < 1e-12 else None
+    found = least_squares(aside, q[1:3], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return np.concatenate([q[:1], found.x, q[3:]]) if found.cost < 1e-24 else None
 
 
 def test_srs_straight_shoulder_and_wrist_stay_near_the_reference() -> None:

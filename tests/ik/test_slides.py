@@ -8,9 +8,7 @@ import pytest
 from arms import X, Y, Z
 from arms_few import (
     SLIDES,
-    TRAVEL,
     WRISTLESS,
-    Build,
     apart,
     assert_answers,
     axes_and_points,
@@ -75,21 +73,6 @@ def test_stanford_arm_has_eight_and_names_its_straight_wrist() -> None:
     assert re.search(r"\d.* (m|rad)\b", unreached.explain()), unreached.explain()
 
 
-def test_stanford_boom_beyond_its_limit_has_no_turns() -> None:
-    """A slide is inside its limits or not; a revolute joint may be 2 pi away; the nearest is the planted one."""
-    case = few("RRPRRR Stanford", 8)
-    q = np.array([0.4, -0.8, 0.9 * TRAVEL, 2.0, 1.0, -2.0])
-    inside = case.arm.ik(case.oracle.pose(q)).within_limits()
-    assert apart(case, rows(inside), q).min() < 1e-9
-    np.testing.assert_allclose(inside.nearest(q).q[0], q, atol=1e-9)
-    beyond = q.copy()
-    beyond[2] = 50.0 * TRAVEL
-    out = case.arm.ik(case.oracle.pose(beyond))
-    assert len(out)
-    assert not out.within_limits()
-    assert "beyond its" in out.within_limits().explain()
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_out_of_reach_is_no_error(name: str) -> None:
     """Whatever the pose, the answer is exact or empty, and an empty one is explained by a number."""
@@ -121,15 +104,6 @@ def test_redundant_arms_give_samples() -> None:
             found = rows(case.arm.ik(target))
             assert len(found) > 1
             assert max(case.oracle.error(each, target) for each in found) < 1e-9
-
-
-def test_opposite_slides_without_a_wrist_are_refused() -> None:
-    """Two slides three joints apart are taken only with a wrist, and the error says so."""
-    rng = np.random.default_rng(2)
-    build = Build("RPRRPR", "??????")
-    arm = urdf_ik.load(few_urdf(build.kinds, *axes_and_points(build, rng), rng), "base", "tool")
-    with pytest.raises(UnsupportedArm, match=r"two slides three joints apart \(RPRRPR\)"):
-        arm.ik(np.eye(4))
 
 
 def test_far_slides_keep_their_digits() -> None:

@@ -121,19 +121,6 @@ def test_turns_of_one_pose() -> None:
     assert s.within_limits().valid.tolist() == s.valid.tolist()
 
 
-def test_a_ur_has_64_images_a_branch() -> None:
-    """Six joints of +-2 pi give 64 images for every branch, and 729 where a whole turn of each joint is inside too."""
-    arm = arm_with([[-2 * PI, 2 * PI]] * 6, ("revolute",) * 6)
-    q = np.random.default_rng(1).uniform(-PI, PI, (3, 4, 6))
-    s = made(q, arm).turns()
-    assert s.valid.shape == (3, 256)
-    assert s.valid.all()
-    assert (np.abs(s.q) <= 2 * PI).all()
-    np.testing.assert_allclose(np.exp(1j * s.q), np.exp(1j * np.repeat(q, 64, axis=1)), rtol=0, atol=1e-14)
-    assert len({tuple(row) for row in np.round(s.q[0], 9)}) == 256
-    assert made(np.zeros((4, 6)), arm).turns().count == 4 * 729
-
-
 def test_turns_of_a_batch_have_the_same_columns() -> None:
     """A column's name tells its turns if all poses share them, else the image's number; ``names`` always tells them."""
     q = np.array([[[1.0, 0, 0]] * 4, [[-1.0, 0, 0]] * 4])

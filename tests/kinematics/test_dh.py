@@ -16,7 +16,7 @@ import urdf_ik
 from urdf_ik import DHTable, pose
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.cli import app
-from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.errors import UrdfError
 
 Array = NDArray[np.float64]
 PI = math.pi
@@ -170,22 +170,6 @@ def test_published_table_of_the_panda_comes_back() -> None:
     np.testing.assert_allclose(table.theta, [0, 0, 0, 0, 0, 0, -PI / 4], atol=1e-12)
 
 
-def test_two_link_arm() -> None:
-    """Two parallel axes: cosines and sines of the school's formula, and the same two rows back."""
-    table = DHTable.from_array(
-        [(0, 66, 0, 0), (0, 130, 0, 0)], "standard", limits=[(-105, 99), (-145, 25.5)], degrees=True
-    )
-    np.testing.assert_allclose(table.limits, np.deg2rad([(-105, 99), (-145, 25.5)]))
-    reference = Reference(table.to_urdf(), "base_link", "tool0")
-    for one, two in np.random.default_rng(1).uniform(-2, 2, (10, 2)):
-        x = 66 * math.cos(one) + 130 * math.cos(one + two)
-        y = 66 * math.sin(one) + 130 * math.sin(one + two)
-        np.testing.assert_allclose(reference.pose([one, two])[:3, 3], [x, y, 0], atol=1e-12 * 196)
-    back = DHTable.from_chain(urdf_ik.load(table.to_urdf()).chain)
-    np.testing.assert_array_equal(back.a, [66, 130])
-    assert not np.any([back.alpha, back.d, back.theta])
-
-
 def test_sixteen_solutions_of_manseur_and_doty() -> None:
     """The arm made from their standard table, given in degrees, has sixteen solutions at their pose."""
     arm = urdf_ik.load(DHTable.from_array(SIXTEEN, "standard", degrees=True).to_urdf())
@@ -277,17 +261,6 @@ def test_arrays_that_are_no_table(rows: object, options: dict[str, object], word
     with pytest.raises(UrdfError) as caught:
         DHTable.from_array(rows, "standard", **options)  # type: ignore[arg-type]
     assert all(word in str(caught.value) for word in words), str(caught.value)
-
-
-def test_unknown_convention() -> None:
-    """An unknown convention is refused wherever one is given, with those that there are."""
-    table = DHTable.from_array(np.zeros((2, 4)), "standard")
-    for use in (
-        lambda: DHTable.from_array(np.zeros((2, 4)), "Craig"),
-        lambda: DHTable.from_chain(table.chain(), "Craig"),
-    ):
-        with pytest.raises(ArgumentError, match="'Craig'.*standard and modified"):
-            use()
 
 
 def test_chain_that_has_no_table() -> None:

@@ -70,21 +70,6 @@ def test_relation_of_two_axes(
     assert max(pair.off_angle, pair.off_distance) < 1e-15
 
 
-@pytest.mark.parametrize("slide", [0.0, -3.0, 40.0])
-@pytest.mark.parametrize("other", [0.0, 2.5, -40.0])
-def test_points_may_lie_anywhere_on_their_axes(slide: float, other: float) -> None:
-    """Whether lines meet, and how far apart they are, does not depend on where on them the joints' frames sit."""
-    u, v = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
-    for gap, relation in ((0.0, "intersecting"), (0.3, "skew")):
-        normal = np.cross(u, v)
-        (pair,) = relations([u, v], [slide * u, gap * normal + other * v]).pairs
-        assert pair.relation == relation
-        assert pair.distance == pytest.approx(gap, abs=1e-13)
-    (pair,) = relations([u, -u], [slide * u, 0.2 * normal + other * u]).pairs
-    assert pair.relation == "parallel"
-    assert pair.distance == pytest.approx(0.2, abs=1e-13)
-
-
 def test_three_axes() -> None:
     """Triples that meet or are parallel are found, with the point where they meet; two that meet are not enough."""
     corner = np.array([0.3, -0.2, 0.7])
@@ -163,35 +148,6 @@ def test_imperfect_triples_are_measured(small: float) -> None:
         (triple,) = relations([X, Y, X], [-X, Y, X + small * shift]).triples
         assert triple.relation == "meet"
         assert triple.imperfection == pytest.approx(share * small, rel=1e-6)
-
-
-@pytest.mark.parametrize("small", SMALL)
-def test_imperfect_arms_are_measured(small: float) -> None:
-    """In a whole arm, too, each relation is off by what one axis was tilted or shifted by; the others are exact."""
-    wrist = industrial()
-    axes, points = wrist.axes.copy(), wrist.points.copy()
-    axes[2] = rotation(X, small) @ axes[2]
-    points[5] += small * Z
-    structure = relations(axes, points)
-    assert structure.is_parallel(2)
-    assert structure.pairs[1].off_angle == pytest.approx(small, rel=1e-6)
-    meeting = structure.triple(4, "meet")
-    assert meeting is not None
-    assert meeting.imperfection == pytest.approx(2.0 / 3.0 * small, rel=1e-6)
-    assert meeting.point == pytest.approx(wrist.points[4] + [0.0, 0.0, small / 3.0], abs=1e-12)
-    assert structure.pairs[3].off_distance < 1e-15
-    assert structure.pairs[4].off_distance == pytest.approx(small, rel=1e-6)
-
-    parallel = ur_like()
-    axes, points = parallel.axes.copy(), parallel.points.copy()
-    axes[3] = rotation(X, small) @ axes[3]
-    points[5] += small * X
-    structure = relations(axes, points)
-    found = structure.triple(2, "parallel")
-    assert found is not None
-    assert found.imperfection == pytest.approx(2.0 / 3.0 * small, rel=1e-5)
-    assert [pair.off_angle for pair in structure.pairs] == pytest.approx([0.0, 0.0, small, 0.0, 0.0], rel=1e-6)
-    assert structure.pairs[4].off_distance == pytest.approx(small, rel=1e-6)
 
 
 @pytest.mark.parametrize("small", SMALL)

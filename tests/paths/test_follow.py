@@ -61,27 +61,6 @@ def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int, share: flo
     assert plan.cost <= 1.03 * share * (np.diff(q, axis=0) ** 2).sum()
 
 
-def test_ur5_joints_pass_half_a_turn_without_a_jump() -> None:
-    """Joints pass pi without a jump where their limits allow it."""
-    arm = urdf_ik.load("ur5")
-    q = np.tile([3.0, -1.2, 1.1, 3.0, 1.2, -3.0], (41, 1)) + np.linspace(0.0, 0.6, 41)[:, None] * [1, 0, 0, 1, 0, -1]
-    plan = arm.follow(arm.fk(q), start=q[0], end=q[-1], collisions=False)
-    check(arm, plan)
-    assert np.abs(plan.q - q).max() < 1e-6
-
-
-def test_ur5_last_joint_turns_one_and_a_half_times() -> None:
-    """Only one image of the last joint has room for one and a half turns."""
-    arm = urdf_ik.load("ur5")
-    q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))
-    q[:, 5] = np.linspace(-1.0, -1.0 + 3.0 * np.pi, 181) - 4.0
-    assert abs(q[:, 5]).max() < 2.0 * np.pi
-    plan = arm.follow(arm.fk(q), collisions=False)
-    check(arm, plan)
-    turned = plan.q[-1, 5] - plan.q[0, 5]
-    assert turned == pytest.approx(3.0 * np.pi, abs=1e-6)
-
-
 @pytest.mark.parametrize(
     ("turns", "given", "found"), [(8.0, False, True), (4.0, True, True), (8.0, True, False), (12.0, False, False)]
 )

@@ -55,18 +55,6 @@ def test_a_singularity_of_every_family_is_crossed(kind: str) -> None:
     assert crossed
 
 
-def test_puma_through_its_straight_wrist() -> None:
-    """Joint 5 passes zero: the wrist changes its branch, and joints 4 and 6 need not turn."""
-    arm = urdf_ik.load("puma_560")
-    q = np.tile([0.2, -0.6, 0.4, 0.3, 0.0, 0.5], (41, 1))
-    q[:, 4] = np.linspace(-0.4, 0.4, 41)  # the middle waypoint is singular exactly
-    q[:, 0] += np.linspace(0.0, 0.2, 41)
-    plan = arm.follow(arm.fk(q), collisions=False)
-    check(arm, plan)
-    assert plan.cost <= (np.diff(q, axis=0) ** 2).sum() * (1.0 + 1e-6)
-    assert len(set(plan.branches)) > 1
-
-
 def test_puma_along_its_straight_wrist() -> None:
     """Joint 5 stays at zero: each pose leaves joint 4 free, and the plan keeps its value from waypoint to waypoint."""
     arm = urdf_ik.load("puma_560")

@@ -1,4 +1,4 @@
-"""Calibration: an arm's URDF fitted to measurements, and vendors' calibration files."""
+"""Calibration: an arm's URDF fitted to measurements."""
 
 from urdf_ik.support.lazy import attributes
 
@@ -11,8 +11,6 @@ _MODULE = {
     "calibrate": "fit",
     "measured": "measurements",
     "read_measurements": "measurements",
-    "read_ur_kinematics": "universal_robots",
-    "with_ur_kinematics": "universal_robots",
 }
 
 __all__ = [*_MODULE]  # noqa: PLE0604

@@ -3,8 +3,6 @@
 from enum import StrEnum
 from pathlib import Path
 
-import typer
-
 from urdf_ik.cli import console
 from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.console import Progress
@@ -19,12 +17,11 @@ Loss = StrEnum("Loss", ["SOFT_L1", "HUBER", "CAUCHY", "LINEAR"])
 def calibrate(
     *,
     chosen: ArmOptions,
-    measured: Path | None = None,
+    measured: Path,
     fit_base: bool = False,
     fit_marker: bool = False,
     fit: Fit = Fit.ORIGINS,
     loss: Loss = Loss.SOFT_L1,
-    ur_kinematics: Path | None = None,
     output: Path | None = None,
     report: Path | None = None,
     next_poses: int = 0,
@@ -33,7 +30,7 @@ def calibrate(
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
 ) -> None:
-    """Calibrate an arm: fit its URDF to measurements, or take over a vendor's calibration.
+    """Calibrate an arm: fit its URDF to measurements.
 
     Each row of the measurements holds every joint under its name [rad or m], and what was measured: a pose (x,y,z
     and qw,qx,qy,qz or roll,pitch,yaw or rx,ry,rz) or a position (x,y,z). The new URDF keeps names, meshes and
@@ -44,7 +41,6 @@ def calibrate(
         urdf-ik calibrate my_arm.urdf --measured poses.csv -o calibrated.urdf
         urdf-ik calibrate my_arm.urdf --measured tracker.csv --fit-base --fit-marker --report report.html -o new.urdf
         urdf-ik calibrate my_arm.urdf --measured poses.csv --next 10 --json
-        urdf-ik calibrate ur5e.urdf --ur-kinematics calibration.yaml -o calibrated.urdf
 
     Options:
         next_poses (--next N): Name N poses to measure next.
@@ -55,7 +51,6 @@ def calibrate(
         fit_marker: Fit the marker's pose in the tip too.
         fit: Origins of moving joints (default), joint offsets alone, or fixed joints too.
         loss: linear keeps outliers; the others find them. Default: soft_l1.
-        ur_kinematics (FILE): Take over Universal Robots' YAML instead.
 
     Options (Output):
         output (-o FILE): The new URDF.
@@ -63,14 +58,9 @@ def calibrate(
     """
     from urdf_ik import calibration
 
-    if (measured is None) == (ur_kinematics is None):
-        raise typer.BadParameter("give either --measured FILE or --ur-kinematics FILE")
     for path in filter(None, (output, report)):
         files.writable(path)
     arm, angles = chosen.loaded(degrees)
-    if measured is None:
-        console.write(calibration.with_ur_kinematics(arm, calibration.read_ur_kinematics(str(ur_kinematics))), output)
-        return
     measurements = calibration.read_measurements(arm, measured, degrees=degrees)
     with Progress("fitting") as progress:
         found = calibration.calibrate(
