@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from cases import from_catalogue
+from chains import joint, robot
 
 import urdf_ik
 from urdf_ik.model import catalogue
@@ -62,12 +63,61 @@ def test_up_is_the_higher_elbow_whatever_the_signs_of_the_axes(signs: tuple[int,
             assert np.abs(turns - turns.round()).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", ["ur5", "ur10", "ur3", "puma_560"])
-def test_up_is_the_higher_elbow_of_arms_in_use(name: str) -> None:
-    """With the wrist well in front of the shoulder, the elbow that is named up stands higher."""
-    arm = from_catalogue(name).arm
-    low, high = ((-2.5, -1.2, 0.5, -2.5, 0.3, -2.5), (2.5, -0.3, 1.5, -0.5, 1.8, 2.5)) if "ur" in name else (LOW, HIGH)
-    assert is_named_right(arm, np.random.default_rng(4).uniform(low, high, (40, 6))) > 20
+def six_joints(kind: str, seed: int) -> str:
+    """A URDF of random lengths and axes of random signs: the wrist of a UR, or one through a point."""
+    rng = np.random.default_rng(seed)
+    a, b, c, upper, lower = rng.uniform((-0.05, -0.1, 0.05, 0.3, 0.3), (0.1, 0.1, 0.15, 0.7, 0.7))
+    axes = "zyyyzy" if kind == "ur" else "zyyxyx"
+    places = {
+        "ur": [(0, b, c), (upper, 0, 0), (lower, 0, 0), (0, b, 0), (0, 0, -c), (0, c, 0)],
+        "point": [(a, b, c), (0, 0, upper), (lower, 0, a), (0, 0, 0), (0, 0, 0), (c, 0, 0)],
+    }[kind]
+    joints = [
+        joint(f"j{k}", "continuous" if k < 7 else "fixed", f"l{k - 1}", f"l{k}", " ".join(map(str, xyz)), axis=axis)
+        for k, (xyz, axis) in enumerate(
+            zip(
+                [(0, 0, 0.1), *places],
+                [" ".join(str(rng.choice((-1, 1)) * (axis == each)) for each in "xyz") for axis in axes] + [""],
+                strict=True,
+            ),
+            1,
+        )
+    ]
+    return robot(*joints)
+
+
+@pytest.mark.parametrize("seed", range(18))
+@pytest.mark.parametrize("kind", ["ur", "point"])
+def test_up_is_above_the_line_from_shoulder_to_wrist(kind: str, seed: int) -> None:
+    """Seen with the wrist in front, of 36 arms: where Pinocchio puts shoulder, elbow and wrist."""
+    assert_up_is_above(urdf_ik.load(six_joints(kind, seed)), "ur" in kind)
+
+
+@pytest.mark.parametrize("name", ["ur3", "ur5", "ur10", "puma_560", "zyyzyz_6r"])
+def test_up_is_above_the_line_of_arms_in_use(name: str) -> None:
+    """The same of arms that people have."""
+    assert_up_is_above(from_catalogue(name).arm, "ur" in name)
+
+
+def assert_up_is_above(arm: urdf_ik.Arm, ur: bool) -> None:
+    """Of every solution with its wrist well off axis 1, the name says where Pinocchio puts the elbow."""
+    model = arm.cell.reference.pin_model
+    data, up = model.createData(), [0.0, 0.0, 1.0]
+    joints = [model.getJointId(name) for name in arm.joint_names]
+    seen = 0
+    for q in np.random.default_rng(4).uniform(-2.5, 2.5, (12, 6)):
+        for one in arm.ik(arm.fk(q)):
+            pin.computeJointJacobians(model, data, arm.to_pinocchio(one.q))
+            across = pin.getJointJacobian(model, data, joints[1], pin.LOCAL_WORLD_ALIGNED)[3:, model.idx_vs[joints[1]]]
+            base, shoulder, elbow, wrist = (data.oMi[joints[k]].translation for k in (0, 1, 2, 3 if ur else 4))
+            forward = np.cross(across, up)
+            forward *= np.sign(forward @ (wrist - base))
+            if forward @ (wrist - base) > 0.3:
+                line, corner = wrist - shoulder, elbow - shoulder
+                above = (line @ forward) * (corner @ up) - (line @ up) * (corner @ forward) > 0.0
+                assert above == ("elbow up" in one.branch), (one.branch, one.q)
+                seen += 1
+    assert seen > 10
 
 
 def test_front_is_where_a_ur_reaches_at_zero() -> None:
