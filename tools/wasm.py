@@ -22,7 +22,7 @@ OUT = ROOT / "src" / "urdf_ik" / "export" / "web" / "urdf_ik.wasm"
 TARGET = ("-target", "wasm32-wasi")
 # The arithmetic is that of x86-64-v2: two doubles in a register, nothing fused. So are its answers.
 FLAGS = (
-    *TARGET, "-std=c++20", "-O3", "-msimd128", "-fexceptions", "-fno-math-errno", "-ffp-contract=fast",
+    *TARGET, "-std=c++20", "-O3", "-g0", "-msimd128", "-fexceptions", "-fno-math-errno", "-ffp-contract=fast",
     "-fno-trapping-math", "-DURDF_IK_LEVEL=v2", "-DURDF_IK_BUILT_V2", f"-I{CORE}", "-Wall", "-Wextra",
 )  # fmt: skip
 # 1 MiB of stack: the deepest solver takes 33 kB, the reader of JSON a call a level.

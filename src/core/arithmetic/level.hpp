@@ -8,7 +8,11 @@
 #endif
 
 // A step of a solver: always compiled into its caller, so that a block's numbers stay in registers.
+#ifdef __wasm__
+#define STEP inline
+#else
 #define STEP inline __attribute__((always_inline))
+#endif
 // The same for a lambda, after its parameters.
 #define IN_PLACE __attribute__((always_inline))
 // A part that stays a function call: too large to inline, or rarely needed.
