@@ -165,7 +165,7 @@ def test_a_broken_file_is_refused(change: str, tmp_path: Path) -> None:
     assert str(file) in refused and DEFECTS[change] in refused
 
 
-@pytest.mark.parametrize("path", ["solver.counter.inexact", "solver.known.poses"])
+@pytest.mark.parametrize("path", ["solver.counter.inexact", "solver.near"])
 def test_a_file_of_another_release_is_refused(path: str, tmp_path: Path) -> None:
     """What it lacks is named, with the way to it; names that no reader knows are no reason to refuse it."""
     described = arms_general.calibrated_ur()
