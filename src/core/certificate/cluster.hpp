@@ -12,11 +12,11 @@
 // since sum_(n > 2) (x^n - (s_t along)^n) / n! <= s across x^2 e^x / 2.
 // If the first condition also holds with a larger `across` on its left side and in the terms of y, it holds in between, since its
 // right side is convex in |y|: the larger region has no further root.
-// T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials. m is the
-// smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted by the
-// root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each monomial
-// of degree r - 1: the product with a unit vector's monomials has the length of the quadrics there. It is zero exactly where they
-// have a common zero.
+// T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials. m is
+// |H_t,tt| / 2 for r = 1. For r = 2 it is the smallest singular value of Sylvester's matrix of the two quadrics, whose columns are
+// the cubic monomials, weighted by the root of the binomial coefficient so that a unit vector's have length one, and whose rows are
+// each quadric times each variable: the product with a unit vector's monomials has the length of the quadrics there. It is zero
+// exactly where they have a common zero.
 #pragma once
 
 #include "certificate/account.hpp"
@@ -28,7 +28,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double LARGEST_CLUSTER = 0.1, QUARTER_DECADE = 0.5623413251903491;
 inline constexpr int RADII = 27;
 // Ranks that may be lost.
-inline constexpr int MOST_LOST = 3;
+inline constexpr int MOST_LOST = 2;
 // A quadric's coefficients below this share of the largest are left out when the centre is improved; the centre moves by at most
 // LONGEST_MOVE in each of CENTRINGS rounds, and by FARTHEST_CENTRE in all [rad]. None of these decides what is proven.
 inline constexpr double WEAKEST_QUADRIC = 1e-6, LONGEST_MOVE = 0.05, FARTHEST_CENTRE = 0.3;
@@ -60,49 +60,23 @@ STEP double step_across(const LoopAt<Number>& at, const Svd<6, 6>& J, int lost, 
     return size;
 }
 
-// m for r = 1, 2, 3. The quadrics are H_t,tt / 2.
+// m. The quadrics are H_t,tt / 2.
 PART double least_of_quadrics(const Local& at, int lost) {
     const int n = 6 - lost;
     const auto B = [&](int o, int a, int b) { return at.H[n + o][n + a][n + b]; };
     const double off = ROUNDING_OF_FORMS * at.spread * at.spread;
     if (lost == 1) return max(0.5 * sqrt(square(B(0, 0, 0))) - off, 0.0);
-    const double root2 = 1.4142135623730951, root3 = 1.7320508075688772;
-    if (lost == 2) {
-        // Monomials t1^3, t1^2 t2, t1 t2^2, t2^3 weighted by 1, root 3, root 3, 1.
-        Number M[4][4] = {};
-        for (int o = 0; o < 2; ++o) {
-            const Number a = 0.5 * B(o, 0, 0), b = B(o, 0, 1), c = 0.5 * B(o, 1, 1);
-            M[0][2 * o] = a, M[1][2 * o] = (1.0 / root3) * b, M[2][2 * o] = (1.0 / root3) * c;
-            M[1][2 * o + 1] = (1.0 / root3) * a, M[2][2 * o + 1] = (1.0 / root3) * b, M[3][2 * o + 1] = c;
-        }
-        Svd<4, 4> out;
-        svd(M, out);
-        return max(out.s[3] - 4.0 * off, 0.0);
+    const double root3 = 1.7320508075688772;
+    // Monomials t1^3, t1^2 t2, t1 t2^2, t2^3 weighted by 1, root 3, root 3, 1.
+    Number M[4][4] = {};
+    for (int o = 0; o < 2; ++o) {
+        const Number a = 0.5 * B(o, 0, 0), b = B(o, 0, 1), c = 0.5 * B(o, 1, 1);
+        M[0][2 * o] = a, M[1][2 * o] = (1.0 / root3) * b, M[2][2 * o] = (1.0 / root3) * c;
+        M[1][2 * o + 1] = (1.0 / root3) * a, M[2][2 * o + 1] = (1.0 / root3) * b, M[3][2 * o + 1] = c;
     }
-    // Exponents of degree 4 and 2 in three variables.
-    Number M[15][18] = {};
-    const auto column = [](int a, int b) {  // of t1^a t2^b t3^(4-a-b)
-        return (4 - a) * (5 - a) / 2 + (4 - a - b);
-    };
-    constexpr double factorial[5] = {1.0, 1.0, 2.0, 6.0, 24.0};
-    int row = 0;
-    for (int o = 0; o < 3; ++o) {
-        for (int a = 2; a >= 0; --a) {
-            for (int b = 2 - a; b >= 0; --b, ++row) {
-                const double weight = a == 2 || b == 2 || a + b == 0 ? 1.0 : root2;
-                for (int i = 0; i < 3; ++i) {
-                    for (int j = 0; j < 3; ++j) {
-                        const int x = a + (i == 0) + (j == 0), y = b + (i == 1) + (j == 1), z = 4 - x - y;
-                        const double all = sqrt(24.0 / (factorial[x] * factorial[y] * factorial[z]));
-                        M[column(x, y)][row] += (0.5 * weight / all) * B(o, i, j);
-                    }
-                }
-            }
-        }
-    }
-    Svd<18, 15> out;
+    Svd<4, 4> out;
     svd(M, out);
-    return max(out.s[14] - 18.0 * off, 0.0);
+    return max(out.s[3] - 4.0 * off, 0.0);
 }
 
 // The smallest ball that is proven to hold so many roots; along is 0 if none is. largest: the largest one.
@@ -253,7 +227,7 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
             continue;
         }
         localise(loop, loop_here, q, at);
-        const double size = lost == 1 ? recentred<1>(at, next) : lost == 2 ? recentred<2>(at, next) : recentred<3>(at, next);
+        const double size = lost == 1 ? recentred<1>(at, next) : recentred<2>(at, next);
         ball = {};
         if (size < LARGEST_CLUSTER) ball = ball_of(at, lost, norms_of(at, lost));
         if (size < LARGEST_CLUSTER && !(ball.m > 0.0)) break;

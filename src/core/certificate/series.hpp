@@ -41,64 +41,41 @@ STEP Number along(const Number (&a)[6], const Six<Number>& b) {
     return sum;
 }
 
-// Monomials of degree d in r variables have places 0 to COUNT[r - 1][d] - 1, by their exponents a of the first and b of the second.
-inline constexpr int COUNT[3][4] = {{1, 1, 1, 1}, {1, 2, 3, 4}, {1, 3, 6, 10}};
-STEP int place_of(int r, int d, int a, int b) { return r == 1 ? 0 : r == 2 ? d - a : (d - a) * (d - a + 1) / 2 + (d - a - b); }
-
 // The norms of T_ttt's coefficients, of the first 6 - r outputs and of the others. The coefficient of a monomial counts with one
-// over the root of the multinomial coefficient.
+// over the root of the binomial coefficient.
 struct ThirdOrder {
     double y, t;
 };
+// r: one or two variables. A monomial of degree d has the exponent of the second one as its place.
 PART ThirdOrder third_order(const Local& at, int r) {
-    TwistProduct P[4][10] = {};  // of the product so far: degree, monomial
+    TwistProduct P[4][4] = {};  // of the product so far: degree, monomial
     const int n = 6 - r;
+    const auto count = [r](int d) { return r == 1 ? 1 : d + 1; };
     for (int k = 0; k < 6; ++k) {
         const TwistProduct one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
-        // The powers of the linear form, by its coefficients.
-        Number L[4][10] = {};
+        Number L[4][4] = {};  // the powers of the linear form, by its coefficients
         L[0][0] = 1.0;
-        const auto raised = [&](int d, const auto& f) {  // f(place in degree d, place in degree d + 1, variable)
-            for (int a = 0; a <= d; ++a) {
-                for (int b = 0; b <= (r == 1 ? 0 : d - a); ++b) {
-                    if ((r == 1 && a != d) || (r == 2 && a + b != d)) continue;
-                    for (int v = 0; v < r; ++v) f(place_of(r, d, a, b), place_of(r, d + 1, a + (v == 0), b + (v == 1)), v);
-                }
+        const auto raised = [&](int d, const auto& f) {  // f(place in degree d, place in degree d + 1, coefficient)
+            for (int i = 0; i < count(d); ++i) {
+                for (int v = 0; v < r; ++v) f(i, i + v, at.J.right[n + v][k]);
             }
         };
-        for (int d = 0; d < 3; ++d) {
-            raised(d, [&](int from, int to, int v) { L[d + 1][to] += at.J.right[n + v][k] * L[d][from]; });
-        }
+        for (int d = 0; d < 3; ++d) raised(d, [&](int from, int to, const Number& c) { L[d + 1][to] += c * L[d][from]; });
         // From the highest degree down: P_d gains P_(d-1) zeta L + P_(d-2) zeta^2 L^2 / 2 + zeta^3 L^3 / 6.
-        const auto by_form = [&](int d, const auto& of) {
-            raised(d, [&](int from, int to, int v) { of(from, to, at.J.right[n + v][k]); });
-        };
-        by_form(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
-        for (int i = 0; i < COUNT[r - 1][1]; ++i) {
-            // P_1's monomial i times L^2.
+        raised(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
+        for (int i = 0; i < count(1); ++i) {
             const TwistProduct each = times(P[1][i], two, 1.0);
-            for (int a = 0; a <= 2; ++a) {
-                for (int b = 0; b <= (r == 1 ? 0 : 2 - a); ++b) {
-                    if ((r == 1 && a != 2) || (r == 2 && a + b != 2)) continue;
-                    add_scaled(P[3][place_of(r, 3, a + (i == 0), b + (i == 1))], L[2][place_of(r, 2, a, b)], each);
-                }
-            }
+            for (int j = 0; j < count(2); ++j) add_scaled(P[3][i + j], L[2][j], each);
         }
-        for (int i = 0; i < COUNT[r - 1][3]; ++i) add_scaled(P[3][i], L[3][i], three);
-        by_form(1, [&](int from, int to, const Number& c) { add_scaled(P[2][to], c, times(P[1][from], one, 1.0)); });
-        for (int i = 0; i < COUNT[r - 1][2]; ++i) add_scaled(P[2][i], L[2][i], two);
-        for (int i = 0; i < COUNT[r - 1][1]; ++i) add_scaled(P[1][i], L[1][i], one);
+        for (int i = 0; i < count(3); ++i) add_scaled(P[3][i], L[3][i], three);
+        raised(1, [&](int from, int to, const Number& c) { add_scaled(P[2][to], c, times(P[1][from], one, 1.0)); });
+        for (int i = 0; i < count(2); ++i) add_scaled(P[2][i], L[2][i], two);
+        for (int i = 0; i < count(1); ++i) add_scaled(P[1][i], L[1][i], one);
     }
     double sum[2] = {0.0, 0.0};
-    for (int a = 0; a <= 3; ++a) {
-        for (int b = 0; b <= (r == 1 ? 0 : 3 - a); ++b) {
-            if ((r == 1 && a != 3) || (r == 2 && a + b != 3)) continue;
-            constexpr double factorial[4] = {1.0, 1.0, 2.0, 6.0};
-            const double many = 6.0 / (factorial[a] * factorial[b] * factorial[3 - a - b]);
-            const TwistProduct& c = P[3][place_of(r, 3, a, b)];
-            const Six<Number> V = vector_of_product(c);
-            for (int o = 0; o < 6; ++o) sum[o >= n] += square(along(at.J.left[o], V)) / many;
-        }
+    for (int i = 0; i < count(3); ++i) {
+        const Six<Number> V = vector_of_product(P[3][i]);
+        for (int o = 0; o < 6; ++o) sum[o >= n] += square(along(at.J.left[o], V)) / (i % 3 ? 3.0 : 1.0);
     }
     const double off = ROUNDING_OF_FORMS * at.spread * at.spread * at.spread;
     return {sqrt(sum[0]) + off, sqrt(sum[1]) + off};
