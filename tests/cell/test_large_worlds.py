@@ -20,12 +20,6 @@ from urdf_ik.cell.swept_motions import TOUCH
 Array = np.ndarray
 
 
-# A bar 1 m long that turns about z: no pair of links is checked.
-BAR = """<robot name="bar"><link name="base"/><link name="bar"><collision><origin xyz="0.5 0 0" rpy="0 0 0"/>
-<geometry><box size="1 0.02 0.02"/></geometry></collision></link><joint name="turn" type="continuous">
-<parent link="base"/><child link="bar"/><axis xyz="0 0 1"/></joint></robot>"""
-
-
 def random_shape(rng: np.random.Generator, size: float) -> Shape:
     """A shape of any kind that is finite and no mesh."""
     a, b = rng.uniform(0.3, 1.0, 2) * size
@@ -140,27 +134,6 @@ def test_a_world_that_was_changed_answers_like_a_new_one() -> None:
         assert ours.pairs == theirs.pairs
 
 
-def test_the_nearest_obstacle_after_all_near_ones_are_removed() -> None:
-    """An arm of one link whose near obstacles were all removed, or may be touched, finds the next one, far away."""
-    arm, world = urdf_ik.load(BAR), World()
-    for i in range(300):
-        world.add(f"near {i}", Sphere(0.01), pose([1.5 + 1e-3 * (i % 30), 1e-3 * (i // 30), 0.0]))
-    for i in range(300):
-        world.add(f"far {i}", Sphere(0.01), pose([20.0 + i, 0.0, 0.0]))
-    model = arm.cell.collisions.in_world(world)
-    assert model.distance([0.0]) == pytest.approx(0.49, abs=1e-5)
-    for i in range(60):
-        world.remove(f"near {i}")
-    assert model.distance([0.0]) == pytest.approx(np.hypot(0.5, 0.0) - 0.01, abs=1e-3)
-    for i in range(60, 300):
-        world.remove(f"near {i}")
-    assert model.distance([0.0]) == pytest.approx(18.99, abs=1e-5)
-    allowed = model.allow("bar", "far 0").allow("bar", "far 1")
-    assert allowed.distance([0.0]) == pytest.approx(20.99, abs=1e-5)
-    assert allowed.nearest_pair([0.0]).links == ("bar", "far 2")  # type: ignore[union-attr]
-    assert allowed.distance_with(arm.link_poses([0.0])) == pytest.approx(20.99, abs=1e-5)
-
-
 def test_how_often_coal_is_asked_does_not_grow(monkeypatch: pytest.MonkeyPatch) -> None:
     """In a world of 20,000 boxes around a free space, a clearance asks coal about as few pairs as among 200."""
     arm, rng = urdf_ik.load("ur5"), np.random.default_rng(7)
@@ -220,24 +193,3 @@ def test_one_large_world_from_many_threads() -> None:
 
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(ask, range(80)))
-
-
-def test_what_touches_a_large_cloud_is_what_touches_its_parts() -> None:
-    """The parts of a cloud answer the same as the whole, for joint vectors and for motions."""
-    arm, rng, part = urdf_ik.load("ur5"), np.random.default_rng(0), 4096
-    cloud = rng.uniform(-1.0, 1.0, (3 * part, 3))
-    cloud = cloud[np.linalg.norm(cloud - (0.0, 0.0, 0.5), axis=1) > 0.7]
-    turned = pose([0.1, 0.2, 0.1], rpy=[0.3, -0.2, 0.5])
-    whole, parts = World(), World()
-    whole.add("cloud", Points(cloud, 0.01), turned)
-    for k, start in enumerate(range(0, len(cloud), part)):
-        parts.add(f"part {k}", Points(cloud[start : start + part], 0.01), turned)
-    q = rng.uniform(-np.pi, np.pi, (150, 6))
-    of_whole, of_parts = (arm.cell.collisions.in_world(world) for world in (whole, parts))
-    hits = of_whole.in_collision(q)
-    assert np.array_equal(hits, of_parts.in_collision(q))
-    alone = arm.cell.collisions.in_collision(q)
-    assert (hits & ~alone).sum() > 10 and (~hits).any()
-    moved = q[:40] + 0.1
-    assert np.array_equal(of_whole.motions_free(q[:40], moved).free, of_parts.motions_free(q[:40], moved).free)
-    assert np.allclose(of_whole.distance(q[:40]), of_parts.distance(q[:40]), atol=1e-6)

@@ -15,6 +15,7 @@ from urdf_ik.cell.obstacles import Obstacle, Obstacles
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed
 from urdf_ik.model import poses, urdf
+from urdf_ik.model.xml import floats, origin_of
 from urdf_ik.support import files, forks
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import nearest, quoted
@@ -251,10 +252,9 @@ def placed_shapes(model: urdf.UrdfModel) -> list[tuple[str, Shape, Array]]:
     links = _link_poses(model)
     out: list[tuple[str, Shape, Array]] = []
     for body in etree.fromstring(model.xml).iterfind("link/collision"):
-        link, origin = body.getparent().get("name"), body.find("origin")
-        offset = np.eye(4) if origin is None else poses.pose(_row(origin, "xyz"), rpy=_row(origin, "rpy"))
+        link = body.getparent().get("name")
         try:
-            out.append((link, _shape(body.find("geometry")[0], model), links[link] @ offset))
+            out.append((link, _shape(body.find("geometry")[0], model), links[link] @ origin_of(body)))
         except ArgumentError as error:
             raise ArgumentError(f"{model.source}: link {quoted(link)}: {error}") from None
     if not out:
@@ -289,15 +289,11 @@ def _link_poses(model: urdf.UrdfModel) -> dict[str, Array]:
     return placed
 
 
-def _row(element: Any, name: str, otherwise: float = 0.0) -> list[float]:
-    return [float(x) for x in (element.get(name) or "").split()] or [otherwise] * 3
-
-
 def _shape(element: Any, model: urdf.UrdfModel) -> Shape:
     """The shape that a URDF's ``<geometry>`` holds."""
     match element.tag:
         case "box":
-            return Box(_row(element, "size"))
+            return Box(floats(element, "size"))
         case "sphere":
             return Sphere(float(element.get("radius")))
         case "cylinder":
@@ -305,5 +301,5 @@ def _shape(element: Any, model: urdf.UrdfModel) -> Shape:
         case "capsule":
             return Capsule(float(element.get("radius")), float(element.get("length")))
         case "mesh":
-            return Mesh(urdf.resolve_mesh(model, element.get("filename")), _row(element, "scale", 1.0))
+            return Mesh(urdf.resolve_mesh(model, element.get("filename")), floats(element, "scale", (1.0, 1.0, 1.0)))
     raise UrdfError(f"unknown shape <{element.tag}>", source=model.source)

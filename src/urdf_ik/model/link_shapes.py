@@ -8,8 +8,8 @@ from lxml import etree
 
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.model.meshes import read_scene
-from urdf_ik.model.poses import pose
 from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
+from urdf_ik.model.xml import floats, origin_of
 
 _GREY = (180, 180, 185)
 COARSE = 400
@@ -84,8 +84,7 @@ def _of_kind(model: UrdfModel, kind: str, coarse: bool) -> tuple[list[Body], lis
         except Exception as error:  # whatever a file of unknown origin makes its reader raise
             missing.append(str(error) if isinstance(error, UrdfIkError) else f"{link}: a mesh cannot be read: {error}")
             continue
-        origin = body.find("origin")
-        T = np.eye(4) if origin is None else pose(_numbers(origin, "xyz", 3), rpy=_numbers(origin, "rpy", 3))
+        T = origin_of(body)
         rgba = _colour(body.find("material"), colours)
         for mesh in meshes:
             mesh.apply_transform(T)
@@ -95,10 +94,6 @@ def _of_kind(model: UrdfModel, kind: str, coarse: bool) -> tuple[list[Body], lis
     return bodies, missing
 
 
-def _numbers(element: Any, name: str, count: int, otherwise: float = 0.0) -> list[float]:
-    return [float(x) for x in (element.get(name) or "").split()] or [otherwise] * count
-
-
 def _colour(material: Any, shared: dict[str, Any]) -> list[int] | None:
     """Red, green, blue, opacity, 0 to 255; None for a shape without a colour."""
     if material is None:
@@ -106,7 +101,7 @@ def _colour(material: Any, shared: dict[str, Any]) -> list[int] | None:
     own = material.find("color")
     if own is None and material.get("name") in shared:
         own = shared[material.get("name")].find("color")
-    return None if own is None else [round(255 * x) for x in _numbers(own, "rgba", 4)]
+    return None if own is None else [round(255 * x) for x in floats(own, "rgba", (0.0,) * 4)]
 
 
 def _meshes(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
@@ -114,7 +109,7 @@ def _meshes(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
     if geometry.tag == "mesh":
         return _read_mesh(geometry, model, coarse)
     if geometry.tag == "box":
-        return [trimesh.creation.box(_numbers(geometry, "size", 3))]
+        return [trimesh.creation.box(floats(geometry, "size"))]
     radius = float(geometry.get("radius"))
     if geometry.tag == "sphere":
         return [trimesh.creation.icosphere(subdivisions=2 if coarse else 3, radius=radius)]
@@ -128,6 +123,6 @@ def _read_mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
     path = resolve_mesh(model, geometry.get("filename"))
     scene = read_scene(path, model.source)
     meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
-    scale = np.diag([*_numbers(geometry, "scale", 3, 1.0), 1.0])
+    scale = np.diag([*floats(geometry, "scale", (1.0, 1.0, 1.0)), 1.0])
     meshes = [each.apply_transform(scale) for each in meshes]
     return [simplified(joined(meshes), COARSE)] if coarse and meshes else meshes

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from lxml import etree
 
 from urdf_ik.errors import ArgumentError, UrdfError
-from urdf_ik.model.poses import to_rpy
+from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.typing import Array
 
 TEXT = "<text>"
@@ -124,6 +125,17 @@ def numbers_text(values: Iterable[float]) -> str:
 def origin_attributes(T: Array) -> dict[str, str]:
     """A pose (4, 4) [m] as the attributes of an ``<origin>``."""
     return {"xyz": numbers_text(T[:3, 3]), "rpy": numbers_text(to_rpy(T))}
+
+
+def floats(element: Any, name: str, otherwise: tuple[float, ...] = ()) -> tuple[float, ...]:
+    """The numbers of an attribute of a URDF that was read, or ``otherwise``."""
+    return tuple(map(float, (element.get(name) or "").split())) or otherwise
+
+
+def origin_of(element: Any) -> Array:
+    """The pose (4, 4) [m] of a shape of a URDF that was read, by its ``<origin>``."""
+    origin, zero = element.find("origin"), (0.0, 0.0, 0.0)
+    return np.eye(4) if origin is None else pose(floats(origin, "xyz", zero), rpy=floats(origin, "rpy", zero))
 
 
 def has_xacro(value: str | None) -> bool:

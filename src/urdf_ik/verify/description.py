@@ -9,8 +9,8 @@ from lxml import etree
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.model.poses import pose
 from urdf_ik.model.urdf import resolve_mesh
+from urdf_ik.model.xml import floats, origin_of
 from urdf_ik.support.report import from_plain
 from urdf_ik.typing import Array
 
@@ -228,11 +228,7 @@ def _shapes(arm: Arm) -> tuple[Shape, ...]:
     for role in ("collision", "visual"):
         for body in tree.iterfind(f"link/{role}"):
             geometry = body.find("geometry")[0]
-            size = tuple(x for name in _SIZES.get(geometry.tag, ()) for x in _numbers(geometry.get(name)))
-            origin = body.find("origin")
-            T = np.eye(4)
-            if origin is not None:
-                T = pose(_numbers(origin.get("xyz")) or (0.0,) * 3, rpy=_numbers(origin.get("rpy")) or (0.0,) * 3)
+            size = tuple(x for name in _SIZES.get(geometry.tag, ()) for x in floats(geometry, name))
             name = geometry.get("filename") or ""
             if geometry.tag == "mesh" and name not in digests:
                 digests[name] = _digest(arm, name)
@@ -240,7 +236,8 @@ def _shapes(arm: Arm) -> tuple[Shape, ...]:
             link = body.getparent().get("name")
             if link not in in_body:
                 in_body[link] = _in_body(arm, link)
-            out.append(Shape(link, role, geometry.tag, size, flat(in_body[link] @ T), file, digests.get(name, "")))
+            T, sha256 = in_body[link] @ origin_of(body), digests.get(name, "")
+            out.append(Shape(link, role, geometry.tag, size, flat(T), file, sha256))
     return tuple(out)
 
 
@@ -250,10 +247,6 @@ def _in_body(arm: Arm, link: str) -> Array:
     while (joint := arm.model.parent_joint(link)) is not None and joint.type == "fixed":
         T, link = joint.origin @ T, joint.parent
     return T
-
-
-def _numbers(text: str | None) -> Row:
-    return tuple(map(float, (text or "").split()))
 
 
 def _digest(arm: Arm, name: str) -> str:

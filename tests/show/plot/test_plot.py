@@ -104,19 +104,15 @@ def test_a_mesh_is_simplified_whatever_it_is_like() -> None:
 
 
 def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> None:
-    """Side by side: one picture a solution, titled; overlaid: one line each, all in the legend; colours by branch."""
+    """One picture a solution, titled, in the colour of its branch."""
     solutions = arm.ik(arm.fk(Q))
     colours = draw.colours(arm.structure.branches)
     assert len(set(colours.values())) == 8
-    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    apart = plot.branches(solutions)
     assert [axes.get_title().replace("\n", ", ") for axes in apart.axes] == [one.branch for one in solutions]
-    (overlaid,) = together.axes
-    lines = stick_lines(overlaid)
-    assert [line.get_label() for line in lines] == [one.branch for one in solutions]
-    assert [text.get_text() for text in together.legends[0].get_texts()] == [one.branch for one in solutions]
-    for axes, one, line in zip(apart.axes, solutions, lines, strict=True):
+    for axes, one in zip(apart.axes, solutions, strict=True):
         (single,) = stick_lines(axes)
-        assert single.get_color() == line.get_color() == colours[one.branch]
+        assert single.get_color() == colours[one.branch]
         np.testing.assert_allclose(np.array(single.get_data_3d())[:, -1], solutions.poses[:3, 3], atol=1e-9)
     # The same branch has the same colour when others are missing.
     few = solutions.within_limits(tol=-1.0)
@@ -145,7 +141,7 @@ def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
     """Of an arm that controls a position: every stick ends there, and the frame at its tip is that of the solution."""
     arm, point = urdf_ik.load("positioning_3r"), np.array([0.3, 0.2, 0.4])
     solutions = arm.ik(point, task="position")
-    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    apart = plot.branches(solutions)
     assert "4 solutions of one position" in apart.get_suptitle()
     for axes, one in zip(apart.axes, solutions, strict=True):
         (stick,) = stick_lines(axes)
@@ -153,7 +149,6 @@ def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
         frame = [np.array(line.get_data_3d()).T for line in axes.lines if line is not stick]
         directions = np.array([(end - start) / np.linalg.norm(end - start) for start, end in frame])
         np.testing.assert_allclose(directions.T, arm.fk(one.q)[:3, :3], atol=1e-9)
-    assert len(stick_lines(together.axes[0])) == len(solutions) == 4
 
 
 def test_out_of_reach_there_is_nothing_to_draw(arm: urdf_ik.Arm) -> None:
@@ -260,8 +255,7 @@ def is_svg(data: bytes) -> bool:
     "arguments",
     [
         ("zyyzyz_6r",),
-        ("zyyzyz_6r", "branches"),
-        ("zyyzyz_6r", "overlay", "--shapes", "--q", ",".join(map(str, Q))),
+        ("zyyzyz_6r", "branches", "--shapes", "--q", ",".join(map(str, Q))),
         ("dh_6r", "limits", "--xyz", "0.5,0.11,0.26", "--quat-xyzw", "0,0,0.8,0.6"),
         ("planar_2r", "workspace", "--q", "30,-40", "--degrees"),
     ],

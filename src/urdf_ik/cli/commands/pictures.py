@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-Picture = StrEnum("Picture", ["ARM", "BRANCHES", "OVERLAY", "LIMITS", "WORKSPACE", "PATH", "INTERVALS"])
+Picture = StrEnum("Picture", ["ARM", "BRANCHES", "LIMITS", "WORKSPACE", "PATH", "INTERVALS"])
 _Value = StrEnum("_Value", ["REACH", "SOLUTIONS", "MANIPULABILITY", "MARGIN", "CLEARANCE"])
 
 
@@ -60,7 +60,7 @@ def plot(
 ) -> None:
     """Draw an arm, the branches of a pose, joint limits, the workspace or a path.
 
-    Branches of a pose stand side by side or overlaid. Limits show all turns of the solutions. A path shows each
+    Branches of a pose stand side by side. Limits show all turns of the solutions. A path shows each
     joint in all branches along it, limits and contacts, and the plan. Without a pose it is the arm's example. The
     workspace of two turning joints is exact; any other is one layer of --map.
 
@@ -71,7 +71,7 @@ def plot(
         urdf-ik plot srs_7r intervals -o intervals.png
 
     Positional:
-        picture ([WHAT]): arm, branches, overlay, limits, workspace, path or intervals.
+        picture ([WHAT]): arm, branches, limits, workspace, path or intervals.
 
     Options:
         shapes: The shapes of the links, too, meshes among them.
@@ -111,7 +111,7 @@ def _of_pose(
     solutions = arm.ik(target.poses[0], redundancy=None if target.redundancy is None else target.redundancy[0])
     if picture is Picture.LIMITS:
         return plot.limits(solutions)
-    return plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes, world=world)
+    return plot.branches(solutions, shapes=shapes, world=world)
 
 
 def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> Figure:

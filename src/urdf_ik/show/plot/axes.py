@@ -76,10 +76,10 @@ def space(axes: Any, around: tuple[Array, float], *, small: bool = False) -> Any
     return axes
 
 
-def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None, width: float = 2.0) -> Any:
+def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None) -> Any:
     """The links of the chain as lines from frame to frame; gives the line."""
     points = looks.stick(arm.chain, q).T
-    (line,) = axes.plot(*points, "-o", color=colour, linewidth=width, markersize=1.5 + width, label=label)
+    (line,) = axes.plot(*points, "-o", color=colour, linewidth=2.0, markersize=3.5, label=label)
     return line
 
 

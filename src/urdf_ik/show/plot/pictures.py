@@ -64,13 +64,11 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
     return figure
 
 
-def branches(
-    solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False, world: World | None = None
-) -> Figure:
-    """All solutions of a single pose, side by side or overlaid, each in the colour of its branch, with its name.
+def branches(solutions: IKSolutions, *, shapes: bool = False, world: World | None = None) -> Figure:
+    """All solutions of a single pose, side by side, each in the colour of its branch, with its name.
 
-    Overlaid, later ones are drawn thinner, so that one that lies on another hides nothing. The obstacles of ``world``
-    are drawn, too; where links touch each other or an obstacle, the name says 'collision' and the lines are dashed.
+    The obstacles of ``world`` are drawn, too; where links touch each other or an obstacle, the name says 'collision'
+    and the lines are dashed.
 
     Raises:
         ArgumentError: there is no solution.
@@ -87,35 +85,28 @@ def branches(
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
     owner = solutions.arm
-    around = draw.box(looks.stick(owner.chain, np.stack([one.q for one in found])))
-    colours = draw.colours(solutions.branches)
-    columns = 1 if overlaid else min(_COLUMNS, len(found))
-    rows = 1 if overlaid else math.ceil(len(found) / columns)
-    size = (8.0, 5.0) if overlaid else (2.7 * columns, 2.9 * rows + 0.4)
-    figure = draw.Picture(figsize=size, layout="constrained")
-    bodies = _bodies(figure, owner, shapes)
-    widths = np.linspace(min(2.0 + len(found), 10.0), 1.5, len(found)) if overlaid else np.full(len(found), 2.0)
-    checked = owner.cell.collisions.has_geometry
     q = np.stack([one.q for one in found])
+    around = draw.box(looks.stick(owner.chain, q))
+    colours = draw.colours(solutions.branches)
+    columns = min(_COLUMNS, len(found))
+    rows = math.ceil(len(found) / columns)
+    figure = draw.Picture(figsize=(2.7 * columns, 2.9 * rows + 0.4), layout="constrained")
+    bodies = _bodies(figure, owner, shapes)
+    checked = owner.cell.collisions.has_geometry
     touching = np.atleast_1d(owner.cell.collisions.in_world(world).in_collision(q)) if checked else np.zeros(len(q))
-    axes: Any = None
     for k, one in enumerate(found):
-        if axes is None or not overlaid:
-            axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
-            draw.obstacles(axes, world, around[1])
+        axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=True)
+        draw.obstacles(axes, world, around[1])
         # Each has its own: what is asked of an arm with few joints may be less than a pose.
         draw.frame(axes, owner.link_poses(one.q)[owner.tip], 0.12 * owner.chain.size)
         colour = colours[solutions.branches[one.index]]
-        draw.shapes(axes, looks.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
+        draw.shapes(axes, looks.placed(owner, bodies, one.q), colour, 0.35)
         name = one.branch + (", collision" if touching[k] else "")
-        line = draw.stick(axes, owner, one.q, colour, label=name, width=widths[k])
+        line = draw.stick(axes, owner, one.q, colour, label=name)
         if touching[k]:
             line.set_linestyle("--")
-        if not overlaid:
-            axes.set_title(name.replace(", ", "\n"), fontsize=8, color=colour)
-    if overlaid:
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
-    tips = owner.link_poses(np.stack([one.q for one in found]))[owner.tip]
+        axes.set_title(name.replace(", ", "\n"), fontsize=8, color=colour)
+    tips = owner.link_poses(q)[owner.tip]
     target = "pose" if np.allclose(tips, tips[0], rtol=0.0, atol=1e-6) else "position"
     title = f"{draw.words(owner.name)}: {len(found)} solution{'' if len(found) == 1 else 's'} of one {target}"
     figure.suptitle(title, fontsize=10)
