@@ -17,21 +17,12 @@ struct SwivelEnds {
     double wrist[3], shoulder[3], up[3];
 };
 
-// Three turning joints whose axes meet in a point or are parallel, to rounding, by the first of them.
-struct Mirror {
-    int first;
-    bool parallel;
-};
-
 // For the inverses of Jacobians: lengths are counted as shares of size [m]; where the smallest singular value falls below
 // `singular`, there is none. Seven joints hold a parameter: joint `held`, or the swivel angle where that is negative.
-// The mirrors have no joint in common, and do not hold the joint that is held; see kinematics/mirrored.hpp.
 struct InverseScale {
     double size, singular;
     int held;
     SwivelEnds swivel;
-    Mirror mirror[2];
-    int mirrors = 0;
 };
 
 // For joint vectors Q (m, joints) with angles of any size: poses (m, 4, 4) of the tip; Jacobians (m, 6, joints) at the tip, linear
@@ -43,9 +34,9 @@ struct ChainFunctions {
 };
 
 // Least-squares inverses X of the Jacobians of at most six joints (m, joints, 6); of seven joints above the derivative of the
-// parameter that they hold (m, 7, 7). NaN where there is none, or where Q is NaN. `columns` joint vectors in turn reach one pose.
+// parameter that they hold (m, 7, 7). NaN where there is none, or where Q is NaN.
 struct InverseFunctions {
-    void (*inverses)(const ChainArm&, const double* Q, const InverseScale&, long m, int columns, double* X);
+    void (*inverses)(const ChainArm&, const double* Q, const InverseScale&, long m, double* X);
 };
 
 }  // namespace urdf_ik

@@ -2,7 +2,6 @@
 #include "arithmetic/least_squares.hpp"
 #include "chain_frames.hpp"
 #include "families/seven_joints/swivel.hpp"
-#include "kinematics/mirrored.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -30,31 +29,20 @@ STEP Rows<7, Block> swivel_slopes(const SwivelEnds& ends, const Frame<Block> (&j
     return slope;
 }
 
-// Joint vectors for one block, one per lane, and where their inverses go. Bit t of the index of `to` says that the solution there
-// is the image in mirror t; where there is none, the place is one that nobody reads.
+// Joint vectors for one block, one per lane, and where their inverses go.
 struct Lanes {
     const double* from[BLOCK];
-    double* to[4][BLOCK];
+    double* to[BLOCK];
     int many = 0;
-    unsigned images = 0;  // a bit for each index of `to` with places that are read
 };
 
 // M: how many columns are inverted. Seven joints have six of them where a joint is held, and seven with the swivel angle.
-template <int N, int M> STEP void invert(const ChainArm& arm, const Lanes& lanes, const InverseScale& scale) {
+template <int N, int M> PART void invert(const ChainArm& arm, const Lanes& lanes, const InverseScale& scale) {
     constexpr int rows = M == 7 ? 7 : 6, width = N == 7 ? 7 : 6;
     const double share = 1.0 / scale.size;
     Frame<Block> joints[N];
     const Frame<Block> tip = walk<N>(
         arm, lanes.from, [&](auto k, const Frame<Block>& joint) IN_PLACE { joints[k].p = joint.p, joints[k].R.z = joint.R.z; });
-    Projection<Block> on[2];
-    if constexpr (N > 2) {
-        for (int t = 0; lanes.images && t < scale.mirrors; ++t) {
-            in_turn<0, N - 2>([&](auto k) IN_PLACE {
-                if (k != scale.mirror[t].first) return;
-                on[t] = projection(scale.mirror[t].parallel, joints[k], joints[k + 1], joints[k + 2]);
-            });
-        }
-    }
     Rows<rows, Block> J[M];
     Six<Block> held;
     const auto free = [&](int k) IN_PLACE { return N == M || k < scale.held ? k : k + 1; };
@@ -83,78 +71,35 @@ template <int N, int M> STEP void invert(const ChainArm& arm, const Lanes& lanes
     if constexpr (N != M) {
         in_turn<0, 7>([&](auto c) IN_PLACE { x[width * scale.held + c] = (c < 6 ? 0.0 : 1.0) * gain; });
     }
-    store_rows(x, lanes.to[0]);
-    if constexpr (N > 2) {
-        // Each step passes one mirror: 1, 3, 2.
-        const int steps = lanes.images > 2 ? 3 : lanes.images ? 1 : 0;
-        for (int step = 0; step < steps; ++step) {
-            const int t = step % 2;
-            mirror<width>(x, scale.mirror[t].first, on[t]);
-            store_rows(x, lanes.to[step == 0 ? 1 : 4 - step]);
-        }
-    }
+    store_rows(x, lanes.to);
 }
 
-// Joint vectors that are NaN are left out, and those whose inverses follow from another one's, so that all lanes have work.
+// Joint vectors that are NaN are left out, so that all lanes have work.
 template <int N, int M>
-static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, int columns, double* X) {
+static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
     constexpr int numbers = N * (N == 7 ? 7 : 6);
-    constexpr int most = 64;  // columns that are looked at
-    const int mirrors = columns <= most ? scale.mirrors : 0;
-    int sign[2] = {0, 0};  // of a branch: a bit of the column's number; 0: not known yet
     double unread[numbers];
     Lanes lanes;
     const auto solve = [&] {
-        for (int l = lanes.many; l < BLOCK; ++l) {
-            lanes.from[l] = lanes.from[0];
-            for (int with = 0; with < 4; ++with) lanes.to[with][l] = unread;
-        }
+        for (int l = lanes.many; l < BLOCK; ++l) lanes.from[l] = lanes.from[0], lanes.to[l] = unread;
         invert<N, M>(arm, lanes, scale);
-        lanes.many = 0, lanes.images = 0;
+        lanes.many = 0;
     };
-    for (long start = 0; start < m; start += columns) {
-        std::uint64_t done = 0;
-        const auto at = [&](int column) { return Q + N * (start + column); };
-        // The column of the image in mirror t, or this one. The images of all differ in the same sign of their branches.
-        const auto image_of = [&](int column, int t) {
-            for (int bit = sign[t] ? sign[t] : 1; bit < 8; bit <<= 1) {
-                const int other = column ^ bit;
-                if (other > column && other < columns && are_images<N>(at(column), at(other), scale.mirror[t].first)) {
-                    return sign[t] = bit, other;
-                }
-                if (sign[t]) break;
-            }
-            return column;
-        };
-        for (int column = 0; column < columns; ++column) {
-            if (mirrors && done >> column & 1) continue;
-            double* const to = X + numbers * (start + column);
-            if (!(*at(column) == *at(column))) {
-                for (int k = 0; k < numbers; ++k) to[k] = __builtin_nan("");
-                continue;
-            }
-            const int lane = lanes.many++;
-            lanes.from[lane] = at(column), lanes.to[0][lane] = to;
-            const auto add = [&](int with, int from, int t) {
-                const int image = t < mirrors ? image_of(from, t) : from;
-                lanes.to[with][lane] = image == from ? unread : X + numbers * (start + image);
-                if (image != from) done |= std::uint64_t(1) << image, lanes.images |= 1u << with;
-                return image;
-            };
-            const int first = add(1, column, 0);
-            add(2, column, 1);
-            if (first != column) add(3, first, 1);
-            else lanes.to[3][lane] = unread;
-            if (lanes.many == BLOCK) solve();
+    for (long i = 0; i < m; ++i, Q += N, X += numbers) {
+        if (!(*Q == *Q)) {
+            for (int k = 0; k < numbers; ++k) X[k] = __builtin_nan("");
+            continue;
         }
+        lanes.from[lanes.many] = Q, lanes.to[lanes.many] = X;
+        if (++lanes.many == BLOCK) solve();
     }
     if (lanes.many) solve();
 }
 
-static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, int columns, double* X) {
+static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
     constexpr decltype(&inverses_of<1, 1>) of[] = {inverses_of<1, 1>, inverses_of<2, 2>, inverses_of<3, 3>, inverses_of<4, 4>,
                                                    inverses_of<5, 5>, inverses_of<6, 6>, inverses_of<7, 6>, inverses_of<7, 7>};
-    of[arm.joints == 7 && scale.held < 0 ? 7 : arm.joints - 1](arm, Q, scale, m, columns, X);
+    of[arm.joints == 7 && scale.held < 0 ? 7 : arm.joints - 1](arm, Q, scale, m, X);
 }
 
 extern const InverseFunctions inverse_functions;

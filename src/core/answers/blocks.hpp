@@ -174,6 +174,13 @@ template <int B> STEP void store_flags(const unsigned (&valid)[B], int many, std
     }
 }
 
+// A block's answers to a batch.
+template <int B, int N> PART void store_block(const Found<B, N>& found, const Batch& to, Write how) {
+    if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], to.q);
+    else store_rows<Write::plain, N * B>(&found.q[0][0], to.q);
+    store_flags(found.valid, int(to.m), to.flags);
+}
+
 template <class Family> inline constexpr int joints_of = decltype(Family::Arm::written)::joints;
 template <class Family> constexpr int numbers_of() {
     if constexpr (requires { Family::numbers; }) return Family::numbers;
@@ -244,8 +251,8 @@ STEP void solve_branches(const typename Family::Arm& arm, const Goal<Block>& goa
     const Tolerances& tol = arm.written.tolerances;
     const Seen<Block> seen = to_frame_1(goal, ideal);
     for (int b = 0; b < 8; ++b) {
-        const Branch<Block> at =
-            Family::template branch<Block>(arm, seen, {ideal.signs[0][b], ideal.signs[1][b], ideal.signs[2][b]});
+        Branch<Block> at;
+        branch_of_lanes<Family>(arm, seen, {ideal.signs[0][b], ideal.signs[1][b], ideal.signs[2][b]}, at);
         const Block m[3] = {min(abs(at.shoulder), 1.0), min(abs(at.elbow), 1.0), min(abs(at.wrist), 1.0)};
         const Block lever = min(min(at.lever[0], 1.0), min(at.lever[1], at.lever[2])), nearest = min(m[0], min(m[1], m[2]));
         const Block least = min(at.shoulder, min(at.elbow, at.wrist));
@@ -283,9 +290,7 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     } else {
         solve_branches<Family>(arm, {{{t[0], t[4], t[8]}, {t[1], t[5], t[9]}, {t[2], t[6], t[10]}}, {t[3], t[7], t[11]}}, found);
     }
-    if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], part.q);
-    else store_rows<Write::plain, N * B>(&found.q[0][0], part.q);
-    store_flags(found.valid, many, part.flags);
+    store_block(found, part, how);
     unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
     for (int b = 0; b < B; ++b) care |= found.doubt[b];
     care |= found.unproven;

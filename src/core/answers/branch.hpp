@@ -53,6 +53,12 @@ STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twist
 // over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.
 template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }
 
+// A family's branches, one per lane, as a call: the same code wherever numbers are wanted.
+template <class Family>
+PART void branch_of_lanes(const typename Family::Arm& arm, const Seen<Block>& seen, const Signs<Block>& signs, Branch<Block>& to) {
+    to = Family::template branch<Block>(arm, seen, signs);
+}
+
 // Whether rounding may have changed the sign of one of the margins that a closed form computes one after the other.
 //
 // A step whose inputs err by e gives a margin m that errs by at most g e, and angles that err by at most g e / sqrt(m a): the

@@ -33,7 +33,10 @@ inline constexpr double EMPTY_MARGIN = 1e-10;
 template <class Family, class V>
 STEP Branch<V> branches_from(const typename Family::Arm& arm, const Seen<V>& seen, int first, const double (&of)[3][8]) {
     const auto signs = [&](int k) { return V(load<Block>(of[k] + first)); };
-    return Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
+    Branch<V> out;
+    if constexpr (requires { out.arms.rad; }) out = Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
+    else branch_of_lanes<Family>(arm, seen, {signs(0), signs(1), signs(2)}, out);
+    return out;
 }
 
 // All targets within `turn` [rad] and `shift` [m] of these.

@@ -84,7 +84,7 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
         // A step's margin is known once the roots of the steps before it are.
         unsigned merged = 0;
         for (int round = 0; round <= 3; ++round) {
-            at = Family::template branch<Block>(arm, {target.R, target.p}, signs);
+            branch_of_lanes<Family>(arm, {target.R, target.p}, signs, at);
             const auto shoulder = are_double(at.shoulder, at.lever[0]), elbow = are_double(at.elbow, at.lever[1]),
                        wrist = are_double(at.wrist, at.lever[2]);
             const unsigned now = bits(shoulder) | bits(elbow) << 8 | bits(wrist) << 16;

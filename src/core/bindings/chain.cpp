@@ -3,11 +3,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings/module.hpp"
@@ -23,8 +21,6 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 // Joint vectors between two polls for signals.
 constexpr long AT_ONCE = 4096;
-// First joints of at most two triples, and whether their axes are parallel; see Mirror.
-using Mirrors = std::vector<std::pair<int, bool>>;
 using Fill = void (*)(const ChainArm&, const double*, long, double*);
 
 // A frame whose z axis is the unit vector z. Its x axis is orthogonal to z and to the coordinate axis most nearly orthogonal to z.
@@ -127,20 +123,14 @@ struct PyChain {
     }
 
     // Least-squares inverses of the Jacobians at joint vectors (..., n), which may be NaN: an array (..., n, 6), or (..., 7, 7)
-    // with the derivative by the parameter that seven joints hold. The joint vectors (n) of one index before are solutions of one
-    // pose.
-    nb::object inverse(nb::handle q, InverseScale scale, const Mirrors& mirrors) const {
+    // with the derivative by the parameter that seven joints hold.
+    nb::object inverse(nb::handle q, InverseScale scale) const {
         PyArrayObject* from = doubles(q);
         const int n = arm.joints, dimensions = from ? PyArray_NDIM(from) : 0;
         if (n < 1 || n > 7 || !dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != n) {
             throw nb::value_error("joint vectors (..., n) of one to seven joints are needed, float64 in C order");
         }
         if (scale.held >= n) throw nb::value_error("there is no such joint to hold");
-        for (const auto& [first, parallel] : mirrors) {
-            if (scale.mirrors == 2 || first < 0 || first + 3 > n) throw nb::value_error("there are no such mirrors");
-            scale.mirror[scale.mirrors++] = {first, parallel};
-        }
-        const long columns = dimensions < 2 ? 1 : PyArray_DIM(from, dimensions - 2);
         npy_intp shape[NPY_MAXDIMS];
         long m = 1;
         for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
@@ -150,11 +140,8 @@ struct PyChain {
         double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
         const double* Q = (const double*)PyArray_DATA(from);
         without_gil([&](const Stop& stop) {
-            // Whole poses.
-            const long part = columns * std::max(1L, AT_ONCE / std::max(1L, columns));
-            for (long i = 0; i < m && !stop.asked(); i += part) {
-                const long many = std::min(part, m - i);
-                level().inverse->inverses(arm, Q + i * n, scale, many, int(columns), to + i * n * shape[dimensions]);
+            for (long i = 0; i < m && !stop.asked(); i += AT_ONCE) {
+                level().inverse->inverses(arm, Q + i * n, scale, std::min(AT_ONCE, m - i), to + i * n * shape[dimensions]);
             }
         });
         return made;
@@ -189,31 +176,30 @@ void bind_chain(nb::module_& m) {
         .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().axes, 6, self.arm.joints); })
         .def(
             "inverse",
-            [](const PyChain& self, nb::handle q, double size, double singular, const Mirrors& mirrors) {
+            [](const PyChain& self, nb::handle q, double size, double singular) {
                 if (self.arm.joints == 7) throw nb::value_error("seven joints hold a parameter");
-                return self.inverse(q, {size, singular, -1, {}, {}}, mirrors);
+                return self.inverse(q, {size, singular, -1, {}});
             },
-            nb::arg("q"), nb::arg("size"), nb::arg("singular"), nb::arg("mirrors"))
+            nb::arg("q"), nb::arg("size"), nb::arg("singular"))
         .def(
             "inverse_holding_joint",
-            [](const PyChain& self, nb::handle q, int joint, double size, double singular, const Mirrors& mirrors) {
+            [](const PyChain& self, nb::handle q, int joint, double size, double singular) {
                 if (self.arm.joints != 7 || joint < 0) throw nb::value_error("a joint of seven is held");
-                return self.inverse(q, {size, singular, joint, {}, {}}, mirrors);
+                return self.inverse(q, {size, singular, joint, {}});
             },
-            nb::arg("q"), nb::arg("joint"), nb::arg("size"), nb::arg("singular"), nb::arg("mirrors"))
+            nb::arg("q"), nb::arg("joint"), nb::arg("size"), nb::arg("singular"))
         .def(
             "inverse_holding_swivel",
             [](const PyChain& self, nb::handle q, const std::array<double, 3>& wrist, const std::array<double, 3>& shoulder,
-               const std::array<double, 3>& up, double size, double singular, const Mirrors& mirrors) {
+               const std::array<double, 3>& up, double size, double singular) {
                 if (self.arm.joints != 7) throw nb::value_error("seven joints have a swivel angle");
-                InverseScale scale = {size, singular, -1, {}, {}};
+                InverseScale scale = {size, singular, -1, {}};
                 for (int i = 0; i < 3; ++i) {
                     scale.swivel.wrist[i] = wrist[i], scale.swivel.shoulder[i] = shoulder[i], scale.swivel.up[i] = up[i];
                 }
-                return self.inverse(q, scale, mirrors);
+                return self.inverse(q, scale);
             },
-            nb::arg("q"), nb::arg("wrist"), nb::arg("shoulder"), nb::arg("up"), nb::arg("size"), nb::arg("singular"),
-            nb::arg("mirrors"));
+            nb::arg("q"), nb::arg("wrist"), nb::arg("shoulder"), nb::arg("up"), nb::arg("size"), nb::arg("singular"));
 }
 
 }  // namespace urdf_ik

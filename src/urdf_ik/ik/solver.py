@@ -21,7 +21,6 @@ from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.kinematics.structure import Structure, analyse
 from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
-from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 _MOST_TRIED = 40
@@ -107,21 +106,6 @@ class Solver:
     def fixed(self) -> "Solver":
         """This solver without a free axis: the rotation about it counts."""
         return self if self.free_axis is None else self.again(free_axis=None)
-
-    @cached_property
-    def mirrors(self) -> tuple[tuple[int, bool], ...]:
-        """At most two triples of joints in which two solutions can be each other's images: the first, whether parallel.
-
-        Their axes meet in a point or are parallel, to rounding; see mirrored.hpp of the core.
-        """
-        mirrors: list[tuple[int, bool]] = []
-        for triple in self.structure.triples:
-            first, parallel = triple.first - 1, triple.relation == "parallel"
-            exact = triple.imperfection <= DEFAULT.exact_structure * (1.0 if parallel else self.chain.size)
-            turning = not self.chain.prismatic[first : first + 3].any()
-            if exact and turning and all(first >= before + 3 for before, _ in mirrors):
-                mirrors.append((first, parallel))
-        return tuple(mirrors[:2])
 
     def require_member(self) -> FamilyMember:
         """The arm as a member of its family."""

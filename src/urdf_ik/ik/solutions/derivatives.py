@@ -36,14 +36,13 @@ def inverse(solutions: KeptSolutions) -> Array:
     if weights is None and chain.axes is chain and 0 < chain.n <= 7 and len(held) == int(chain.n == 7):
         q, ends = np.ascontiguousarray(solutions.q), solver.redundant_member.swivel if held else None
         if not held:
-            X = chain.motion.inverse(q, chain.size, DEFAULT.singular, solver.mirrors)
+            X = chain.motion.inverse(q, chain.size, DEFAULT.singular)
         elif ends is None:
             joint = chain.joint_names.index(held[0].joint)
-            mirrors = [(first, parallel) for first, parallel in solver.mirrors if not first <= joint < first + 3]
-            X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular, mirrors)
+            X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular)
         else:
             seen = (each.tolist() for each in (ends.tool_point, ends.base_origin, ends.base_rotation[2]))
-            X = chain.motion.inverse_holding_swivel(q, *seen, chain.size, DEFAULT.singular, solver.mirrors)
+            X = chain.motion.inverse_holding_swivel(q, *seen, chain.size, DEFAULT.singular)
     else:
         X = _inverse_of_any(solutions, held, weights)
     singular = solutions.singular
