@@ -12,7 +12,7 @@ import urdf_ik
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.verify.alignment import aligned
-from urdf_ik.verify.comparison import compare
+from urdf_ik.verify.comparison import Comparison, compare
 from urdf_ik.verify.description import matrix
 
 SHAPES = "limits,collisions,visuals"
@@ -69,6 +69,7 @@ def test_conventions_are_found_and_pinocchio_agrees(name: str, tmp_path: Path) -
     for q in np.random.default_rng(0).uniform(-1.0, 1.0, (20, a.dof)):
         there = matrix(fit.base) @ theirs.pose(np.multiply(fit.signs, q) + fit.zeros) @ matrix(fit.tip)
         np.testing.assert_allclose(there, ours.pose(q), atol=1e-9)
+    assert Comparison.from_json(found.to_json()) == found
 
 
 def test_another_mechanism_stays_another() -> None:

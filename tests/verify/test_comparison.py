@@ -16,6 +16,7 @@ import urdf_ik
 from urdf_ik import Arm, Comparison, DHTable, UrdfIkError
 from urdf_ik.cli import app
 from urdf_ik.model import catalogue
+from urdf_ik.verify.many_arms import ManyArms
 
 ARM = "zyyzyz_6r"
 TEXT = catalogue.resolve(ARM).path.read_text()
@@ -232,6 +233,7 @@ def test_many_arms_answer_the_same_poses() -> None:
     free = sum(row.contact is False for row in old)
     assert free == sum(not hit for row, hit in zip(old, arm.cell.collisions.in_collision(s.q[s.valid]), strict=True))
     assert ElementTree.fromstring(found.svg()).tag.endswith("svg") and "<svg" in found._repr_html_()
+    assert ManyArms.from_json(found.to_json()).poses == 12
     frame = found.to_frame()
     assert list(frame.columns) == [
         "arm", "pose", "branch", "reachable", "in_limits", "limit_margin", "manipulability", "contact"

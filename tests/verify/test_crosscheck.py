@@ -14,7 +14,7 @@ import urdf_ik
 from urdf_ik.arm import with_positioner
 from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfError
-from urdf_ik.verify.crosscheck import check, replay
+from urdf_ik.verify.crosscheck import CrossCheck, check, replay
 
 ROWS = (
     "joints and limits",
@@ -325,8 +325,8 @@ def test_other_joints_are_no_crash() -> None:
 # ---------------------------------------------------------------- the report
 
 
-def test_a_report_is_strict_json() -> None:
-    """Infinite values are text."""
+def test_a_report_survives_json() -> None:
+    """A report with infinite values is strict JSON, and comes back equal."""
     report = check(Damaged(ik=damaged_ik(valid_nan), fk=fk_not_a_number), FEW, collision=False)
     assert report.row("solutions, position").worst == np.inf
 
@@ -336,3 +336,5 @@ def test_a_report_is_strict_json() -> None:
     data = json.loads(report.to_json(), parse_constant=refuse)
     assert data["passed"] is False
     assert data["rows"][1]["worst"] == "inf"
+    assert CrossCheck.from_dict(data) == report
+    assert CrossCheck.from_json(report.to_json()) == report

@@ -1,13 +1,14 @@
-"""Report: the result of a check as text, JSON and HTML; and plain JSON read as dataclasses."""
+"""Report: the result of a check as text, JSON and HTML, and the way back from JSON."""
 
 import io
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from html import escape
 from types import NoneType, UnionType
-from typing import Any, ClassVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Self, Union, get_args, get_origin, get_type_hints
 
-from urdf_ik.errors import escaped, printable
+from urdf_ik.errors import ArgumentError, escaped, printable
 from urdf_ik.support.text import Section, json_text, plain
 
 
@@ -65,6 +66,24 @@ class Report:
         """:meth:`to_dict` as strict JSON."""
         return json_text(self.to_dict())
 
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The report that :meth:`to_dict` wrote."""
+        try:
+            report: Self = from_plain(cls, data)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ArgumentError(f"this is no {cls.__name__} that to_dict() wrote: {error}") from None
+        return report
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """The report that :meth:`to_json` wrote."""
+        try:
+            data = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise ArgumentError(f"this is no JSON: {error}") from None
+        return cls.from_dict(data)
+
     def __str__(self) -> str:
         tables = [str(section) if section.title else f"\n{str(section).strip()}" for section in self.sections()]
         lines = ["", *self.lines()] if tables else [f"  {line}" for line in self.lines()]
@@ -81,7 +100,7 @@ def from_plain(kind: Any, value: Any, name: str = "") -> Any:
     """A value of a type from the plain lists, numbers and text that ``plain`` made of it.
 
     Args:
-        kind: a dataclass, a tuple of such, a number, text, or one of these or None.
+        kind: a dataclass, a named tuple, a tuple of such, a number, text, or one of these or None.
         value: what JSON holds.
         name: what an error calls the value.
     """
@@ -107,6 +126,8 @@ def from_plain(kind: Any, value: Any, name: str = "") -> Any:
         parts = {part: from_plain(hints[part], value[part], f"{name}.{part}") for part in names if part in value}
         make: Any = kind
         return make(**parts)
+    if hasattr(kind, "_fields"):
+        return kind(*from_plain(tuple[tuple(get_type_hints(kind).values())], value, name))  # type: ignore[misc]
     if kind is float and isinstance(value, int | float | str) and not isinstance(value, bool):
         return float(value)
     if isinstance(kind, type) and not isinstance(value, kind):
