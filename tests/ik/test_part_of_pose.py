@@ -95,7 +95,7 @@ def test_no_solution_of_newtons_method_is_lacking() -> None:
     rng = np.random.default_rng(4)
     axis = np.array([0.0, 1.0, 0.0])
     T = arm.oracle.pose([0.3, -0.2, 0.5, 0.7, 0.2])
-    s = arm.arm.ik((T[:3, 3], T[:3, 1]), task="position", axis="y")
+    s = arm.arm.ik(np.append(T[:3, 3], T[:3, 1]), task="position", axis="y")
     assert s.status == "complete"
 
     def error(q: Array) -> Array:

@@ -190,17 +190,6 @@ def test_two_links_of_66_and_130_mm_obey_the_law_of_cosines() -> None:
     assert left[0] > math.atan2(y, x) > right[0]
 
 
-def test_a_direction_may_be_a_pair_of_any_length() -> None:
-    """Position and axis as six numbers or as a pair, batches too; the axis need not be a unit vector."""
-    case = few("5R 2||3||4+4x5", 1)
-    targets = np.array([target_of(case, q) for q in draw(case, np.random.default_rng(5), 12)])
-    expected = case.arm.ik(targets, task="position and axis")
-    pair = case.arm.ik((targets[:, :3], 2.5 * targets[:, 3:]), task="position and axis")
-    np.testing.assert_allclose(pair.q, expected.q, atol=1e-9)
-    one = case.arm.ik((targets[0, :3], targets[:4, 3:]), task="position and axis")
-    assert one.shape == (4,)
-
-
 def test_the_last_axis_is_not_aimed() -> None:
     """Where z of the tip lies along the last axis, whose turn does not move it, another axis of the tip is aimed."""
     rng = np.random.default_rng(2)

@@ -1,7 +1,6 @@
-"""The arm and its answers in other programs: joint states and pink."""
+"""The arm and its answers in other programs: joint states."""
 
 import numpy as np
-import pinocchio
 import pytest
 
 import urdf_ik
@@ -43,18 +42,3 @@ def test_joint_states_that_do_not_fit_are_refused(
     """A joint that is missing, one that is named twice, and too few positions."""
     with pytest.raises(ArgumentError, match=words):
         interop.from_joint_state(arm, names, values)
-
-
-def test_a_solution_is_where_a_task_of_pink_is_at_rest(arm: urdf_ik.Arm) -> None:
-    """The frame task of pink has no error at a solution of ours, and drives a start nearby to the same one."""
-    pink = pytest.importorskip("pink")
-    target = arm.fk(Q)
-    configuration = interop.pink_configuration(arm, arm.ik(target).nearest(Q).q[0])
-    task = pink.tasks.FrameTask(arm.tip, position_cost=1.0, orientation_cost=1.0)
-    task.set_target(pinocchio.SE3(target))
-    assert np.abs(task.compute_error(configuration)).max() < 1e-9
-    near = interop.pink_configuration(arm, Q + 0.05)
-    for _ in range(100):
-        velocity = pink.solve_ik(near, [task], 0.1, solver="daqp", safety_break=False)
-        near.integrate_inplace(velocity, 0.1)
-    np.testing.assert_allclose(arm.from_pinocchio(near.q), Q, atol=1e-4)

@@ -188,7 +188,7 @@ class Arm:
                 ``self.redundancy.default``. (..., k) for an arm with k parameters.
             threads: number of threads that share a batch; 'auto': one for each processor that this process may use.
             task: the kind of target; default: a pose. 'position' (..., 3) m; 'position and axis' (..., 6), position and
-                direction of the tip's ``axis`` in the base, or a pair of these; 'level', poses of which the yaw is
+                direction of the tip's ``axis`` in the base; 'level', poses of which the yaw is
                 free; 'orientation', poses; 'axis' (..., 3), a direction alone; 'look at' (..., 3) m, a point to which
                 the axis points. All take poses, too. See :class:`urdf_ik.Task`. Planar arms: 'planar position'
                 (..., 2) m and 'planar pose' (..., 3) m, m, rad, see ``arm.solver.control.plane``.

@@ -100,17 +100,11 @@ class Task:
 
         Args:
             T: (..., 4, 4) poses; positions (..., 3) [m] of 'position' and 'look at'; directions (..., 3) of an 'axis';
-                both, (..., 6) or a pair, of 'position and axis'.
+                both (..., 6) of 'position and axis'.
 
         Raises:
             PoseError: a target of another shape, or not finite.
         """
-        pair = self.components == "position and axis" and isinstance(T, tuple | list) and len(T) == 2
-        if pair:
-            parts = [np.asarray(each, dtype=np.float64) for each in T]
-            if all(each.shape[-1:] == (3,) for each in parts):
-                shape = np.broadcast_shapes(*(each.shape[:-1] for each in parts))
-                T = np.concatenate([np.broadcast_to(each, (*shape, 3)) for each in parts], axis=-1)
         if are_poses(T):
             return check_poses(as_pose_array(T))
         width = {"position": 3, "look at": 3, "axis": 3, "position and axis": 6}.get(self.components)

@@ -162,23 +162,14 @@ class Targets:
         width = _WIDTH[self.task]
         if self._control.plane is None and isinstance(T, np.ndarray | list | tuple) and are_poses(T):
             T = self._control.target_of(check_poses(T))
-        if self.task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
-            point, direction = (_numbers(part, self.task, "") for part in T)
-            if point.shape[-1:] == direction.shape[-1:] == (3,):
-                try:
-                    shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
-                except ValueError:
-                    raise PoseError(
-                        f"positions {point.shape} and directions {direction.shape} given; the shapes do not broadcast"
-                    ) from None
-                T = np.concatenate([np.broadcast_to(a, (*shape, 3)) for a in (point, direction)], axis=-1)
         words = {
             "position": "x, y, z [m] in the base",
-            "position and axis": "x, y, z [m] and a direction, or a pair (position, direction)",
+            "position and axis": "x, y, z [m] and a direction",
             "planar position": "x, y [m] in the arm's plane, see Arm.solver.control.plane",
             "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.solver.control.plane",
         }[self.task]
-        target = _numbers(T, self.task, words)
+        needed = f"an array of numbers, {words}"
+        target = inputs.real(T, f"a target for the task {quoted(self.task)}", needed, PoseError)
         if target.ndim == 0 or target.shape[-1] != width:
             raise PoseError(
                 f"a target of shape {target.shape} given; the task {quoted(self.task)} takes (..., {width}): {words}"
@@ -232,11 +223,6 @@ def _plan(chain: Chain, control: Control) -> FamilyMember | None:
         return exact or few_joints.prepare_planar(chain, control.plane.normal, control.plane.heading)
     plan = few_joints.prepare_planar(chain, control.plane.normal, None)
     return None if plan is None else planar.for_points(chain, plan)
-
-
-def _numbers(value: Any, task: str, words: str) -> Array:
-    needed = f"an array of numbers{', ' if words else ''}{words}"
-    return inputs.real(value, f"a target for the task {quoted(task)}", needed, PoseError)
 
 
 def _turned(R: Array, axis: Array, angles: Array) -> Array:

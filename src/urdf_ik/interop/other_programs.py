@@ -1,17 +1,15 @@
-"""Arms and solutions as the types of other programs: ROS messages and pink.
+"""Joint vectors as ROS messages.
 
 Pinocchio's configurations are methods of the arm: ``arm.to_pinocchio(q)`` and ``arm.from_pinocchio(q_pin)``.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support import extras
 from urdf_ik.typing import Array
 
 
@@ -66,27 +64,6 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
         raise ArgumentError(f"the message lacks {', '.join(missing)}; it has {', '.join(names)}")
     out: Array = given[..., [place[name] for name in arm.joint_names]]
     return arm.chain.check(out)
-
-
-def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
-    """A ``pink.Configuration`` of the whole URDF with the arm at ``q``, to begin pink's tasks from.
-
-    ``arm.from_pinocchio(configuration.q)`` is the way back.
-
-    Args:
-        arm: the arm.
-        q: (n,) rad or m, such as a solution of ``arm.ik``.
-
-    Raises:
-        ArgumentError: q is not (n,).
-        MissingPackage: pink is not installed.
-    """
-    try:
-        import pink
-    except ImportError:
-        raise extras.missing("pink is not installed", "interop") from None
-    model = arm.cell.reference.pin_model
-    return pink.Configuration(model, model.createData(), arm.to_pinocchio(arm.chain.check(q)))
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:

@@ -82,10 +82,10 @@ def intervals(solver: Solver, T: Any, *, within_limits: bool = True, threads: Th
     if within_limits:
         bounds[: solver.dof] = solver.limits
     parts = []
-    for k in range(0, len(stack), _AT_ONCE):
+    for k in range(0, max(len(stack), 1), _AT_ONCE):
         traced = _traced(solver, member, curves, stack[k : k + _AT_ONCE], bounds, threads)
         parts.append(replace(traced, pose=traced.pose + k))
-    return Intervals(solver, T, joined(parts) if parts else _nothing(solver), within_limits)
+    return Intervals(solver, T, joined(parts), within_limits)
 
 
 def span(solver: Solver, parameter: Redundancy, T: Array) -> tuple[float, float]:
@@ -95,7 +95,7 @@ def span(solver: Solver, parameter: Redundancy, T: Array) -> tuple[float, float]
     low, high = parameter.range
     if np.isfinite(high - low):
         return low, high
-    reach = float(np.linalg.norm(T[:, :3, 3] - solver.chain.P[0], axis=1).max()) + solver.chain.size
+    reach = float(np.linalg.norm(T[:, :3, 3] - solver.chain.P[0], axis=1).max(initial=0.0)) + solver.chain.size
     return max(low, -reach), min(high, reach)
 
 
@@ -110,13 +110,6 @@ def _at_one_value(solver: Solver, curves: Curves, T: Array, value: float, bounds
     first, count = np.arange(len(pose)), np.ones(len(pose), dtype=np.intp)
     ends = np.full((len(pose), 2), End("range"))
     return Found(pose, one, one, column, ends, first, count, one, q, np.concatenate([*core, np.empty((0, 17))]))
-
-
-def _nothing(solver: Solver) -> Found:
-    """No interval of no pose."""
-    none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
-    ends, samples = np.empty((0, 2), dtype=object), (empty, np.empty((0, solver.dof)), np.empty((0, 17)))
-    return Found(none, empty, empty, none, ends, none, none, *samples)
 
 
 def _traced(solver: Solver, member: FamilyMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:

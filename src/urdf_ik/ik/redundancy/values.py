@@ -49,12 +49,7 @@ def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
     Q, gone = filled(solver.chain.check(q, padded=True))
     reached = np.asarray(solver.chain.fk(Q))
     target = reached if T is None else check_poses(T)
-    try:
-        batch = np.broadcast_shapes(Q.shape[:-1], target.shape[:-2])
-    except ValueError:
-        raise ArgumentError(
-            f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; the shapes do not fit"
-        ) from None
+    batch = np.broadcast_shapes(Q.shape[:-1], target.shape[:-2])
     gone = np.broadcast_to(gone, batch)
     target = np.where(gone[..., None, None], reached, np.broadcast_to(target, (*batch, 4, 4)))
     if T is not None and solver.free_axis is not None:
