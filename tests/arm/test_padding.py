@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik import interop
 from urdf_ik.errors import ArgumentError
-from urdf_ik.kinematics import velocity
 
 NAMES = ("zyyzyz_6r", "srs_7r", "panda", "planar_2r")
 ASKED = ("fk", "jacobian", "link_poses", "manipulability", "limit_margin", "to_pinocchio", "redundancy_of", "clearance")
@@ -41,15 +39,6 @@ def test_rows_of_nan_give_nan(name: str, ask: str) -> None:
             compare(whole[link], alone[link])
     else:
         compare(whole, alone)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_functions_of_the_jacobian_take_them(name: str) -> None:
-    """The condition number, too, and a JointState."""
-    arm = urdf_ik.load(name)
-    q, both = padded(arm), [0, 2]
-    compare(velocity.condition_number(arm.chain, q), velocity.condition_number(arm.chain, q[:, both]))
-    compare(interop.to_joint_state(arm, q, arm.joint_names), q[:, both])
 
 
 def test_the_padding_of_ik_passes() -> None:
