@@ -29,7 +29,6 @@ struct SearchState {
     bool on_curve = false;  // whether a curve of solutions was found
     OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
     int reals_counted = -1;
-    bool by_zeros = false;  // whether a determinant has as many zeros as real roots are certified and lie in clusters
     bool precisely = false;  // whether roots that doubles fail to certify are certified with twice the digits, wherever they lie
     bool certifies = false;  // whether real roots are certified: all joints turn
     int zeros = -1;  // real roots that there can be at most; -1 where that is open
@@ -222,16 +221,6 @@ STEP bool is_known(const Account& account, const Number (&q)[6]) {
 
 STEP void as_numbers(const double* row, Number (&q)[6]) {
     for (int k = 0; k < 6; ++k) q[k] = row[k];
-}
-
-// Whether a solution has no certificate of its own.
-STEP bool has_strangers(const SearchState& search) {
-    for (int b = 0; b < search.columns.many; ++b) {
-        Number q[6];
-        if (search.columns.valid(b)) as_numbers(search.columns.row(b), q);
-        if (search.columns.valid(b) && !is_known(search.account, q)) return true;
-    }
-    return false;
 }
 
 // Whether the cluster's ball may hold real joint vectors.

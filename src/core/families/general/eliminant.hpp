@@ -82,38 +82,6 @@ PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& varia
     return search.counted();
 }
 
-// The same where solutions have no certificate of their own, but are pairs in clusters: whether the determinant has as many zeros,
-// in the lenses about the circle that hold the clusters, as real roots are certified and roots lie in the clusters.
-template <class S>
-PART bool count_with_clusters(const EliminationArm& arm, const EliminationVariant& variant, const OnCircle<S>& p,
-                              SearchState& search) {
-    Account& account = search.account;
-    if (!search.certifies || !(p.error < __builtin_inf())) return false;
-    for (int b = 0; b < search.columns.many; ++b) {
-        Number q[6];
-        if (search.columns.valid(b)) as_numbers(search.columns.row(b), q);
-        if (search.columns.valid(b) && !is_known(account, q) && !add_cluster_near(search.loop, account, q)) return false;
-    }
-    KnownZero known[2 * Account::most];
-    int many = 0;
-    const auto know = [&](const double (&q)[6], double radius) {
-        const Turn<double> t = hidden_at(arm, variant, q);
-        known[many++] = {atan2(t.s, t.c), radius};
-    };
-    for (int i = 0; i < account.reals; ++i) know(account.real[i].q, 0.0);
-    bool any = false;
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& each = account.cluster[i];
-        if (!may_be_real(each)) continue;
-        if (each.many != 2 || many + 2 > 2 * Account::most) return false;
-        double centre[6];
-        for (int j = 0; j < 6; ++j) centre[j] = wrap(each.q[j].re);
-        for (int k = 0; k < 2; ++k) know(centre, radius_of(each) + abs(each.q[hidden_joint(variant)].im));
-        any = true;
-    }
-    return any && zeros_on_circle(p, known, many) == many;
-}
-
 // Whether a variant's determinant is known well enough to be worth counting its zeros.
 STEP bool counts(const EliminationVariant& variant) { return variant.inexact[0] < LARGEST_INEXACT; }
 

@@ -128,11 +128,6 @@ PART void certify_columns(SearchState& search) {
 // Keeps the solutions whose number is that of a determinant's zeros.
 PART Status keep_counted(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search, Account& account) {
     account = search.account;
-    if (search.by_zeros) {
-        account.pairs = 0, account.expected = {account.counted(), Why::zeros};
-        keep_accounted(arm, goal, search);
-        return Status::clustered;
-    }
     keep_certified(arm, goal, search);
     if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = account.clusters = 0;
     return Status::complete;
@@ -146,7 +141,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     certify_columns(search);
     find_all(arm, goal, search);
-    if (search.counted() || search.by_zeros) return keep_counted(arm, goal, search, account);
+    if (search.counted()) return keep_counted(arm, goal, search, account);
     account = search.account;
     if (search.on_curve) {
         mark_singular(arm.written, goal, columns);
@@ -158,7 +153,6 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         keep_accounted(arm, goal, search);
         return proven;
     }
-    if (search.provable && count_precisely(arm, goal, search)) return keep_counted(arm, goal, search, account);
     // If no candidate converged, the best may be a double root.
     if (columns.count() == 0 && search.error < NEARLY) {
         if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
@@ -187,7 +181,6 @@ bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<
     Eliminant of;
     eliminate(arm, arm.counter, goal, of);
     if (!count_zeros(arm, arm.counter, on_circle(of), search) && !count_precisely(arm, goal, search)) return false;
-    if (search.by_zeros) return false;
     keep_certified(arm, goal, search);
     return true;
 }

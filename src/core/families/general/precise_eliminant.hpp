@@ -121,17 +121,13 @@ PART void eliminate_precisely(const EliminationArm& arm, const Goal<double>& goa
     for (int l = 0; l < BLOCK; ++l) out.error += off[l];
 }
 
-// Whether the zeros of the precise determinant are as many as real roots are certified, or as these and the members of clusters.
+// count_zeros() of the precise determinant, where new roots are certified.
 PART bool count_precisely(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     const int reals = search.account.reals;
-    if (!counts(arm.counter) || !reals || reals == search.reals_counted) return search.by_zeros;
+    if (!counts(arm.counter) || !reals || reals == search.reals_counted) return false;
     if (search.reals_counted < 0) eliminate_precisely(arm, goal, search.determinant);
     search.reals_counted = reals;
-    // A solution without a certificate may be a pair that rounding keeps from being real: it counts as a cluster, or not at all.
-    if (!has_strangers(search)) return count_zeros(arm, arm.counter, search.determinant, search);
-    search.by_zeros = count_with_clusters(arm, arm.counter, search.determinant, search) &&
-                      status_of_clusters(arm, goal, search) != Status::incomplete;
-    return search.by_zeros;
+    return count_zeros(arm, arm.counter, search.determinant, search);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL
