@@ -129,35 +129,26 @@ template <class S> PART ArcsDecided zeros_on(const OnCircle<S>& p, const Block& 
     return {good & ~once, good & once & ~twice, good & twice};
 }
 
-// A known zero: its angle [rad], which is within `radius` of this one, in the complex plane.
-struct KnownZero {
-    double at, radius;
-};
-// A zero that may not be real is this many of its radii from the ends of the arc that it counts on: there the lens is more than
-// 0.08 of the distance thick, and angles are squeezed by less than 1.1 on the way to t.
-inline constexpr double FROM_THE_ENDS = 20.0;
-
 // A bound on the number of zeros on the circle and in the arcs' lenses; -1 if none is found. Where two zeros may be the same, they
-// count as two. known: zeros, which are sorted; those without a radius decide the cost only, and which pairs need not be
-// separated.
-template <class S> PART int zeros_on_circle(const OnCircle<S>& p, KnownZero* known, int many) {
+// count as two. known: angles of zeros [rad], which are sorted; they decide the cost only, and which pairs need not be separated.
+template <class S> PART int zeros_on_circle(const OnCircle<S>& p, double* known, int many) {
     struct Arc {
         double centre, half;
     } arc[MOST_ARCS + 64];
     for (int i = 1; i < many; ++i) {
-        const KnownZero x = known[i];
+        const double x = known[i];
         int j = i;
-        for (; j > 0 && known[j - 1].at > x.at; --j) known[j] = known[j - 1];
+        for (; j > 0 && known[j - 1] > x; --j) known[j] = known[j - 1];
         known[j] = x;
     }
     // Cuts half way between neighbours, and more where they are far apart.
     double cut[48];
     int cuts = 0;
     for (int i = 0; i < many; ++i) {
-        const double gap = (i + 1 < many ? known[i + 1].at : known[0].at + 2.0 * PI) - known[i].at;
+        const double gap = (i + 1 < many ? known[i + 1] : known[0] + 2.0 * PI) - known[i];
         if (gap < TOGETHER) continue;
         const int parts = 1 + int(gap / WIDEST_ARC);
-        for (int k = 0; k < parts && cuts < 48; ++k) cut[cuts++] = known[i].at + gap * (k + 0.5) / parts;
+        for (int k = 0; k < parts && cuts < 48; ++k) cut[cuts++] = known[i] + gap * (k + 0.5) / parts;
     }
     for (int k = 0; !many && k < 12; ++k) cut[cuts++] = 0.1 + k * (PI / 6.0);
     if (cuts == 48 || cuts < 2) return -1;
@@ -183,18 +174,16 @@ template <class S> PART int zeros_on_circle(const OnCircle<S>& p, KnownZero* kno
             // The widest gap between the ends and the known zeros in between, from where it starts.
             double last = low, start = low, widest = 0.0;
             int here = 0;
-            bool near_an_end = false;
             for (int round = 0; round < 2; ++round) {
                 for (int i = 0; i < many; ++i) {
-                    const double at = known[i].at + 2.0 * PI * round, off = FROM_THE_ENDS * known[i].radius;
-                    near_an_end |= at > low - off && at < high + off && !(at >= low + off && at <= high - off);
+                    const double at = known[i] + 2.0 * PI * round;
                     if (!(at > low && at < high)) continue;
                     if (at - last > widest) widest = at - last, start = last;
                     last = at, ++here;
                 }
             }
             if (high - last > widest) widest = high - last, start = last;
-            if (near_an_end || !((found.none | found.one) >> l & 1 || ((found.two >> l & 1) && here > 1))) {
+            if (!((found.none | found.one) >> l & 1 || ((found.two >> l & 1) && here > 1))) {
                 if (now[l].half < OVERLAP) return -1;
                 const double middle = start + widest * (0.5 + CUT);
                 arc[waiting++] = {0.5 * (low + middle), 0.5 * (middle - low)};

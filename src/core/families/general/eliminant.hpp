@@ -72,10 +72,10 @@ STEP OnCircle<double> on_circle(const Eliminant& of) {
 template <class S>
 PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const OnCircle<S>& p, SearchState& search) {
     if (search.counted() || !search.certifies || !(p.error < __builtin_inf())) return search.counted();
-    KnownZero known[Account::most];
+    double known[Account::most];
     for (int i = 0; i < search.account.reals; ++i) {
         const Turn<double> t = hidden_at(arm, variant, search.account.real[i].q);
-        known[i] = {atan2(t.s, t.c), 0.0};
+        known[i] = atan2(t.s, t.c);
     }
     const int bound = zeros_on_circle(p, known, search.account.reals);
     if (bound >= 0 && (search.zeros < 0 || bound < search.zeros)) search.zeros = bound;
