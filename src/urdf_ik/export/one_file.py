@@ -389,9 +389,9 @@ _LEVEL = "arithmetic/level.hpp"
 def macros() -> tuple[str, str]:
     """The core's macros, defined and taken back."""
     text = (core() / _LEVEL).read_text()
-    defined = re.findall(r"^#define (\w+) .*$", text, re.MULTILINE)
-    lines = re.findall(r"^#define \w+ .*$", text, re.MULTILINE)
-    return "\n".join(lines), "\n".join(f"#undef {name}" for name in [*defined, "URDF_IK_LEVEL"])
+    # Of two definitions the first is WebAssembly's.
+    lines = {line.split()[1]: line for line in re.findall(r"^#define \w+ .*$", text, re.MULTILINE)}
+    return "\n".join(lines.values()), "\n".join(f"#undef {name}" for name in [*lines, "URDF_IK_LEVEL"])
 
 
 def _guarded(name: str, text: str, space: str) -> str:
