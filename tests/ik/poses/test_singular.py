@@ -1,6 +1,8 @@
 """At and near singularities and the edge of reach: isolated solutions are complete, continua are marked."""
 
 import contract
+import math
+
 import numpy as np
 import pytest
 from arms import KINDS
@@ -149,7 +151,8 @@ def test_wrist_representative(name: str) -> None:
         def gap(x: Array, reference: Array = reference) -> Array:
             return np.linalg.norm((x - reference + np.pi) % (2.0 * np.pi) - np.pi, axis=-1)
 
-        assert gap(found).min() <= gap(members).min() + 1e-6
+        # Joint 4 keeps its reference, so joint 6 alone makes up for what the nearest member shares between the two.
+        assert gap(found).min() <= math.sqrt(2.0) * gap(members).min() + 1e-6
 
 
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "dh_6r", "industrial"])
