@@ -11,7 +11,7 @@ from typing import Any
 
 import urdf_ik
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.ik.solutions.limits import iter_turns
+from urdf_ik.ik.solutions.limits import image_range
 
 
 def answer(
@@ -53,7 +53,8 @@ def answer(
 
 def _inside(arm: urdf_ik.Arm, row: Any) -> bool:
     """Whether an image of a solution stands inside the joint limits."""
-    return any(True for _ in iter_turns(row, arm.limits, arm.chain.image_turns))
+    first, last = image_range(row, arm.limits, arm.chain.image_turns)
+    return bool((first <= last).all())
 
 
 def main() -> None:
