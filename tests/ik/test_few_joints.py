@@ -122,8 +122,8 @@ def test_wrist_point_on_axis_1_loses_no_planted_vector(name: str, distance: floa
     assert_answers(case, rest, case.oracle.pose(rest), tol=1e-6 + 1e-11 / max(distance, 1e-4))
 
 
-def test_5r_axis_5_along_axes_1_2_3_gives_marked_representatives() -> None:
-    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: all marked, at most one a branch."""
+def test_5r_axis_5_along_axes_1_2_3_gives_one_marked_representative() -> None:
+    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: one representative, marked."""
     case, rng = few("5R 1||2||3", 2), np.random.default_rng(8)
     for _ in range(5):
         q = draw(case, rng, 1)[0]
@@ -131,7 +131,7 @@ def test_5r_axis_5_along_axes_1_2_3_gives_marked_representatives() -> None:
         T = case.oracle.pose(q)
         solutions = case.arm.ik(T)
         assert worst_error(case, rows(solutions), T) <= 1e-9
-        assert 1 <= np.count_nonzero(solutions.singular) <= 4
+        assert 1 <= np.count_nonzero(solutions.singular) <= 2
 
 
 def test_redundant_arms_are_refused() -> None:

@@ -140,16 +140,40 @@ STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double
 // A candidate slightly beyond the end of its branch must converge to this error.
 inline constexpr double DOUBTFUL = 1e-12;
 
-// Whether two singular solutions lie on one continuum: Newton's method from their midpoint then stays near it, and ends at a
-// singular solution too.
-template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
-                                           const double* other) {
+// Whether Newton's method from the midpoint of two singular solutions stays near it, and ends at a singular solution too.
+template <class Model>
+PART bool has_member_between(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], const double* other) {
     constexpr int N = Model::joints;
     double middle[N];
     for (int j = 0; j < N; ++j) middle[j] = advanced(arm, j, other[j], 0.5 * gap(arm, j, q[j], other[j]));
     if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > DOUBTFUL) return false;
     const double nearer = min(distance(arm, middle, q), distance(arm, middle, other));
     return nearer > 0.25 * distance(arm, q, other) && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
+}
+
+// Steps along a continuum [rad, share of size], and their greatest number: more than a loop of three turning joints needs.
+inline constexpr double STRIDE = 0.2;
+inline constexpr int STRIDES = 100;
+
+// Whether two singular solutions lie on one continuum: there is a member between them, or steps along it from one come to the
+// other.
+template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                                           const double* other) {
+    constexpr int N = Model::joints;
+    if (has_member_between(arm, goal, q, other)) return true;
+    double at[N], heading[N];
+    for (int j = 0; j < N; ++j) at[j] = q[j], heading[j] = gap(arm, j, other[j], q[j]);
+    for (int step = 0; step < STRIDES && distance(arm, at, other) > STRIDE; ++step) {
+        const Weakest<N> weak = weakest_at(arm, goal, at);
+        double forward = 0.0;
+        for (int j = 0; j < N; ++j) forward += weak.direction[j] * heading[j];
+        for (int j = 0; j < N; ++j) {
+            heading[j] = copysign(1.0, forward) * weak.direction[j];
+            at[j] = advanced(arm, j, at[j], STRIDE * heading[j]);
+        }
+        if (weak.value > arm.tolerances.singular || polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error > DOUBTFUL) return false;
+    }
+    return distance(arm, at, other) <= STRIDE && has_member_between(arm, goal, at, other);
 }
 
 // For arms of six joints compiled once, in answer.cpp.

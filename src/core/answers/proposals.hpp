@@ -10,6 +10,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Newton's method from a branch ends after so many rounds. Past a branch's end, and behind a short lever arm, it takes most.
 inline constexpr int ROUNDS_FROM_BRANCH = 40;
 
+// Steps along a curve to the member nearest to a reference; a joint moves along it where the unit direction's part is larger.
+inline constexpr int ROUNDS_TO_REFERENCE = 4;
+inline constexpr double MOVING = 0.1, BESIDE_ZERO = 1e-6;
+
 // Whether three signs tell a family's branches apart; whether they follow from the roots of a quartic. Bit root_bit of a branch's
 // number tells root 0 from root 1, and 2 from 3; the next higher one of the two bits that tell roots tells these pairs. root_joint:
 // the joint whose angles the roots are.
@@ -48,6 +52,32 @@ template <class Family> STEP int marks_of(const Branch<Block>& at, int lane, dou
 // The lanes in which a margin is zero to rounding, so that two solutions are one double root. The margin is a difference of
 // squares: if the squared lever arm is small, so is the rounding error, and the solutions differ by half a turn instead of meeting.
 STEP MaskOf<Block> are_double(const Block& margin, const Block& lever) { return margin <= ROUNDING * root(max(lever, 0.0)); }
+
+// Moves q, at which a joint is free, along its curve to the member nearest to the reference that the caller gave; else so that the
+// joint nearest to zero is there.
+PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, const Reference<6>& reference, double (&q)[6]) {
+    for (int round = 0; round < ROUNDS_TO_REFERENCE; ++round) {
+        const Weakest<6> weak = weakest_at(arm, goal, q);
+        if (weak.value > arm.tolerances.singular) return;
+        double apart[6], along = 0.0, nearest = __builtin_inf();
+        for (int j = 0; j < 6; ++j) {
+            apart[j] = wrap(reference.q[j] - q[j]);
+            if (reference.given) along += weak.direction[j] * apart[j];
+            else if (abs(weak.direction[j]) > MOVING && abs(apart[j]) < min(nearest, BESIDE_ZERO)) {
+                nearest = abs(apart[j]), along = apart[j] / weak.direction[j];
+            }
+        }
+        double at[6];
+        for (int j = 0; j < 6; ++j) at[j] = wrap(q[j] + along * weak.direction[j]);
+        if (!(polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error <= FINISHED)) return;
+        double before = 0.0, after = 0.0;
+        for (int j = 0; j < 6; ++j)
+            before += apart[j] * apart[j], after += wrap(reference.q[j] - at[j]) * wrap(reference.q[j] - at[j]);
+        if (reference.given && !(after < before)) return;
+        for (int j = 0; j < 6; ++j) q[j] = at[j];
+        if (abs(along) <= FINISHED || !reference.given) return;
+    }
+}
 
 // The branches at which no joint is free, and those that started at a double root.
 struct Proposed {
@@ -101,7 +131,9 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
         for (int l = 0; l < BLOCK; ++l) {
             double x[6];
             for (int j = 0; j < 6; ++j) x[j] = q[j][l];
-            if (!(reached >> l & 1) || !is_new(written, goal, columns, x)) continue;
+            if (!(reached >> l & 1)) continue;
+            if (k < free_to_rounding && !(out.fixed >> (first + l) & 1)) approach_reference(written, goal, reference, x);
+            if (!is_new(written, goal, columns, x)) continue;
             // `least` is a lower bound of the Jacobian's smallest singular value.
             const int marks =
                 end.least[l] < NEAR_FOLD ? singular_marks(written, goal, x, marks_of<Family>(at, l, written.tolerances.fold)) : 0;

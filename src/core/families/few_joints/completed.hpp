@@ -32,18 +32,20 @@ PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& si
         const Columns<5> columns = {batch.q + 5 * arm.columns * i, batch.flags + arm.columns * i, arm.columns};
         columns.clear();
         bool free = false;
+        // On a continuum of the six a singular solution may be another member of the five's own.
+        const Status of_six = status_of(six.flags[six.columns * i]);
+        const Origin origin = of_six == Status::continuum ? Origin::searched : Origin::computed;
         for (int b = 0; b < six.columns; ++b) {
             const int flags = six.flags[six.columns * i + b];
             if (!(flags & VALID)) continue;
             free |= (flags & ~STATUS_BITS) != VALID;
             double q[5];
             for (int j = 0; j < 5; ++j) q[j] = six.q[6 * (six.columns * i + b) + arm.at + j];
-            polish_and_keep(arm.written, goal, q, Origin::computed, arm.written.tolerances.reach, columns);
+            polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
         }
         if (free && arm.written.task == Task::pose) search_everywhere(arm.written, goal, columns);
         sort(columns);
         // On a continuum of the six, isolated solutions of the five may be missing: the net is a search.
-        const Status of_six = status_of(six.flags[six.columns * i]);
         set_status(columns.flags[0], of_six == Status::continuum ? Status::incomplete : of_six);
     }
 }
