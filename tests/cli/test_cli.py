@@ -49,7 +49,7 @@ COMMANDS = (
         (("ik", ARM, "--metric", "time"), None, 2, ("--metric", "--nearest")),
         (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--max-step", "1,2"), None, 2, ("--max-step", "joint_6")),
         (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--best", "limits"), None, 2, ("--best", "--nearest")),
-        (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--max-step", "-1"), None, 2, ("within", "zero, or a number")),
+        (("ik", ARM, "--nearest", "0,0,0,0,0,0", "--max-step", "-1"), None, 2, ("within", "zero or positive")),
         (("ik", ARM, "--poses", "no/such.csv"), None, 2, ("no/such.csv", "No such file")),
         (("ik", ARM, "--poses", "-"), "", 2, ("standard input is empty", "qx,qy,qz,qw")),
         (("ik", ARM, "--poses", "-"), "1,0,0,0,0,0,1\n1,0,0,0,0,east,1\n", 2, ("line 2, column qz", "'east'")),

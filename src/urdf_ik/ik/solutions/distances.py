@@ -159,8 +159,11 @@ def per_joint(name: str, value: ArrayLike, names: Sequence[str], also: tuple[flo
     fits = numbers.shape in ((), (1,), (len(names),))
     numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
     if not (inputs.usable(numbers) | np.isin(numbers, also)).all():
-        valid = f"{'zero, or ' if 0.0 in also else ''}a number {inputs.USABLE}"
-        raise ArgumentError(f"{name} is {value!r}; {valid} is needed, or one for each of {', '.join(names)}")
+        sign = "zero or positive" if 0.0 in also else "positive"
+        raise ArgumentError(
+            f"{name} is {np.asarray(value).tolist()}; a {sign} number {inputs.USABLE} is needed, or one for each of "
+            f"{', '.join(names)}"
+        )
     return numbers
 
 
