@@ -55,7 +55,7 @@ FOREARM = math.hypot(0.35 + 0.35, 0.12)  # axis 3 to the wrist's centre
 
 
 @pytest.mark.parametrize(
-    ("case", "centre", "shoulder", "distance", "told", "words"),
+    ("case", "centre", "shoulder", "distance", "lengths", "words"),
     [
         (ZYYZYZ, (0.0, 0.0, 3.1), (0.0, 0.0, 1.0), 2.1001, (2.1001, 2.1, 0.0001), "shoulder.*reach.*too far$"),
         (ZYYZYZ, (0.0, 0.0, 3.1), (0.0, 0.0, 1.0), 12.0, (12.0, 2.1, 9.9), "shoulder.*reach.*too far$"),
@@ -68,7 +68,7 @@ FOREARM = math.hypot(0.35 + 0.35, 0.12)  # axis 3 to the wrist's centre
 )
 def test_the_wrists_distance_and_the_reach_are_told(
     case: Callable[[], Case], centre: Sequence[float], shoulder: Sequence[float], distance: float,
-    told: Sequence[float], words: str,
+    lengths: Sequence[float], words: str,
 ) -> None:  # fmt: skip
     """With the wrist's centre (at zero: ``centre``) at a distance from a place, the text tells the lengths [m]."""
     arm, oracle = case().arm, case().oracle
@@ -76,8 +76,8 @@ def test_the_wrists_distance_and_the_reach_are_told(
     for turn in turns(3):
         target = placed(arm, in_tip, shoulder + distance * turn[0], turn)
         for text in (arm.explain(target), arm.ik(target).explain()):
-            assert numbers_in(text)[:2] == pytest.approx(told[:2], rel=1e-5)
-            assert numbers_in(text)[2 : len(told)] == pytest.approx(told[2:], rel=5e-3)
+            assert numbers_in(text)[:2] == pytest.approx(lengths[:2], rel=1e-5)
+            assert numbers_in(text)[2 : len(lengths)] == pytest.approx(lengths[2:], rel=5e-3)
             assert re.search(words, text)
 
 

@@ -181,7 +181,7 @@ def test_what_is_proven_lacks_nothing(name: str, certain_of_40: int) -> None:
     found = case.arm.ik(T)
     certain = np.flatnonzero(np.asarray(found.certain))
     assert len(certain) >= certain_of_40
-    for k in certain[:12]:
+    for k in certain if name.startswith("ur") else certain[:12]:
         have = rows(found[int(k)])
         starts = np.concatenate([q[k] + 0.01 * rng.normal(size=(8, 6)), rng.uniform(-np.pi, np.pi, (40, 6))])
         for root in newton(case.arm.fk, case.arm.jacobian, case.arm.chain.size, T[k], starts, 1e-5):
@@ -189,13 +189,14 @@ def test_what_is_proven_lacks_nothing(name: str, certain_of_40: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["ur calibrated", "ur off by 1e-3"])
-@pytest.mark.parametrize("off", [1e-3, 1e-4, 1e-6])
-def test_a_calibrated_arm_lacks_nothing_beside_its_singularities(name: str, off: float) -> None:
-    """Beside joint vectors where det J changes its sign no planted one is missing."""
+@pytest.mark.parametrize(("off", "share"), [(1e-3, 0.95), (1e-4, 0.95), (1e-6, 0.6)])
+def test_a_calibrated_arm_is_proven_beside_its_singularities(name: str, off: float, share: float) -> None:
+    """Beside joint vectors where det J changes its sign most poses are proven, and no planted one is missing."""
     case, rng = made(name), np.random.default_rng(5)
     d = rng.normal(size=(100, 6))
     q = folds(case.arm, 100, rng) + off * d / np.linalg.norm(d, axis=1, keepdims=True)
     found = case.arm.ik(np.stack([case.oracle.pose(each) for each in q]))
+    assert np.asarray(found.certain).mean() >= share
     for k, each in enumerate(q):
         assert nearest(rows(found[k]), each) <= case.oracle.tolerance(each), (k, each.tolist())
 
