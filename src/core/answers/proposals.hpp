@@ -56,13 +56,14 @@ STEP MaskOf<Block> are_double(const Block& margin, const Block& lever) { return 
 // Moves q, at which a joint is free, along its curve to the member nearest to the reference that the caller gave; else so that the
 // joint nearest to zero is there.
 PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, const Reference<6>& reference, double (&q)[6]) {
+    const bool given = reference.given > 0.0;
     for (int round = 0; round < ROUNDS_TO_REFERENCE; ++round) {
         const Weakest<6> weak = weakest_at(arm, goal, q);
         if (weak.value > arm.tolerances.singular) return;
         double apart[6], along = 0.0, nearest = __builtin_inf();
         for (int j = 0; j < 6; ++j) {
             apart[j] = wrap(reference.q[j] - q[j]);
-            if (reference.given) along += weak.direction[j] * apart[j];
+            if (given) along += weak.direction[j] * apart[j];
             else if (abs(weak.direction[j]) > MOVING && abs(apart[j]) < min(nearest, BESIDE_ZERO)) {
                 nearest = abs(apart[j]), along = apart[j] / weak.direction[j];
             }
@@ -73,9 +74,9 @@ PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, co
         double before = 0.0, after = 0.0;
         for (int j = 0; j < 6; ++j)
             before += apart[j] * apart[j], after += wrap(reference.q[j] - at[j]) * wrap(reference.q[j] - at[j]);
-        if (reference.given && !(after < before)) return;
+        if (given && !(after < before)) return;
         for (int j = 0; j < 6; ++j) q[j] = at[j];
-        if (abs(along) <= FINISHED || !reference.given) return;
+        if (abs(along) <= FINISHED || !given) return;
     }
 }
 
