@@ -1,7 +1,5 @@
 """The compiled solvers on arms and targets at random, degenerate ones on purpose: nothing wrong is marked valid."""
 
-from __future__ import annotations
-
 import zlib
 from typing import Any
 

@@ -5,8 +5,6 @@ set the same pose has the same answer to the last bit, alone, anywhere in a batc
 between two, the last digits of an angle differ.
 """
 
-from __future__ import annotations
-
 import itertools
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The C++ tests of tests/core/native: programs that are built beside the core, one for each instruction set."""
 
-from __future__ import annotations
-
 import subprocess
 
 import pytest

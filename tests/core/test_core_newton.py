@@ -1,7 +1,5 @@
 """Steps of the core: Newton's method: convergence, the error as a twist, steps near a singularity."""
 
-from __future__ import annotations
-
 import core_steps
 import numpy as np
 import pinocchio as pin

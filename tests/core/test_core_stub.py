@@ -1,7 +1,5 @@
 """The compiled core's stub, by which mypy knows it: as it is generated from what was built."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Steps of the core: the subproblems of the closed forms: each undoes the turns that it was made of."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Steps of the core: target poses, their defects and the nearest rotation."""
 
-from __future__ import annotations
-
 import math
 
 import core_steps

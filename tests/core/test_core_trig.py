@@ -1,7 +1,5 @@
 """Steps of the core: angles and of trigonometric polynomials, against formulas written out and planted roots."""
 
-from __future__ import annotations
-
 import math
 import re
 
@@ -40,18 +38,6 @@ def test_atan2(side_by_side: bool) -> None:
         assert abs(answer - expected) <= 2.0 * math.ulp(expected), (y, x)
         assert math.copysign(1.0, answer) == math.copysign(1.0, y)
         assert abs(answer) <= PI
-
-
-def atan2(y: float, x: float) -> float:
-    """The step for one point."""
-    return step("atan2", y, x)[0]
-
-
-def test_atan2_of_zeros() -> None:
-    """The angle of nothing is zero; the negative x axis is at pi from above and at -pi from below."""
-    assert [atan2(0.0, x) for x in (0.0, -0.0, 1.0)] == [0.0, 0.0, 0.0]
-    assert (atan2(0.0, -1.0), atan2(-0.0, -1.0)) == (PI, -PI)
-    assert (atan2(1.0, 0.0), atan2(-1.0, -0.0)) == (PI / 2, -PI / 2)
 
 
 def test_no_digit_depends_on_the_c_library() -> None:
@@ -192,24 +178,3 @@ def test_inverses_and_roots() -> None:
         found = core_steps.step("inverse", x[:, None], side_by_side=side_by_side)
         np.testing.assert_allclose(found, np.column_stack([1.0 / x, 1.0 / np.sqrt(x), np.sqrt(x)]), rtol=4.5e-16)
         assert core_steps.step("inverse", np.zeros((1, 1)), side_by_side=side_by_side)[0, 2] == 0.0
-
-
-# ---------------------------------------------------------------- polynomials that read the same from both ends
-
-
-@pytest.mark.parametrize("degree", [4, 16])
-def test_self_inversive_roots(degree: int) -> None:
-    """All planted roots come back: on the unit circle, and in pairs mirrored in it."""
-    rng = np.random.default_rng(degree)
-    for _ in range(20):
-        on = np.exp(1j * rng.uniform(-PI, PI, degree // 2))
-        off = rng.uniform(0.3, 0.9, degree // 4) * np.exp(1j * rng.uniform(-PI, PI, degree // 4))
-        planted = np.concatenate([on, off, 1.0 / off.conj()])
-        if min(abs(a - b) for i, a in enumerate(planted) for b in planted[:i]) < 0.03:
-            continue
-        c = np.poly(planted)[::-1]
-        # A phase makes the coefficients their own mirror image.
-        c = c * np.exp(-0.5j * (np.angle(c[0]) + np.angle(c[-1])))
-        found = step(f"self_inversive_roots_{degree}", *np.column_stack([c.real, c.imag]).ravel())
-        z = np.array(found[::2]) + 1j * np.array(found[1::2])
-        assert max(np.abs(z - root).min() for root in planted) < 1e-6

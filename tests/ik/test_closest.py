@@ -1,7 +1,5 @@
 """Nearest postures and tolerances: what arms with few joints do where they cannot do all that is asked."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -79,9 +79,10 @@ def test_targets_that_are_no_poses(name: str) -> None:
     case = few(name, 0)
     Q = draw(case, np.random.default_rng(0), 40)
     T = case.oracle.poses(Q)
-    for bad in (np.nan, np.inf, 3.0):
+    for bad in (np.nan, np.inf, 3.0, 0.0, "mirrored"):
         broken = T.copy()
-        broken[33, 0, 0] = bad
+        broken[33, :3, 0] *= -1.0 if bad == "mirrored" else 1.0
+        broken[33, 0, 0] = broken[33, 0, 0] if bad == "mirrored" else bad
         with pytest.raises(PoseError) as error:
             case.arm.ik(broken)
         assert error.value.index == (33,)

@@ -1,7 +1,5 @@
 """Parts of a pose: what is asked is reached, as Pinocchio measures it, by arms with more or fewer joints."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arms_few import case_of

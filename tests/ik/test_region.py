@@ -1,7 +1,5 @@
 """Target regions, and arms with several redundancy parameters: the nearest joint vector, by sampling."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Tasks: targets with fewer numbers than a pose, for arms that control no more."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

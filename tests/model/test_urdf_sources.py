@@ -16,6 +16,7 @@ from urdf_ik.model.urdf import read
         lambda path: path,
         str,
         lambda path: path.read_text(encoding="utf-8"),
+        lambda path: "\n  " + path.read_text(encoding="utf-8").partition("?>")[2],
         lambda path: path.read_bytes(),
         lambda path: b"\xef\xbb\xbf" + path.read_bytes(),
         lambda path: path.read_text(encoding="utf-8").encode("utf-16"),

@@ -380,12 +380,3 @@ def ur_like(signs: Sequence[float] = (1, 1, 1, 1, 1, 1), tool: Sequence[float] =
     )
     axes = [sign * axis for sign, axis in zip(signs, [Z, Y, Y, Y, Z, Y], strict=True)]
     return _named("ur_like", "2||3||4, 1x2, 5x6", axes, points, points[-1] + tool, (0.3, 0.2, -0.1))
-
-
-# Two tips below one base, which load() cannot choose between.
-TWO_HANDS = """<robot name="two">
-  <link name="base"/><link name="body"/><link name="left"/><link name="right"/>
-  <joint name="waist" type="continuous"><parent link="base"/><child link="body"/><axis xyz="0 0 1"/></joint>
-  <joint name="l" type="continuous"><parent link="body"/><child link="left"/><axis xyz="0 1 0"/></joint>
-  <joint name="r" type="continuous"><parent link="body"/><child link="right"/><axis xyz="0 1 0"/></joint>
-</robot>"""
