@@ -37,18 +37,6 @@ def test_every_line_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert re.search(r"^ *0\.\d+ .* 3 ", printed[LINES[11]], re.MULTILINE)
 
 
-def test_a_changed_arm_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The eighth task, where the URDF has changed by tomorrow: status 1."""
-    monkeypatch.chdir(tmp_path)
-    text = catalogue.resolve("puma_560").path.read_text()
-    Path("my_arm.urdf").write_text(text)
-    succeed("freeze", "my_arm.urdf", "my_arm.lock.json")
-    refused = call("freeze", "my_arm.urdf")
-    assert refused.exit_code == 2 and "my_arm.lock.json is there already" in refused.stderr
-    Path("my_arm.urdf").write_text(text.replace("0.4318", "0.4330"))
-    assert call("verify", "my_arm.urdf", "my_arm.lock.json").exit_code == 1
-
-
 @pytest.mark.filterwarnings("default")
 def test_degrees_in_a_file_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without --degrees they are rad, many turns of them, and the command says so; with it, it does not."""

@@ -31,16 +31,6 @@ DH_6R = (
     (-PI / 2, 0.0, 0.0, 0.0),
     (PI / 2, 0.0, 0.0, 0.0),
 )
-# Manseur and Doty's arm with sixteen solutions, in degrees, and the pose that has them.
-SIXTEEN = np.array([[90, 0.3, 0, 0], [1, 1, 0, 0], [90, 0, 0.2, 0], [1, 1.5, 0, 0], [90, 0, 0, 0], [1, 0, 0, 0.0]])
-SIXTEEN_POSE = np.array(
-    [
-        [-0.760117, -0.641689, 0.102262, -1.140175],
-        [0.133333, 0.0, 0.991071, 0.0],
-        [-0.635959, 0.766965, 0.085558, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-    ]
-)
 
 
 # ---------------------------------------------------------------- the formula, written out once more
@@ -168,16 +158,6 @@ def test_published_table_of_the_panda_comes_back() -> None:
     np.testing.assert_allclose(table.a, [0, 0, 0, 0.0825, -0.0825, 0, 0.088], atol=1e-12)
     np.testing.assert_allclose(table.d, [0.333, 0, 0.316, 0, 0.384, 0, 0.107 + 0.1034], atol=1e-12)
     np.testing.assert_allclose(table.theta, [0, 0, 0, 0, 0, 0, -PI / 4], atol=1e-12)
-
-
-def test_sixteen_solutions_of_manseur_and_doty() -> None:
-    """The arm made from their standard table, given in degrees, has sixteen solutions at their pose."""
-    arm = urdf_ik.load(DHTable.from_array(SIXTEEN, "standard", degrees=True).to_urdf())
-    assert arm.limits.shape == (6, 2) and np.isinf(arm.limits).all()
-    U, _, Vt = np.linalg.svd(SIXTEEN_POSE[:3, :3])
-    target = SIXTEEN_POSE.copy()
-    target[:3, :3] = U @ Vt
-    assert len(arm.ik(target)) == 16
 
 
 # ---------------------------------------------------------------- files

@@ -323,12 +323,6 @@ def test_an_axis_that_no_reader_can_normalize_is_refused(length: str) -> None:
     assert np.abs(R @ R.T - np.eye(3)).max() > 0.1
 
 
-def test_lower_above_upper_names_pybullets_reading() -> None:
-    """There such bounds mean none."""
-    with pytest.raises(UrdfError, match="PyBullet"):
-        loaded(joint('lower="-2"', 'lower="3"')(INSIDE))
-
-
 def test_a_base_on_a_side_branch_has_the_tip_of_the_tree() -> None:
     """The pendant's frame of a UR, half a turn off the root: Pinocchio's pose in it; no other frame is offered."""
     side = '<link name="pendant"/>' + PLACED.format("turned", "base", "pendant").replace(

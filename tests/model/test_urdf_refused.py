@@ -31,7 +31,7 @@ BROKEN = {
     "quaternion origin": (10, "rpy", 'quat_xyzw="0 0 0 1" rpy', 10, f"<origin> of {JOINT}", "quat_xyzw", "rpy"),
     "zero axis": (11, "0 0 1", "0 0 0", 11, f"<axis> of {JOINT}", "zero axis", "0 0 1"),
     "axis without xyz": (11, ' xyz="0 0 1"', "", 11, f"<axis> of {JOINT}", "xyz is missing", "3 numbers"),
-    "lower above upper": (12, '"-1"', '"3"', 12, f"<limit> of {JOINT}", "lower 3 is greater than upper 2", "swap"),
+    "lower above upper": (12, '"-1"', '"3"', 12, f"<limit> of {JOINT}", "lower 3 is greater than upper 2", "PyBullet"),
     "no effort": (12, ' effort="3"', "", 12, f"<limit> of {JOINT}", "no effort", "effort="),
     "no velocity": (12, ' velocity="4"', "", 12, f"<limit> of {JOINT}", "no velocity", "velocity="),
     "negative velocity": (12, '"4"', '"-4"', 12, f"<limit> of {JOINT}", "negative", "zero or more"),

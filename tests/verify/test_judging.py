@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command import call, succeed
 
 import urdf_ik
-from urdf_ik.cli import app
 from urdf_ik.errors import ArgumentError
 from urdf_ik.verify import judge, judging
 from urdf_ik.verify.judging import opened, replay
@@ -169,15 +168,12 @@ def test_the_command_judges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(SOLVER + "\ndef forgetful(T):\n    return solve(T)[1:]\n")
 
-    def run(*words: str) -> tuple[int, str, str]:
-        done = CliRunner().invoke(app, ["judge", "puma_560", "-n", "2", *words], catch_exceptions=False)
-        return done.exit_code, done.stdout, done.stderr
-
-    assert run("--solver", "mine.py:solve")[0] == 0
-    assert run("--solver", f"process:{sys.executable} mine.py")[0] == 0
-    status, out, _ = run("--solver", "mine.py:forgetful")
-    assert status == 1 and "missing" in out and "replay" in out
-    assert run("--solver", "mine.py:forgetful", "--json", "-o", "out.json")[0] == 1
+    judged = ("judge", "puma_560", "-n", "2", "--solver")
+    for spec in ("mine.py:solve", f"process:{sys.executable} mine.py"):
+        succeed(*judged, spec)
+    result = call(*judged, "mine.py:forgetful")
+    assert result.exit_code == 1 and "missing" in result.stdout and "replay" in result.stdout
+    assert call(*judged, "mine.py:forgetful", "--json", "-o", "out.json").exit_code == 1
     assert not json.loads(Path("out.json").read_text())["passed"]
-    status, _, err = run("--solver", "nothing")
-    assert status == 2 and "process:COMMAND" in err
+    result = call(*judged, "nothing")
+    assert result.exit_code == 2 and "process:COMMAND" in result.stderr

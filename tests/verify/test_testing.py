@@ -1,6 +1,7 @@
 """What the package offers for tests of one's own: an assertion, and a plugin of pytest."""
 
 import pytest
+from command import TWO_JOINTS
 from urdf_mutants import mutants
 
 import urdf_ik
@@ -11,11 +12,6 @@ from urdf_ik.verify.testing import assert_agrees_with_pinocchio, verdict
 from urdf_ik_pytest import UNCHANGED
 
 ARM = catalogue.resolve("zyyzyz_6r").path
-# Two joints about one axis: no solver takes it.
-UNSOLVED = """<robot name="two"><link name="a"/><link name="b"/><link name="c"/>
-<joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
-<joint name="two" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint>
-</robot>"""
 WRONG = """
 import urdf_ik
 from urdf_ik.arm import Arm
@@ -65,8 +61,8 @@ def test_a_wrong_arm_fails_with_the_report(monkeypatch: pytest.MonkeyPatch) -> N
 def test_an_arm_that_cannot_be_solved_does_not_pass() -> None:
     """Kinematics alone is no agreement on inverse kinematics."""
     with pytest.raises(AssertionError, match="not checked: inverse kinematics"):
-        assert_agrees_with_pinocchio(UNSOLVED, n=3)
-    report = check(urdf_ik.load(UNSOLVED), n=3)
+        assert_agrees_with_pinocchio(TWO_JOINTS, n=3)
+    report = check(urdf_ik.load(TWO_JOINTS), n=3)
     assert verdict(report, "duplicates")[0] is False
     assert verdict(report, "collision, distance")[0] is None
     assert verdict(report, "Jacobian")[0] is True
@@ -104,7 +100,7 @@ def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> N
     chosen = run(pytester, "--urdf", "broken.urdf", "-k", "Jacobian or duplicates")
     chosen.assert_outcomes(failed=1, skipped=1, deselected=len(PROPERTIES) - 1 + len(UNCHANGED))
     assert chosen.ret == pytest.ExitCode.TESTS_FAILED
-    pytester.path.joinpath("unsolved.urdf").write_text(UNSOLVED)
+    pytester.path.joinpath("unsolved.urdf").write_text(TWO_JOINTS)
     run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2", "--urdf-no-lock").assert_outcomes(
         passed=8, failed=5, skipped=2 + len(UNCHANGED)
     )

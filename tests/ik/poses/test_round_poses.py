@@ -171,15 +171,6 @@ def test_crx_straight_down_on_a_grid_is_complete(place: int) -> None:
             assert angle_distance(found, q).min(initial=np.inf) < 1e-6
 
 
-def test_certainty_has_the_shape_of_the_poses_and_survives_filters() -> None:
-    """Certainty belongs to the pose, not to the columns that a filter keeps."""
-    case = named("crx")
-    solutions = case.arm.ik(case.arm.fk(round_vectors(np.random.default_rng(6), 12)).reshape(3, 4, 4, 4))
-    assert solutions.certain.shape == (3, 4)
-    assert np.array_equal(solutions.within_limits().certain, solutions.certain)
-    assert np.array_equal(solutions[1, 2:].certain, solutions.certain[1, 2:])
-
-
 def test_coaxial_axes_1_and_2_are_never_certain() -> None:
     """Axes 1 and 2 coincide: every pose leaves their difference free, and no count of solutions is certain."""
     points = [(0, 0, 0), (0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5), (0.5, 0.1, 0.5), (0.6, -0.15, 0.7)]
