@@ -1,44 +1,25 @@
 """The reference itself: Pinocchio's model, asked for a chain's poses, Jacobian and errors, against facts by hand."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from chains import joint, robot
 
 from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
 from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError
 from urdf_ik.model import catalogue, urdf
 
-LIMIT = '<limit lower="-2" upper="3" effort="1" velocity="1"/>'
-
-
-def joint(name: str, kind: str, parent: str, child: str, xyz: str, axis: str, inside: str = "") -> str:
-    """One joint in URDF."""
-    limit = LIMIT if kind in ("revolute", "prismatic") else ""
-    return (
-        f'<joint name="{name}" type="{kind}"><origin xyz="{xyz}" rpy="0 0 0"/><parent link="{parent}"/>'
-        f'<child link="{child}"/><axis xyz="{axis}"/>{limit}{inside}</joint>'
-    )
-
-
-def robot(*joints: str) -> str:
-    """A URDF with these joints and every link that they name."""
-    text = "".join(joints)
-    links = dict.fromkeys(re.findall(r'link="(\w+)"', text))
-    return "".join(['<robot name="r">', *(f'<link name="{link}"/>' for link in links), text, "</robot>"])
-
-
 # Joints b and c stand in the file before the joint that carries them; b is continuous; d slides.
 TREE = robot(
-    joint("c", "revolute", "two", "three", "1 0 0", "0 1 0"),
-    joint("b", "continuous", "one", "two", "1 0 0", "0 0 2"),
-    joint("a", "revolute", "base", "one", "0.1 0.2 0.3", "0 0 1"),
-    joint("d", "prismatic", "three", "four", "0.5 0 0", "0 3 4"),
-    joint("side", "revolute", "one", "arm", "0 0 1", "1 0 0"),
-    joint("hand", "fixed", "arm", "finger", "0 0.4 0", "1 0 0"),
+    joint("c", "revolute", "two", "three", "1 0 0", axis="0 1 0"),
+    joint("b", "continuous", "one", "two", "1 0 0", axis="0 0 2"),
+    joint("a", "revolute", "base", "one", "0.1 0.2 0.3", axis="0 0 1"),
+    joint("d", "prismatic", "three", "four", "0.5 0 0", axis="0 3 4"),
+    joint("side", "revolute", "one", "arm", "0 0 1", axis="1 0 0"),
+    joint("hand", "fixed", "arm", "finger", "0 0.4 0", axis="1 0 0"),
 )
 
 
@@ -78,10 +59,10 @@ def test_joints_are_matched_by_name_and_ordered_base_to_tip() -> None:
 def test_ranges_hold_the_limits_or_one_turn() -> None:
     """Limits come from the URDF; a continuous joint has none, and is drawn from one turn; so is one with 1e9."""
     reference = Reference(TREE, "base", "four")
-    np.testing.assert_array_equal(reference.limits, [[-2, 3], [-np.inf, np.inf], [-2, 3], [-2, 3]])
-    np.testing.assert_array_equal(reference.ranges, [[-2, 3], [-np.pi, np.pi], [-2, 3], [-2, 3]])
+    np.testing.assert_array_equal(reference.limits, [[-3, 3], [-np.inf, np.inf], [-3, 3], [-3, 3]])
+    np.testing.assert_array_equal(reference.ranges, [[-3, 3], [-np.pi, np.pi], [-3, 3], [-3, 3]])
     endless = Reference(TREE.replace('upper="3"', 'upper="1e9"'), "base", "four")
-    np.testing.assert_allclose(endless.ranges[[0, 3]], [[-2, -2 + 2 * np.pi], [-2, 0]])
+    np.testing.assert_allclose(endless.ranges[[0, 3]], [[-3, -3 + 2 * np.pi], [-3, -1]])
 
 
 @pytest.mark.parametrize(
@@ -151,10 +132,10 @@ def test_mimic_inside_the_chain(case: str) -> None:
 
     def text(follow: bool) -> str:
         parts = [
-            joint(name, kind, links[i], links[i + 1], "1 0 0", "0 1 1", inside if follow else "")
+            joint(name, kind, links[i], links[i + 1], "1 0 0", axis="0 1 1", more=inside if follow else "")
             for i, (name, kind, inside) in enumerate(pair)
         ]
-        return robot(*parts, joint("tip", "revolute", "two", "tool", "0 0 1", "1 0 0"))
+        return robot(*parts, joint("tip", "revolute", "two", "tool", "0 0 1", axis="1 0 0"))
 
     following, free = Reference(text(True), "base", "tool"), Reference(text(False), "base", "tool")
     driver = "b" if "later" in case else "a"
@@ -174,9 +155,17 @@ def test_mimic_of_a_mimic_outside_the_chain() -> None:
     """A row of mimics that starts at a joint of the chain moves the links beside the chain."""
     reference = Reference(
         robot(
-            joint("a", "revolute", "base", "one", "0 0 0", "0 0 1"),
-            joint("f", "revolute", "one", "left", "1 0 0", "0 0 1", '<mimic joint="a" multiplier="2" offset="0.1"/>'),
-            joint("g", "revolute", "one", "right", "1 0 0", "0 0 1", '<mimic joint="f" multiplier="-1"/>'),
+            joint("a", "revolute", "base", "one", "0 0 0", axis="0 0 1"),
+            joint(
+                "f",
+                "revolute",
+                "one",
+                "left",
+                "1 0 0",
+                axis="0 0 1",
+                more='<mimic joint="a" multiplier="2" offset="0.1"/>',
+            ),
+            joint("g", "revolute", "one", "right", "1 0 0", axis="0 0 1", more='<mimic joint="f" multiplier="-1"/>'),
         ),
         "base",
         "one",
@@ -225,7 +214,8 @@ def test_links_that_are_not_there_and_joints_that_are_no_number() -> None:
     with pytest.raises(ChainError, match="nope"):
         Reference(TREE, "base", "nope")
     floating = robot(
-        joint("a", "revolute", "base", "one", "0 0 0", "0 0 1"), joint("f", "floating", "one", "two", "0 0 0", "0 0 1")
+        joint("a", "revolute", "base", "one", "0 0 0", axis="0 0 1"),
+        joint("f", "floating", "one", "two", "0 0 0", axis="0 0 1"),
     )
     with pytest.raises(UnsupportedArm, match="'f' .* 6 degrees"):
         Reference(floating, "base", "two")

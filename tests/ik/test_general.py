@@ -7,8 +7,8 @@ import contract
 import core_steps
 import numpy as np
 import pytest
-from arms import DescribedArm, Y, Z
-from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
+from arms import DescribedArm, Y, Z, from_screws
+from arms_general import crx_like, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
 from cases import Case, assert_exact, closest_pair, described, nearest, rows, thinned
 from numpy.typing import NDArray
 

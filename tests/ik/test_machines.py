@@ -5,21 +5,18 @@ from itertools import permutations
 import numpy as np
 import pytest
 from arms_few import case_of
+from chains import joint, robot
 
 KINDS = sorted(set(permutations("PPPRR")))
-LIMITS = '<limit lower="-1.5" upper="1.5" effort="1" velocity="1"/>'
 
 
 def machine(joints: list[tuple[str, str, str, str]]) -> str:
     """A URDF of joints in a row, each a type, an origin, an axis and what else it has."""
     names = ["base", *(f"l{k}" for k in range(1, len(joints))), "tool"]
-    links = "".join(f'<link name="{name}"/>' for name in names)
-    rows = (
-        f'<joint name="j{k}" type="{kind}"><parent link="{names[k]}"/><child link="{names[k + 1]}"/>'
-        f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>{LIMITS}{more}</joint>'
-        for k, (kind, xyz, axis, more) in enumerate(joints)
+    rows = enumerate(joints)
+    return robot(
+        *(joint(f"j{k}", kind, *names[k : k + 2], xyz, axis=axis, more=more) for k, (kind, xyz, axis, more) in rows)
     )
-    return f'<robot name="machine">{links}{"".join(rows)}</robot>'
 
 
 def words(vector: object) -> str:

@@ -17,6 +17,7 @@ from arms_few import (
     few_urdf,
 )
 from cases import Case, from_catalogue, rows, worst_error
+from chains import joint, robot
 from numpy.typing import NDArray
 from oracle import Oracle
 
@@ -125,15 +126,10 @@ def test_a_refused_arm_of_eight_joints_is_solved_as_its_message_says() -> None:
     """A lift, four slides and a wrist, as on Stretch: with the lock that the refusal names the arm answers."""
     axes = {"lift": "0 0 1", **{f"arm_l{k}": "0 -1 0" for k in (3, 2, 1, 0)}}
     axes |= {"wrist_yaw": "0 0 1", "wrist_pitch": "0 1 0", "wrist_roll": "1 0 0"}
-    text = '<robot name="stretch"><link name="l0"/>'
-    for i, (name, axis) in enumerate(axes.items(), 1):
-        kind = "revolute" if "wrist" in name else "prismatic"
-        text += (
-            f'<link name="l{i}"/><joint name="{name}" type="{kind}"><parent link="l{i - 1}"/><child link="l{i}"/>'
-            f'<origin xyz="0.05 0 0.1"/><axis xyz="{axis}"/>'
-            '<limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>'
-        )
-    text += "</robot>"
+    limit = '<limit lower="0" upper="0.5" effort="1" velocity="1"/>'
+    kinds = ["revolute" if "wrist" in name else "prismatic" for name in axes]
+    rows = enumerate(zip(axes, kinds, axes.values(), strict=True))
+    text = robot(*(joint(n, kind, f"l{i}", f"l{i + 1}", "0.05 0 0.1", axis=a, more=limit) for i, (n, kind, a) in rows))
     arm = urdf_ik.load(text, "l0", "l8")
     with pytest.raises(UnsupportedArm, match=r"solved where 1 joint is locked.*locked={'lift': 0.0}.*--lock lift=0"):
         arm.ik(np.eye(4))

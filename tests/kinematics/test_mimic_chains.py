@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from chains import joint, robot
 
 import urdf_ik
 from urdf_ik import UrdfError
@@ -13,17 +14,16 @@ AXES = (
 )  # fmt: skip
 
 
-def robot(mimics: dict[int, str], count: int = 5) -> str:
+def arm_of(mimics: dict[int, str], count: int = 5) -> str:
     """Joints j0, j1, ... in a row, some of which mimic others: 'driver multiplier offset'."""
-    links = "".join(f'<link name="l{k}"/>' for k in range(count + 1))
-    joints = ""
-    for k, (axis, xyz) in enumerate(AXES[:count]):
-        follows = '<mimic joint="{}" multiplier="{}" offset="{}"/>'.format(*mimics[k].split()) if k in mimics else ""
-        joints += (
-            f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="{xyz}"/>'
-            f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/>{follows}</joint>\n'
+    follows = {k: '<mimic joint="{}" multiplier="{}" offset="{}"/>'.format(*text.split()) for k, text in mimics.items()}
+    rows = enumerate(AXES[:count])
+    return robot(
+        *(
+            joint(f"j{k}", "revolute", f"l{k}", f"l{k + 1}", xyz, axis=a, more=follows.get(k, ""))
+            for k, (a, xyz) in rows
         )
-    return f'<robot name="r">{links}{joints}</robot>'
+    )
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def robot(mimics: dict[int, str], count: int = 5) -> str:
 )
 def test_circles_of_mimics_are_errors_of_the_chains_that_use_them(mimics: dict[int, str], circle: str) -> None:
     """Reading ends, one warning names the circle, and a chain before it loads."""
-    xml = robot(mimics)
+    xml = arm_of(mimics)
     model = read(xml)
     assert len(model.warnings) == 1 and circle in model.warnings[0].error.problem
     with pytest.raises(UrdfError, match="mimics itself"):
@@ -52,7 +52,7 @@ def test_circles_of_mimics_are_errors_of_the_chains_that_use_them(mimics: dict[i
 @pytest.mark.parametrize("driver", ["j0", "j1"])
 def test_a_joint_that_follows_by_nothing_stands_at_its_offset(multiplier: str, driver: str) -> None:
     """It is fixed, and the others are the arm that remains; every drawn joint vector is found."""
-    arm = urdf_ik.load(robot({4: f"{driver} {multiplier} 0.2"}))
+    arm = urdf_ik.load(arm_of({4: f"{driver} {multiplier} 0.2"}))
     assert arm.joint_names == ("j0", "j1", "j2", "j3") and not arm.chain.followers
     found_all(arm)
 
@@ -60,7 +60,7 @@ def test_a_joint_that_follows_by_nothing_stands_at_its_offset(multiplier: str, d
 @pytest.mark.parametrize("multiplier", ["1e-12", "-1e-9", "1e-6"])
 def test_a_joint_that_follows_by_little_is_solved(multiplier: str) -> None:
     """Pinocchio's forward kinematics hold with the small share, and no joint vector is lost."""
-    arm = urdf_ik.load(robot({3: f"j1 {multiplier} 0.2"}, 4))
+    arm = urdf_ik.load(arm_of({3: f"j1 {multiplier} 0.2"}, 4))
     assert arm.joint_names == ("j0", "j1", "j2")
     found_all(arm)
 
@@ -68,7 +68,7 @@ def test_a_joint_that_follows_by_little_is_solved(multiplier: str) -> None:
 @pytest.mark.parametrize("shares", [("-0.5", "2"), ("0", "2"), ("1", "0"), ("1", "1e-12"), ("2", "0.5")])
 def test_mimics_of_mimics_multiply_their_shares(shares: tuple[str, str]) -> None:
     """The row j3 -> j2 -> j1 is one share of j1; where it is zero the joint stands still."""
-    arm = urdf_ik.load(robot({2: f"j1 {shares[0]} 0.1", 3: f"j2 {shares[1]} 0.2"}))
+    arm = urdf_ik.load(arm_of({2: f"j1 {shares[0]} 0.1", 3: f"j2 {shares[1]} 0.2"}))
     assert arm.joint_names == ("j0", "j1", "j4")
     found_all(arm)
 

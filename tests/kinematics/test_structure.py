@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from arms import KINDS, X, Y, Z, industrial, random_arm, rotation, serial_urdf, ur_like
+from chains import joint, robot
 from numpy.typing import NDArray
 from structures import of_kind, relations, structure_of
 
@@ -312,13 +313,9 @@ def test_no_closed_form() -> None:
 
 def test_sliding_joints() -> None:
     """A sliding joint has a direction, not a line: it may be parallel to a neighbour and is never in line with it."""
-    axis = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
-    joints = "".join(
-        f'<joint name="j{i}" type="{kind}"><parent link="l{i}"/><child link="l{i + 1}"/>{axis}</joint>'
-        for i, kind in enumerate(("revolute", "prismatic", "revolute"))
-    )
-    text = f'<robot name="r">{"".join(f"""<link name="l{i}"/>""" for i in range(4))}{joints}</robot>'
-    structure = urdf_ik.load(text).structure
+    kinds = ("revolute", "prismatic", "revolute")
+    joints = [joint(f"j{i}", kind, f"l{i}", f"l{i + 1}", axis="0 0 1") for i, kind in enumerate(kinds)]
+    structure = urdf_ik.load(robot(*joints)).structure
     assert [pair.relation for pair in structure.pairs] == ["parallel", "parallel"]
     assert structure.triples == ()
     assert str(structure).startswith("3 joints (RPR), of no family that is solved here. Axes 1 and 2 are parallel")

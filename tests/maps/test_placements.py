@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-import arms_general
+import arms
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ def crx() -> urdf_ik.Arm:
     """
     x, y, z = np.eye(3)
     points = np.cumsum([0 * z, 0 * z, 0.71 * z, 0 * z, 0.54 * y + 0.15 * x, 0 * z], axis=0)
-    text = arms_general.from_screws("crx", "general", np.array([z, x, x, y, x, y]), points, points[-1]).urdf
+    text = arms.from_screws("crx", "general", np.array([z, x, x, y, x, y]), points, points[-1]).urdf
     text = re.sub(r"<limit[^>]*/>", "", text.replace('type="revolute"', 'type="continuous"'))
     return urdf_ik.load(text, base="base", tip="tool")
 

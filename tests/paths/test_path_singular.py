@@ -2,7 +2,7 @@
 
 import re
 
-import arms_general
+import arms
 import numpy as np
 import pytest
 from paths import ALL_KINDS, check, cost_of, described, smooth
@@ -96,7 +96,7 @@ def test_crx_published_cuspidal_line_keeps_four_of_twelve() -> None:
     x, y, z = np.eye(3)
     steps = np.array([0 * z, 0 * z, 0.71 * z, 0 * z, 0.54 * y + 0.15 * x, 0 * z])
     points = np.cumsum(steps, axis=0)
-    text = arms_general.from_screws("crx", "general", np.array([z, x, x, y, x, y]), points, points[-1]).urdf
+    text = arms.from_screws("crx", "general", np.array([z, x, x, y, x, y]), points, points[-1]).urdf
     text = re.sub(r"<limit[^>]*/>", "", text.replace('type="revolute"', 'type="continuous"'))
     arm = urdf_ik.load(text, base="base", tip="tool")
     T = urdf_ik.line(arm.fk(CRX_START), arm.fk(CRX_END), 500)

@@ -14,9 +14,9 @@ LIMIT = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
 class ReferenceModel:
     """Pinocchio's model of a tree, asked by joint names; a joint that is not named stays at zero."""
 
-    def __init__(self, xml: str) -> None:
+    def __init__(self, xml: str, *, mimic: bool = True) -> None:
         """Read URDF text; joints that mimic follow their drivers."""
-        self.model = pin.buildModelFromXML(xml, mimic=True)
+        self.model = pin.buildModelFromXML(xml, mimic=mimic)
         self.data = self.model.createData()
 
     def place(self, values: Mapping[str, float]) -> None:

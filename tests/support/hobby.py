@@ -2,6 +2,7 @@
 
 import numpy as np
 from cases import Case
+from chains import joint, robot
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
@@ -13,20 +14,17 @@ _JOINTS = (
     ("flex", "0.1349 0 0.0052", "0 1 0", 1.66),
     ("roll", "0.0611 0.0002 0", "1 0 0", 2.74),
 )
+LIMITS = '<limit lower="{}" upper="{}" effort="10" velocity="5"/>'
 LINKS = ("base", "turret", "upper", "lower", "wrist", "jaw")
 
 
 def urdf_of(joints: tuple[tuple[str, str, str, float], ...], tip: str) -> str:
     """Arm of joints (name, xyz, axis, limit), and the xyz of its tip, 'tool', behind them."""
-    text = "".join(f'<link name="{name}"/>' for name in (*LINKS[: len(joints) + 1], "tool"))
-    for k, (name, xyz, axis, limit) in enumerate(joints):
-        text += (
-            f'<joint name="{name}" type="revolute"><parent link="{LINKS[k]}"/><child link="{LINKS[k + 1]}"/>'
-            f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>'
-            f'<limit lower="{-limit}" upper="{limit}" effort="10" velocity="5"/></joint>'
-        )
-    grip = f'<parent link="{LINKS[len(joints)]}"/><child link="tool"/><origin xyz="{tip}" rpy="0 1.5708 0"/>'
-    return f'<robot name="hobby">{text}<joint name="grip" type="fixed">{grip}</joint></robot>'
+    rows = [
+        joint(name, "revolute", *LINKS[k : k + 2], xyz, axis=axis, more=LIMITS.format(-limit, limit))
+        for k, (name, xyz, axis, limit) in enumerate(joints)
+    ]
+    return robot(*rows, joint("grip", "fixed", LINKS[len(joints)], "tool", tip, "0 1.5708 0"))
 
 
 URDF = urdf_of(_JOINTS, "0.0981 -0.0002 0")

@@ -5,30 +5,25 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from cases import Array
+from chains import joint, robot
 
 import urdf_ik
 from urdf_ik.cell.pinocchio_reference import Reference
 
 AXES = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
 OFFSETS = ("0 0 0", ".1 0 .05", "0 .2 .1", "0 .1 .25", ".25 .1 .1", ".1 .05 0")
+SLIDES = '<limit lower="-9" upper="9" effort="1" velocity="1"/>'
 HALF = np.pi / 2.0
 
 
 def typed(kinds: str, axes: str, origins: Sequence[str], tip: str = "0 0 0") -> urdf_ik.Arm:
     """An arm of continuous (R) and prismatic (P) joints, with the axes and the origins of its joints."""
-    text = '<robot name="typed"><link name="l0"/>'
-    for k, (kind, axis, origin) in enumerate(zip(kinds, axes, origins, strict=True), 1):
-        name = "prismatic" if kind == "P" else "continuous"
-        limit = '<limit lower="-9" upper="9" effort="1" velocity="1"/>' if kind == "P" else ""
-        text += (
-            f'<link name="l{k}"/><joint name="j{k}" type="{name}"><parent link="l{k - 1}"/><child link="l{k}"/>'
-            f'<origin xyz="{origin}"/><axis xyz="{AXES[axis]}"/>{limit}</joint>'
-        )
-    last = len(kinds)
-    return urdf_ik.load(
-        f'{text}<link name="tip"/><joint name="flange" type="fixed"><parent link="l{last}"/><child link="tip"/>'
-        f'<origin xyz="{tip}"/></joint></robot>'
-    )
+    types = {"R": "continuous", "P": "prismatic"}
+    joints = [
+        joint(f"j{k}", types[kind], f"l{k - 1}", f"l{k}", origin, axis=AXES[axis], more="" if kind == "R" else SLIDES)
+        for k, (kind, axis, origin) in enumerate(zip(kinds, axes, origins, strict=True), 1)
+    ]
+    return urdf_ik.load(robot(*joints, joint("flange", "fixed", f"l{len(kinds)}", "tip", tip)))
 
 
 def missed(arm: urdf_ik.Arm, Q: Array) -> Array:

@@ -8,8 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from arms import DescribedArm, X, Y, Z
-from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, unstructured
+from arms import DescribedArm, X, Y, Z, from_screws
+from arms_general import crx_like, hc10_like, irb140_like, jaco_like, unstructured
 from cases import Case, assert_exact, described, thinned
 from numpy.typing import NDArray
 from oracle import angle_distance

@@ -25,15 +25,15 @@ class DescribedArm:
         name: what a test's id shows.
         kind: the family's conditions in words, such as ``"wrist, 2||3"``.
         urdf: URDF text with the links ``base`` and ``tool``.
-        axes: directions (n, 3) at q = 0 in the arm's own frame, before the base transform.
+        axes: directions (n, 3) at q = 0 in the arm's own frame, before the base transform; None where unused.
         points: a point (n, 3) [m] on each axis, in the same frame.
     """
 
     name: str
     kind: str
     urdf: str
-    axes: Array
-    points: Array
+    axes: Array | None = None
+    points: Array | None = None
 
 
 # ---------------------------------------------------------------- rotations and frames
@@ -343,15 +343,19 @@ def random_arm(
 # ---------------------------------------------------------------- named arms
 
 
-def _named(
-    name: str, kind: str, axes: Sequence[Array], points: Array, tip: Array, tip_rpy: Sequence[float]
+def from_screws(
+    name: str,
+    kind: str,
+    axes: Sequence[Array] | Array,
+    points: Sequence[Sequence[float]] | Array,
+    tip: Sequence[float] | Array,
+    tip_rpy: Sequence[float] = (0.4, -0.3, 0.9),
 ) -> DescribedArm:
-    """An arm whose frames are aligned with the base at q = 0."""
-    places = np.concatenate([points, [tip]])
-    steps = np.diff(places, axis=0, prepend=np.zeros((1, 3)))
+    """An arm whose frames are the base's at q = 0: directions (n, 3), points (n, 3) on them, the tip (3,)."""
+    steps = np.diff(np.vstack([points, tip]), axis=0, prepend=np.zeros((1, 3)))
     origins = [(step, (0.0, 0.0, 0.0)) for step in steps[:-1]] + [(steps[-1], tip_rpy)]
     urdf = serial_urdf(name, origins, [*axes, None])
-    return DescribedArm(name, kind, urdf, np.array(axes), points)
+    return DescribedArm(name, kind, urdf, np.array(axes, dtype=np.float64), np.array(points, dtype=np.float64))
 
 
 def industrial(*, b: float = 0.0, tool: Sequence[float] = (0.05, 0.02, 0.11)) -> DescribedArm:
@@ -365,7 +369,7 @@ def industrial(*, b: float = 0.0, tool: Sequence[float] = (0.05, 0.02, 0.11)) ->
         [[0, 0, 0.2], [0.15, 0, 0.5], [0.15, 0, 1.1], [0.5, b, 1.22], [0.85, b, 1.22], [0.94, b, 1.22]], dtype=float
     )
     axes = [Z, Y, Y, X, Y, X]
-    return _named("industrial", "wrist, 2||3", axes, points, points[-1] + tool, (0.1, math.pi / 2 - 0.2, -0.3))
+    return from_screws("industrial", "wrist, 2||3", axes, points, points[-1] + tool, (0.1, math.pi / 2 - 0.2, -0.3))
 
 
 def ur_like(signs: Sequence[float] = (1, 1, 1, 1, 1, 1), tool: Sequence[float] = (0.01, 0.12, 0.05)) -> DescribedArm:
@@ -379,4 +383,4 @@ def ur_like(signs: Sequence[float] = (1, 1, 1, 1, 1, 1), tool: Sequence[float] =
         [[0, 0, 0.09], [0, 0.135, 0.09], [0, 0.02, 0.51], [0, 0.02, 0.9], [0, 0.11, 0.9], [0, 0.11, 1.0]], dtype=float
     )
     axes = [sign * axis for sign, axis in zip(signs, [Z, Y, Y, Y, Z, Y], strict=True)]
-    return _named("ur_like", "2||3||4, 1x2, 5x6", axes, points, points[-1] + tool, (0.3, 0.2, -0.1))
+    return from_screws("ur_like", "2||3||4, 1x2, 5x6", axes, points, points[-1] + tool, (0.3, 0.2, -0.1))

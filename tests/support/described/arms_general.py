@@ -4,29 +4,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from arms import DescribedArm, X, Y, Z, random_arm, rotation, serial_urdf
+from arms import DescribedArm, X, Y, Z, from_screws, random_arm, rotation, serial_urdf
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-
-def from_screws(
-    name: str, kind: str, axes: Sequence[Array] | Array, points: Sequence[Sequence[float]] | Array, tip: Sequence[float]
-) -> DescribedArm:
-    """An arm whose frames are aligned with the base at q = 0, with a tool that points anywhere.
-
-    Args:
-        name: what a test's id shows.
-        kind: what is special about it, in words.
-        axes: directions (6, 3).
-        points: a point (6, 3) [m] on each axis.
-        tip: the tip's place (3,) [m].
-    """
-    places = np.vstack([points, tip])
-    steps = np.diff(places, axis=0, prepend=np.zeros((1, 3)))
-    origins = [(step, (0.0, 0.0, 0.0)) for step in steps[:-1]] + [(steps[-1], (0.4, -0.3, 0.9))]
-    urdf = serial_urdf(name, origins, [*axes, None])
-    return DescribedArm(name, kind, urdf, np.array(axes, dtype=np.float64), np.array(points, dtype=np.float64))
 
 
 def unstructured(seed: int) -> DescribedArm:
@@ -42,17 +23,9 @@ def standard_dh(
     name: str, alpha: Sequence[float], a: Sequence[float], d: Sequence[float], kind: str = "standard DH"
 ) -> DescribedArm:
     """An arm from a standard Denavit-Hartenberg table (alpha [rad], a [m], d [m]), with frame 6 as its tip."""
-    frame, axes, points = np.eye(4), [], []
-    origins: list[tuple[Array, tuple[float, float, float]]] = [(np.zeros(3), (0.0, 0.0, 0.0))]
-    for twist, length, offset in zip(alpha, a, d, strict=True):
-        axes.append(frame[:3, 2].copy())
-        points.append(frame[:3, 3].copy())
-        origins.append((np.array([length, 0.0, offset]), (twist, 0.0, 0.0)))
-        step = np.eye(4)
-        step[:3, :3], step[:3, 3] = rotation(X, twist), (length, 0.0, offset)
-        frame = frame @ step
-    urdf = serial_urdf(name, origins, [*[Z] * len(origins[:-1]), None])
-    return DescribedArm(name, kind, urdf, np.array(axes), np.array(points))
+    steps = (((x, 0.0, z), (twist, 0.0, 0.0)) for twist, x, z in zip(alpha, a, d, strict=True))
+    origins = [((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), *steps]
+    return DescribedArm(name, kind, serial_urdf(name, origins, [*[Z] * len(alpha), None]))
 
 
 def manseur_doty() -> DescribedArm:
@@ -157,8 +130,7 @@ def rounded_over_base() -> DescribedArm:
         ((0.0404996, 2.39858e-7, -0.0356), (0, 0, 0)),
     ]
     axes = [(-1.0, 0.0, 0.0), along_y, along_y, along_y, along_x, (0.0, 0.0, -1.0)]
-    urdf = serial_urdf("rounded_over_base", origins, axes, links=["base", *(f"link_{k}" for k in range(1, 6)), "tool"])
-    return DescribedArm("rounded_over_base", "2||3||4, 5x6", urdf, np.array(axes), np.zeros((6, 3)))
+    return DescribedArm("rounded_over_base", "2||3||4, 5x6", serial_urdf("rounded_over_base", origins, axes))
 
 
 def six_of_a_shifted_iiwa() -> DescribedArm:
@@ -166,9 +138,7 @@ def six_of_a_shifted_iiwa() -> DescribedArm:
     along_y, along_z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     places = [(0, 0, 0), (-0.00043624, 0, 0.36), (0, 0, 0), (0.00043624, 0, 0.42), (0, 0, 0), (0, 0, 0.4)]
     axes = [along_z, along_y, along_z, (0.0, -1.0, 0.0), along_z, along_y]
-    links = ["base", *(f"link_{k}" for k in range(1, 6)), "tool"]
-    urdf = serial_urdf("shifted", [(place, (0, 0, 0)) for place in places], axes, links=links)
-    return DescribedArm("shifted", "3x4x5, 1x2", urdf, np.array(axes), np.zeros((6, 3)))
+    return DescribedArm("shifted", "3x4x5, 1x2", serial_urdf("shifted", [(each, (0, 0, 0)) for each in places], axes))
 
 
 def rounded_ur(decimals: int = 4) -> DescribedArm:
@@ -207,8 +177,7 @@ def upright_ur() -> DescribedArm:
         ((0, 0.24, 0), (-1.570793, -1.570793, 0)),
     ]
     axes = [Z, Y, Y, Y, Z, Y]
-    urdf = serial_urdf("upright_ur", origins, [*axes, None])
-    return DescribedArm("upright_ur", "2||3||4, 1x2, 5x6", urdf, np.array(axes), np.zeros((6, 3)))
+    return DescribedArm("upright_ur", "2||3||4, 1x2, 5x6", serial_urdf("upright_ur", origins, [*axes, None]))
 
 
 def calibrated_ur() -> DescribedArm:
@@ -227,12 +196,4 @@ def calibrated_ur() -> DescribedArm:
 
 def _along_z(name: str, kind: str, origins: Sequence[tuple[Sequence[float], Sequence[float]]]) -> DescribedArm:
     """An arm of six joints about their own z, given by the origins (xyz, rpy) of the joints and of the tool."""
-    urdf = serial_urdf(name, origins, [*[Z] * 6, None])
-    frame, axes, points = np.eye(4), [], []
-    for xyz, (roll, pitch, yaw) in origins[:6]:
-        step = np.eye(4)
-        step[:3, :3], step[:3, 3] = rotation(Z, yaw) @ rotation(Y, pitch) @ rotation(X, roll), xyz
-        frame = frame @ step
-        axes.append(frame[:3, 2].copy())
-        points.append(frame[:3, 3].copy())
-    return DescribedArm(name, kind, urdf, np.array(axes), np.array(points))
+    return DescribedArm(name, kind, serial_urdf(name, origins, [*[Z] * 6, None]))

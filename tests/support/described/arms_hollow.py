@@ -1,6 +1,7 @@
 """URDF text of 6R arms with a hollow wrist: seven axes, the fifth and the sixth driven by one joint."""
 
 import numpy as np
+from arms import serial_urdf
 from arms_mimic import mimicking
 from numpy.typing import NDArray
 
@@ -39,16 +40,7 @@ def hollow(kind: str, seed: int = 0) -> str:
         rows[4] = ((first, 0.0, 0.0), bend, "1 0 0")
         rows[5] = ((middle, 0.0, 0.0), -2.0 * bend, "1 0 0")
         rows[6] = ((middle, 0.0, 0.0), bend, "1 0 0")
-    parts = ['<robot name="hollow"><link name="base"/>']
-    for k, (xyz, pitch, axis) in enumerate(rows, 1):
-        child, parent = f"link_{k}", f"link_{k - 1}" if k > 1 else "base"
-        place = f'<origin xyz="{" ".join(map(repr, xyz))}" rpy="0 {pitch!r} 0"/><axis xyz="{axis}"/>'
-        parts.append(
-            f'<link name="{child}"/><joint name="joint_{k}" type="revolute"><parent link="{parent}"/>'
-            f'<child link="{child}"/>{place}<limit lower="-6.3" upper="6.3" effort="1" velocity="1"/></joint>'
-        )
-    parts.append(
-        '<link name="tool"/><joint name="flange" type="fixed"><parent link="link_7"/><child link="tool"/>'
-        '<origin xyz="0.1 0.02 -0.03" rpy="0.3 1.57079632679 0.1"/></joint></robot>'
-    )
-    return mimicking("".join(parts), 6, "joint_5", -0.5 if kind == "half" else -1.0, 0.2 if kind == "half" else 0.0)
+    origins = [*((xyz, (0.0, pitch, 0.0)) for xyz, pitch, _ in rows), ((0.1, 0.02, -0.03), (0.3, 1.57079632679, 0.1))]
+    axes = [tuple(map(float, axis.split())) for _, _, axis in rows]
+    text = serial_urdf("hollow", origins, [*axes, None], limits=[(-6.3, 6.3)] * 8)
+    return mimicking(text, 6, "joint_5", -0.5 if kind == "half" else -1.0, 0.2 if kind == "half" else 0.0)

@@ -1,7 +1,7 @@
 """Structures of axes that are given as they are, and of arms of a kind."""
 
 import numpy as np
-from arms import DescribedArm, random_arm, serial_urdf
+from arms import DescribedArm, from_screws, random_arm
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -21,8 +21,7 @@ def text_of(axes: Array, points: Array, *, mount: tuple[Array, Array] | None = N
     axes, points = axes @ turn.T, points @ turn.T + place
     reach = np.linalg.norm(np.ptp(points, axis=0)) or 1.0
     tip = points[-1] + 0.3 * reach * turn @ np.array([0.6, 0.48, 0.64])
-    steps = np.diff([*points, tip], axis=0, prepend=np.zeros((1, 3)))
-    return serial_urdf("made", [(step, (0.0, 0.0, 0.0)) for step in steps], [*axes, None])
+    return from_screws("made", "", axes, points, tip, np.zeros(3)).urdf
 
 
 def relations(axes: Array, points: Array) -> Structure:

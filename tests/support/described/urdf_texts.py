@@ -1,10 +1,9 @@
 """URDF texts to read, to break and to compare with Pinocchio's reading."""
 
-import itertools
-
 import numpy as np
 import pinocchio
 import pytest
+from chains import ReferenceModel, joint, robot
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.model.urdf import read
@@ -53,35 +52,17 @@ def refused(source: object, **options: object) -> UrdfError:
     return caught.value
 
 
-def arm(*joints: str, extra: str = "") -> str:
+def arm(*joints: str) -> str:
     """A URDF from 'name type parent child' lines; its links are those that the joints name."""
-    parts = [each.split() for each in joints]
-    links = dict.fromkeys(itertools.chain.from_iterable((each[2], each[3]) for each in parts))
-    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
-    return (
-        '<robot name="r">'
-        + "".join(f'<link name="{link}"/>' for link in links)
-        + "".join(
-            f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{limit}</joint>'
-            for name, kind, parent, child in parts
-        )
-        + extra
-        + "</robot>"
-    )
+    return robot(*(joint(*each.split()) for each in joints))
 
 
 def frames_of_pinocchio(xml: str, values: dict[str, float]) -> dict[str, np.ndarray]:
-    """Pose of every link in the root, from Pinocchio's own model of the URDF."""
-    model = pinocchio.buildModelFromXML(xml)
-    q = pinocchio.neutral(model)
-    for name, value in values.items():
-        joint = model.joints[model.getJointId(name)]
-        entries = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
-        q[joint.idx_q : joint.idx_q + joint.nq] = entries
-    data = model.createData()
-    pinocchio.framesForwardKinematics(model, data, q)
+    """Pose of every link in the root, from Pinocchio's own model of the URDF, in which no joint follows another."""
+    reference = ReferenceModel(xml, mimic=False)
+    reference.place(values)
     return {
-        frame.name: data.oMf[index].homogeneous
-        for index, frame in enumerate(model.frames)
+        frame.name: reference.data.oMf[index].homogeneous
+        for index, frame in enumerate(reference.model.frames)
         if frame.type == pinocchio.BODY
     }
