@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.descent import Wanted, constrained, descended
+from urdf_ik.ik.descent import Wanted, constrained
 from urdf_ik.ik.families import few_joints
 from urdf_ik.ik.minima import EXACT, distinct, missed, ranked
 from urdf_ik.ik.task import POSE, Task
@@ -32,12 +32,17 @@ _BESIDE = 0.05
 """Share of the size: tips that miss the roll's axis by more are searched."""
 _NEARLY = 1e-3
 """rad: axes that miss the structure by no more are taken for it."""
+_GRID = 16
+"""Angles of the roll of which the best ones are refined."""
+_FINER = ((0.75, 7), (0.0625, 3), (0.0025, 3), (0.0025, 3))
+"""Half widths, as shares of the grid's, and numbers of the angles of which each round of refining takes the best."""
 _ROUNDS = 20
-"""Newton's rounds from a minimum of the arm without the offset."""
-_FIRST = 100.0
-"""Weight of the position where Newton's method does not lead to a minimum with the exact position at once."""
+"""Newton's rounds from there."""
 _NEAR_YAW = 3.5
-"""Targets that are nearer to the first axis than so many offsets are searched."""
+"""Targets nearer to the first axis than so many offsets: Newton's method decides which rolls lead to minima."""
+_OUT = -9.0
+"""Below any trace."""
+_SIDES: Array = np.array([1.0, -1.0])
 
 Complex = NDArray[np.complex128]
 Found = tuple[Array, NDArray[np.intp], NDArray[np.bool_]]
@@ -145,11 +150,9 @@ class Planar:
 
     def __call__(self, wanted: Wanted) -> Found:
         """The minima for targets (m)."""
-        X, Y, Z = self.frame @ (wanted.place - self.chain.points[0]).T
-        far, tiny = np.hypot(X, Y), _CONTINUUM * self.chain.size
-        x = np.sqrt(np.maximum(far**2 - self.aside**2, 0.0))[:, None] * [1.0, -1.0]
-        yaw = np.arctan2(Y, X)[:, None] - np.arctan2(self.aside, x)
-        w = Z[:, None] + 1j * x - self.shoulder
+        spot = self.frame @ (wanted.place - self.chain.points[0]).T
+        far, tiny = np.hypot(spot[0], spot[1]), _CONTINUUM * self.chain.size
+        yaw, w = self.planes(spot[..., None], self.aside, _SIDES)
         span, L = np.abs(w), np.abs(self.links)
         hole = max(2.0 * L.max() - L.sum(), 0.0)
         reached = (span >= hole) & (span <= L.sum())
@@ -166,7 +169,7 @@ class Planar:
         # from it; the tip is on the target's side of the first axis.
         outside = span > L.sum()
         tip = self.shoulder + w / np.maximum(span, tiny) * np.where(outside, L.sum(), hole)
-        where, which = np.nonzero(near[:, None] & (np.imag(tip) * x > 0.0))
+        where, which = np.nonzero(near[:, None] & (np.imag(tip) * _SIDES > 0.0))
         away = ~outside[where, which, None] & (np.arange(len(L)) != np.argmax(L))
         straight = np.angle(w[where, which, None] * np.where(away, -1.0, 1.0)) - np.angle(self.links)
         owner, side = np.concatenate([owner, where]), np.concatenate([side, which])
@@ -174,6 +177,17 @@ class Planar:
         q, free = _turned(self.chain, wanted, q, owner)
         proven[owner[free]] = False
         return q, owner, proven
+
+    def planes(self, spot: Array, aside: float | Array, side: Array) -> tuple[Array, Complex]:
+        """Yaws that bring the tip to points ``spot`` (3, ...) of the frame, and where these are from the shoulder [m].
+
+        Args:
+            spot: m, from the first axis.
+            aside: y of the tip [m].
+            side: of the first axis, 1 or -1.
+        """
+        x = np.sqrt(np.maximum(spot[0] ** 2 + spot[1] ** 2 - aside**2, 0.0)) * side
+        return np.arctan2(spot[1], spot[0]) - np.arctan2(aside, x), spot[2] + 1j * x - self.shoulder
 
     def elbows(self, v: Complex, side: Array) -> Array:
         """(k, 2) angles of the first two links that end at v (k,) [m] from the shoulder, by the elbow's side."""
@@ -195,45 +209,57 @@ class Planar:
 
         The best angle with both elbows, and the folds: the angles at which the other two links are stretched or folded.
         """
-        R = self.frame @ self.chain.R_tip
-        K = self.frame @ wanted.matrix @ R.T
+        K = self.frame @ wanted.matrix @ (self.frame @ self.chain.R_tip).T
         if self.chain.n == 5:
             h = self.frame @ self.chain.H[4]
             K = (K @ h)[:, :, None] * h
-        c, s = np.cos(yaw), np.sin(yaw)
-        cosine = c * K[:, None, 0, 0] + s * K[:, None, 1, 0] + K[:, None, 2, 2]
-        sine = c * K[:, None, 0, 2] + s * K[:, None, 1, 2] - K[:, None, 2, 0]
+        cosine, sine, _ = _about_yaw(K.transpose(1, 2, 0)[..., None], yaw)
         best = np.where(np.hypot(sine, cosine) > _CONTINUUM, np.arctan2(sine, cosine), np.nan)
-        L, span = np.abs(self.links), np.maximum(np.abs(w), 1e-300)
-        base = np.angle(w) - np.angle(self.links[2])
-        # Cosines of the last link's angle to w, at which the others are folded and stretched.
-        ends = (span**2 + L[2] ** 2)[..., None] - np.array([L[0] - L[1], L[0] + L[1]]) ** 2
-        ends /= (2.0 * span * L[2])[..., None]
-        least, most = np.moveaxis(np.arccos(np.clip(ends, -1.0, 1.0)), -1, 0)
-        apart = np.abs(wrapped(best - base))
-        inside = (apart >= least) & (apart <= most) | np.isnan(best)
-        inwards = np.array([1.0, -1.0, -1.0, 1.0])
-        folds = base[..., None] + np.stack([least, -least, most, -most], axis=-1)
-        there = np.repeat(np.abs(ends) < 1.0, 2, axis=-1) & (np.sin(folds - best[..., None]) * inwards > 0.0)
-        phi = np.concatenate([best[..., None], best[..., None], folds], axis=-1)
+        base, folds, there, inside = self.folds(w, self.links[2], best)
+        inside |= np.isnan(best)
+        phi = np.concatenate([best[..., None], best[..., None], base[..., None] + folds], axis=-1)
         return (
             phi,
             np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0]),
             np.concatenate([inside[..., None], inside[..., None], there], axis=-1),
         )
 
+    def folds(self, w: Complex, last: Any, best: Array) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Where the first two of three links are folded or stretched, the third one's angle is an end of its range.
+
+        Args:
+            w: (...) of the tip from the shoulder [m].
+            last: the third link, complex.
+            best: (...) angles at which the third link misses least of the rotation.
+
+        Returns:
+            The angles (...) that point the third link at w, the ends (..., 4) of its range from there, NaN where it
+            has none, which of them are minima, and where the best angle is inside the range.
+        """
+        L, span, third = np.abs(self.links), np.maximum(np.abs(w), 1e-300), np.abs(last)
+        base = np.angle(w) - np.angle(last)
+        cosines = (span**2 + third**2)[..., None] - np.array([L[0] - L[1], L[0] + L[1]]) ** 2
+        cosines /= (2.0 * span * third)[..., None]
+        least, most = np.moveaxis(np.arccos(np.clip(cosines, -1.0, 1.0)), -1, 0)
+        apart = wrapped(best - base)
+        inside = (np.abs(apart) >= least) & (np.abs(apart) <= most)
+        folds = np.stack([least, -least, most, -most], axis=-1)
+        folds[np.repeat(np.abs(cosines) >= 1.0, 2, axis=-1)] = np.nan
+        inwards = np.array([1.0, -1.0, -1.0, 1.0])
+        return base, folds, np.sin(folds - apart[..., None]) * inwards > 0.0, inside
+
 
 @dataclass(frozen=True, eq=False)
 class Beside:
     """A yaw, three parallel axes and a roll that misses the tip a little: SO-101 and its kind.
 
-    The minima of the arm whose tip is on the roll's axis lead to those of the arm by Newton's method; nothing proves
-    that these are all.
+    For an angle of the roll the arm is a planar one, so that the minima are those of a function of the roll alone. They
+    are looked for on a grid; nothing proves that these are all.
 
     Attributes:
         chain: the arm.
         planar: the arm with its tip moved onto the roll's axis.
-        sides: (4, 3) m, of the tip from there, in the tip's frame: as it is, and by quarter turns of the roll.
+        sides: (2, 3) m, of the tip from there, in the planar arm's frame: at zero, and a quarter turn of the roll on.
     """
 
     chain: Chain
@@ -252,30 +278,96 @@ class Beside:
             return None
         moved = replace(chain, P=np.vstack([chain.P[:-1], chain.P[-1] - offset]))
         planar = Planar.of(moved, 4, tip - offset, _NEARLY)
-        across = np.cross(h, offset)
-        return (
-            None if planar is None else cls(chain, planar, np.array([offset, across, -offset, -across]) @ chain.R_tip)
-        )
+        return None if planar is None else cls(chain, planar, np.array([offset, np.cross(h, offset)]) @ planar.frame.T)
 
     def __call__(self, wanted: Wanted) -> Found:
         """Minima for targets (m), and whether there are any."""
-        moved = replace(wanted, chain=self.planar.chain)
-        sides = [self.planar(replace(moved, place=wanted.place - wanted.matrix @ side)) for side in self.sides]
-        q, owner = (np.concatenate(each) for each in list(zip(*sides, strict=True))[:2])
+        planar, count = self.planar, len(wanted.place)
+        spot = planar.frame @ (wanted.place - self.chain.points[0]).T
+        h = planar.frame @ self.chain.H[4]
+        K = planar.frame @ wanted.matrix @ (planar.frame @ self.chain.R_tip).T
+        along, across = np.outer(h, h), np.cross(h, np.eye(3))
+        K = np.array([K @ (np.eye(3) - along), K @ across, K @ along]).transpose(0, 2, 3, 1)
+        rolls = np.linspace(-np.pi, np.pi, _GRID, endpoint=False)
+        value, inner, nearest = self.bent(K[..., None, None], spot[..., None, None], rolls[:, None], _SIDES)[:3]
+        peak = (value >= np.roll(value, 1, axis=1)) & (value > np.roll(value, -1, axis=1)) & (~inner | nearest)
+        owner, place, facing, end = np.nonzero(peak)
+        K, to, side = K[..., owner], spot[:, owner], _SIDES[facing]
+        roll, settled = self.settled(K, to, rolls[place], side, end)
+        row = np.arange(len(roll))
+        value, inner, _, phi, yaw, w, last = self.bent(K, to, roll, side)
+        phi, inner = phi[row, end], inner[row, end]
+        # Beside the first axis the yaw turns by half a turn within a small range of rolls.
+        near = np.hypot(spot[0], spot[1]) < abs(planar.aside) + _NEAR_YAW * np.linalg.norm(self.sides[0])
+        kept = np.flatnonzero((settled & (value[row, end] > _OUT) | near[owner]) & np.isfinite(phi))
+        both = np.concatenate([kept, kept[inner[kept]]])
+        bend = np.repeat([1.0, -1.0], [len(kept), len(both) - len(kept)])
+        angles = planar.elbows((w - np.exp(1j * phi) * last)[both], bend)
+        q = planar.joints(yaw[both], np.concatenate([angles, phi[both, None]], axis=1))
+        q, owner = np.concatenate([q, roll[both, None]], axis=1), owner[both]
         order = np.argsort(owner, kind="stable")
-        start, owner = q[order], owner[order]
-        free = np.full((q.shape[1], 2), [-np.inf, np.inf])
-        q, good = constrained(wanted[owner], start, free, "position", _ROUNDS)
-        if not good.all():
-            rest = wanted[owner[~good]]
-            near = descended(rest, start[~good], free, _FIRST, 1.0, _ROUNDS)
-            q[~good], good[~good] = constrained(rest, near, free, "position", _ROUNDS)
+        q, owner = q[order], owner[order]
+        q, good = constrained(wanted[owner], q, np.full((q.shape[1], 2), [-np.inf, np.inf]), "position", _ROUNDS)
         q, owner = distinct(wanted, q[good], owner[good])
-        there = np.zeros(len(wanted.place), dtype=np.bool_)
-        there[owner] = True
-        # Beside the first axis the yaw turns by half a turn within a small range of rolls: left to the search.
-        away = np.linalg.norm(np.cross(wanted.place - self.chain.points[0], self.chain.H[0]), axis=1)
-        return q, owner, there & (away > abs(self.planar.aside) + _NEAR_YAW * np.linalg.norm(self.sides[0]))
+        return q, owner, np.bincount(owner, minlength=count) > 0
+
+    def settled(self, K: Array, to: Array, roll: Array, side: Array, end: NDArray[np.intp]) -> tuple[Array, Array]:
+        """The rolls (k,) at the tops beside ``roll`` (k,), and whether these are tops of a smooth function."""
+        row = np.arange(len(roll))
+        for width, count in _FINER:
+            grid = 2.0 * np.pi / _GRID * np.linspace(-width, width, count)
+            value = self.bent(K[..., None], to[..., None], roll[:, None] + grid, side[:, None])[0]
+            value = value[row[:, None], np.arange(count), end[:, None]]
+            top = np.argmax(value, axis=1)
+            middle = np.clip(top, 1, count - 2)
+            before, here, after = (value[row, middle + k] for k in (-1, 0, 1))
+            with np.errstate(invalid="ignore"):
+                curve, slope = before - 2.0 * here + after, 0.5 * (before - after)
+            smooth = np.isfinite(curve) & (curve < 0.0)
+            apex = np.divide(slope, curve, out=np.zeros(len(row)), where=smooth)
+            shift = grid[middle] + np.clip(apex, -2.0, 2.0) * (grid[1] - grid[0])
+            roll = roll + np.where(smooth, shift, grid[top])
+        return roll, smooth & (np.abs(apex) < 1.0)
+
+    def bent(self, K: Array, spot: Array, roll: Array, side: Array) -> tuple[Any, ...]:
+        """The best angles of the third link for angles of the roll, on each side of the first axis.
+
+        Args:
+            K: (3, 3, 3, ...) times cosine, sine and 1 of the roll: the turn of the links that is asked for.
+            spot: (3, ...) of the target from the first axis, in the planar arm's frame [m].
+            roll: (...) rad.
+            side: (...) 1 or -1.
+
+        Returns:
+            For each end (..., 4) of the third link's range the trace of the turn that is missed at the end, where that
+            is a maximum, or at the best angle, where that is inside, and -inf elsewhere; where it is the best angle;
+            whether that is the nearest end; the third link's angle. Then (...) the yaw, the target from the shoulder
+            and the third link.
+        """
+        planar, c, s = self.planar, np.cos(roll), np.sin(roll)
+        x, y, z = (c * first + s * then for first, then in self.sides.T)
+        yaw, w = planar.planes(spot, planar.aside + y, side)
+        last = planar.links[2] + z + 1j * x
+        cosine, sine, rest = _about_yaw(c * K[0] + s * K[1] + K[2], yaw)
+        best, most = np.arctan2(sine, cosine), np.hypot(sine, cosine)
+        base, ends, there, inside = planar.folds(w, last, best)
+        gap = base[..., None] + ends - best[..., None]
+        inner = inside[..., None] & ~there
+        # Where the yaw or the links do not reach there is no trace, but what they lack leads to where they do.
+        L, span, third = np.abs(planar.links[:2]), np.abs(w), np.abs(last)
+        lack = np.maximum(np.abs(span - third) - L.sum(), abs(L[0] - L[1]) - span - third)
+        lack = np.maximum(lack, np.abs(planar.aside + y) - np.hypot(spot[0], spot[1]))[..., None]
+        trace = most[..., None] * np.where(inner, 1.0, np.cos(gap)) + rest[..., None]
+        value = np.where(lack > 0.0, _OUT - lack, np.where(there | inner, trace, -np.inf))
+        nearest = np.arange(4) == np.argmax(np.nan_to_num(np.cos(gap), nan=-2.0), axis=-1)[..., None]
+        phi = np.where(inner, best[..., None], base[..., None] + ends)
+        return value, inner, nearest, phi, yaw, w, last
+
+
+def _about_yaw(K: Array, yaw: Array) -> tuple[Array, Array, Array]:
+    """Of the trace of K' Rz(yaw) Ry(phi), K (3, 3, ...): the factors of cosine and sine of phi, and the rest."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return c * K[0, 0] + s * K[1, 0] + K[2, 2], c * K[0, 2] + s * K[1, 2] - K[2, 0], c * K[1, 1] - s * K[0, 1]
 
 
 def _turned(chain: Chain, wanted: Wanted, first: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:

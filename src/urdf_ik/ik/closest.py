@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.closed_minima import Beside, Placed, Planar, in_closed_form, prepare
@@ -23,6 +24,8 @@ INCOMPLETE = 32
 """Flags of the first column of a pose whose solutions were searched."""
 _BLOCK = 64
 """Poses that are searched at once."""
+_CLOSED_BLOCK = 1024
+"""Poses that are solved in closed form at once."""
 
 
 def closest(
@@ -39,9 +42,9 @@ def closest(
     For targets that an arm cannot reach, or of which its joints are too few to reach all. ``IKSolutions.error`` says
     what each misses. Where three joints place the tip, or a yaw and three parallel axes across it, and the joints
     behind turn about axes through it, all minima with the position first follow in closed form: ``status`` is
-    'complete'. Where a roll misses the tip a little, these lead to the minima; else minima are searched from 48 joint
-    vectors spread evenly over the ranges of the joints, by Newton's method with the exact Hessian:
-    ``status`` is 'incomplete', since neither proves anything.
+    'complete'. Where a roll misses the tip a little, the minima are those of a function of its angle, which are looked
+    for on a grid; else minima are searched from 48 joint vectors spread evenly over the ranges of the joints, by
+    Newton's method with the exact Hessian: ``status`` is 'incomplete', since neither proves anything.
 
     Args:
         solver: of the arm.
@@ -80,12 +83,13 @@ def closest(
     parts, open_ = [], np.arange(len(stack))
     closed = None if within_limits or weights is not None or first != "position" else _closed(solver, asked)
     if closed is not None:
-        exact, proven = in_closed_form(closed, wanted)
+        proven = np.zeros(len(stack), dtype=np.bool_)
+        for at in _blocks(open_, _CLOSED_BLOCK):
+            exact, proven[at] = in_closed_form(closed, wanted[at])
+            parts.append((at[proven[at]], exact[proven[at]]))
         open_ = np.flatnonzero(~proven)
-        parts.append((np.flatnonzero(proven), exact[proven]))
     parts.extend(
-        (at, searched(wanted[at], bounds, first, place, turn)[..., : solver.dof])
-        for at in (open_[k : k + _BLOCK] for k in range(0, len(open_), _BLOCK))
+        (at, searched(wanted[at], bounds, first, place, turn)[..., : solver.dof]) for at in _blocks(open_, _BLOCK)
     )
     count = max((each.shape[1] for _, each in parts), default=1)
     q = np.full((len(stack), count, solver.dof), np.nan)
@@ -97,6 +101,10 @@ def closest(
     shape = target.shape[:-2]
     q, info = q.reshape(*shape, count, solver.dof), info.reshape(*shape, count)
     return IKSolutions(replace(solver, asked=asked), target, q, info, names)
+
+
+def _blocks(index: NDArray[np.intp], size: int) -> Iterator[NDArray[np.intp]]:
+    return (index[k : k + size] for k in range(0, len(index), size))
 
 
 def _weights(weights: ArrayLike | None, first: str | None, size: float) -> tuple[float, float]:
