@@ -97,6 +97,7 @@ DEFECTS: dict[str, tuple[str, Callable[[Sides], str]]] = {
     "word in an origin": ("origin", attribute("xyz", "0 x 0")),
     "infinite origin": ("origin", attribute("xyz", "0 0 1e999")),
     "origin beyond 1e15": ("origin", attribute("xyz", "1e16 0 0")),
+    "angle beyond 1e15": ("origin", joint("<origin ", '<origin rpy="0 0 -1.7e308" ')),
     "xacro in an origin": ("origin", attribute("xyz", "${x} 0 0")),
     "quaternion origin": ("origin", joint("<origin ", '<origin quat_xyzw="0 0 0 1" ')),
     "zero axis": ("axis", axis(' xyz="0 0 0"')),
@@ -130,6 +131,10 @@ DEFECTS: dict[str, tuple[str, Callable[[Sides], str]]] = {
     "xacro in a link's name": ("link xacro", lambda side: ROBOT.replace(f'"{side[1]}"', f'"$(arg p){side[1]}"')),
     "no child": ("ends", lambda side: joint(f'<child link="{side[1]}"/>', "")(side)),
     "box with commas": ("collision", link(f"<collision>{BOX.format('1,1,1')}</collision>")),
+    "box beyond 1e15": ("collision", link(f"<collision>{BOX.format('1e160 1 1')}</collision>")),
+    "scale beyond 1e15": (
+        "collision", link("<collision><geometry><mesh filename='a.stl' scale='1 1 1e200'/></geometry></collision>")
+    ),
     "sphere of negative radius": (
         "collision", link("<collision><geometry><sphere radius='-1'/></geometry></collision>")
     ),

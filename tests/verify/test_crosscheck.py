@@ -53,17 +53,36 @@ class Damaged:
         return members[name] if name in members else getattr(arm, name)
 
 
-def damaged_ik(change: Callable[[np.ndarray, np.ndarray], None], *, where: str = "both") -> Any:
-    """An ``ik`` whose joint vectors (m, B, n) and valid flags (m, B) go through ``change``."""
+def damaged_ik(
+    branch: int,
+    joint: int | slice = slice(None),
+    by: float = np.nan,
+    *,
+    of: int | None = None,
+    valid: bool = True,
+    where: str = "both",
+) -> dict[str, Any]:
+    """An ``ik`` in which one branch, or what another one gives in its place, is off by a number."""
 
     def ik(T: np.ndarray, redundancy: Any = None) -> Any:
         sound = loaded("zyyzyz_6r").ik(T)
-        q, valid = np.array(sound.q), np.array(sound.valid)
+        q, flags = np.array(sound.q), np.array(sound.valid)
         if where == "both" or (where == "batch") == (T.ndim == 3):
-            change(q.reshape(-1, *q.shape[-2:]), valid.reshape(-1, valid.shape[-1]))
-        return SimpleNamespace(q=q, valid=valid, branches=sound.branches)
+            q[..., branch, joint] = sound.q[..., branch if of is None else of, joint] + by
+            flags[..., branch] &= valid
+        return SimpleNamespace(q=q, valid=flags, branches=sound.branches)
 
-    return ik
+    return {"ik": ik}
+
+
+def after(member: str, change: Callable[[np.ndarray, Any], Any]) -> dict[str, Any]:
+    """A member whose value goes through ``change``, which also gets the joint vectors."""
+    return {member: lambda q: change(np.asarray(q), getattr(loaded("zyyzyz_6r"), member)(q))}
+
+
+def elsewhere(**places: np.ndarray) -> dict[str, Any]:
+    """Link poses of which some are moved in their own frames."""
+    return after("link_poses", lambda q, T: {name: each @ places.get(name, np.eye(4)) for name, each in T.items()})
 
 
 # ---------------------------------------------------------------- sound arms
@@ -156,113 +175,41 @@ def test_an_arm_without_a_solver() -> None:
 # ---------------------------------------------------------------- damaged arms
 
 
-def mirrored_fk(q: np.ndarray) -> np.ndarray:
-    """Forward kinematics with the sign of one joint wrong."""
-    return loaded("zyyzyz_6r").fk(np.asarray(q) * [1, 1, -1, 1, 1, 1])
-
-
-def fk_not_a_number(q: np.ndarray) -> np.ndarray:
-    """Forward kinematics that gives NaN now and then."""
-    T = loaded("zyyzyz_6r").fk(q)
-    T[np.asarray(q)[..., 0] > 0] = np.nan
-    return T
-
-
-def stretched_fk(q: np.ndarray) -> np.ndarray:
-    """Forward kinematics whose rotation is no rotation, though it shows no angle."""
-    T = loaded("zyyzyz_6r").fk(q)
-    T[..., :3, :3] *= 1.0 + 1e-9
-    return T
-
-
-def swapped_jacobian(q: np.ndarray) -> np.ndarray:
-    """A Jacobian with angular rows above linear ones."""
-    return np.roll(loaded("zyyzyz_6r").jacobian(q), 3, axis=-2)
-
-
-def fk_other_alone(q: np.ndarray) -> np.ndarray:
-    """Forward kinematics that differs by a hair for single joint vectors."""
-    T = loaded("zyyzyz_6r").fk(q)
-    return T + 1e-11 if T.ndim == 2 else T
-
-
-def shifted_link(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Link poses of which one is a millimetre off."""
-    poses = dict(loaded("zyyzyz_6r").link_poses(q))
-    poses["link_4"] = poses["link_4"].copy()
-    poses["link_4"][..., 1, 3] += 1e-3
-    return poses
-
-
-def turned_link(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Link poses of which one is turned by half a turn."""
-    poses = dict(loaded("zyyzyz_6r").link_poses(q))
-    poses["link_2"] = poses["link_2"] @ np.diag([-1.0, -1.0, 1.0, 1.0])
-    return poses
-
-
-def missing_link(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Link poses without one that has collision shapes."""
-    return {name: pose for name, pose in loaded("zyyzyz_6r").link_poses(q).items() if name != "link_3"}
-
-
-def far_link(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Link poses with the upper arm where nothing can be touched."""
-    poses = dict(loaded("zyyzyz_6r").link_poses(q))
-    for name in ("link_2", "link_3"):
-        poses[name] = poses[name].copy()
-        poses[name][..., 2, 3] += 100.0
-    return poses
-
-
-def dropped(q: np.ndarray, valid: np.ndarray) -> None:
-    """One branch is never found."""
-    q[:, 3], valid[:, 3] = np.nan, False
-
-
-def perturbed(q: np.ndarray, valid: np.ndarray) -> None:
-    """One joint of one branch is a hair off: far more than the contract allows, far less than one sees."""
-    q[:, 5, 1] += 1e-8
-
-
-def valid_nan(q: np.ndarray, valid: np.ndarray) -> None:
-    """A solution that is no number is called valid."""
-    q[:, 2] = np.nan
-
-
-def twisted(q: np.ndarray, valid: np.ndarray) -> None:
-    """The last joint, which moves no position, is off."""
-    q[:, 6, 5] += 1e-6
-
-
-def doubled(q: np.ndarray, valid: np.ndarray) -> None:
-    """One branch is given twice, the second time a turn and a rounding error away."""
-    q[:, 1] = q[:, 0] + 2 * np.pi + 1e-12
-
-
-DAMAGE = {
-    "one sign wrong": ({"fk": mirrored_fk}, {"forward kinematics, position", "forward kinematics, rotation"}),
-    "NaN pose": ({"fk": fk_not_a_number}, {"forward kinematics, position", "forward kinematics, rotation"}),
-    "stretched rotation": ({"fk": stretched_fk}, {"forward kinematics, rotation"}),
-    "Jacobian's rows swapped": ({"jacobian": swapped_jacobian}, {"Jacobian"}),
-    "single fk differs": ({"fk": fk_other_alone}, {"batch = single, kinematics"}),
-    "link shifted": ({"link_poses": shifted_link}, {"links, position", "collision, distance"}),
-    "link turned": ({"link_poses": turned_link}, {"links, rotation", "collision, distance"}),
+FAR = urdf_ik.pose([0.0, 0.0, 100.0])
+DAMAGE: dict[str, tuple[dict[str, Any], set[str]]] = {
+    "one sign wrong": (
+        {"fk": lambda q: loaded("zyyzyz_6r").fk(np.asarray(q) * [1, 1, -1, 1, 1, 1])},
+        {"forward kinematics, position", "forward kinematics, rotation"},
+    ),
+    "NaN pose": (
+        after("fk", lambda q, T: np.where(q[..., :1, None] > 0, np.nan, T)),
+        {"forward kinematics, position", "forward kinematics, rotation"},
+    ),
+    # A rotation that is none, though it shows no angle.
+    "stretched rotation": (
+        after("fk", lambda q, T: T * np.where([True, True, True, False], 1.0 + 1e-9, 1.0)),
+        {"forward kinematics, rotation"},
+    ),
+    "Jacobian's rows swapped": (after("jacobian", lambda q, J: np.roll(J, 3, axis=-2)), {"Jacobian"}),
+    "single fk differs": (after("fk", lambda q, T: T + 1e-11 * (T.ndim == 2)), {"batch = single, kinematics"}),
+    "link shifted": (elsewhere(link_4=urdf_ik.pose([0.0, 1e-3, 0.0])), {"links, position", "collision, distance"}),
+    "link turned": (elsewhere(link_2=np.diag([-1.0, -1.0, 1.0, 1.0])), {"links, rotation", "collision, distance"}),
     "link missing": (
-        {"link_poses": missing_link},
+        after("link_poses", lambda q, T: {name: each for name, each in T.items() if name != "link_3"}),
         {"links, position", "links, rotation", "collision, verdict", "collision, distance"},
     ),
     "links out of contact": (
-        {"link_poses": far_link},
+        elsewhere(link_2=FAR, link_3=FAR),
         {"links, position", "collision, verdict", "collision, distance"},
     ),
-    "branch dropped": ({"ik": damaged_ik(dropped)}, {"planted joint vector"}),
-    "solution perturbed": ({"ik": damaged_ik(perturbed)}, {"solutions, position", "solutions, rotation"}),
-    "tool twisted": ({"ik": damaged_ik(twisted)}, {"solutions, rotation"}),
-    "valid NaN": ({"ik": damaged_ik(valid_nan)}, {"solutions, position", "solutions, rotation"}),
-    "perturbed in batch": ({"ik": damaged_ik(perturbed, where="batch")}, {"batch = single, solutions"}),
-    "dropped alone": ({"ik": damaged_ik(dropped, where="single")}, {"batch = single, solutions"}),
-    "branch doubled": ({"ik": damaged_ik(doubled)}, {"duplicates"}),
+    "branch dropped": (damaged_ik(3, valid=False), {"planted joint vector"}),
+    # Far more than the contract allows, far less than one sees.
+    "solution perturbed": (damaged_ik(5, 1, 1e-8), {"solutions, position", "solutions, rotation"}),
+    "tool twisted": (damaged_ik(6, 5, 1e-6), {"solutions, rotation"}),
+    "valid NaN": (damaged_ik(2), {"solutions, position", "solutions, rotation"}),
+    "perturbed in batch": (damaged_ik(5, 1, 1e-8, where="batch"), {"batch = single, solutions"}),
+    "dropped alone": (damaged_ik(3, valid=False, where="single"), {"batch = single, solutions"}),
+    "branch doubled": (damaged_ik(1, by=2 * np.pi + 1e-12, of=0), {"duplicates"}),
     "limits wrong": ({"limits": np.tile([-3.0, 3.0], (6, 1))}, {"joints and limits"}),
 }
 
@@ -327,7 +274,7 @@ def test_other_joints_are_no_crash() -> None:
 
 def test_a_report_survives_json() -> None:
     """A report with infinite values is strict JSON, and comes back equal."""
-    report = check(Damaged(ik=damaged_ik(valid_nan), fk=fk_not_a_number), FEW, collision=False)
+    report = check(Damaged(**DAMAGE["valid NaN"][0], **DAMAGE["NaN pose"][0]), FEW, collision=False)
     assert report.row("solutions, position").worst == np.inf
 
     def refuse(constant: str) -> None:
