@@ -5,8 +5,6 @@ with two such axes the least misfit is the angle between the last axis and the d
 sinusoid of the first angle. So a branch of the position has its minima where the sinusoid has them, or at its folds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -49,7 +47,7 @@ Found = tuple[Array, NDArray[np.intp], NDArray[np.bool_]]
 """Joint vectors (k, n), the target of each (k,), and whether they are all minima of a target (m,)."""
 
 
-def prepare(chain: Chain, asked: Task) -> Planar | Placed | None:
+def prepare(chain: Chain, asked: Task) -> "Planar | Placed | None":
     """What finds the minima of the rotation's misfit, the position first; None where no closed form does."""
     if chain.axes is not chain or not (asked.has_place and asked.has_turn):
         return None
@@ -84,7 +82,7 @@ class Placed:
     core: Any
 
     @classmethod
-    def of(cls, chain: Chain) -> Placed | None:
+    def of(cls, chain: Chain) -> "Placed | None":
         """None where the three joints do not control the position."""
         three = chain.lock(dict.fromkeys(chain.joint_names[3:], 0.0))
         if float(np.median(least_stretches(three, three.jacobian(sampled(three))[:, :3]))) < _CONTROL:
@@ -129,7 +127,7 @@ class Planar:
     links: Complex
 
     @classmethod
-    def of(cls, chain: Chain, front: int, tip: Array, tolerance: float = DEFAULT.exact_structure) -> Planar | None:
+    def of(cls, chain: Chain, front: int, tip: Array, tolerance: float = DEFAULT.exact_structure) -> "Planar | None":
         """The arm with a ``tip`` (3,); None where the first ``front`` axes are no yaw and parallel axes across it."""
         H, z, y = chain.H[:front], chain.H[0], chain.H[1]
         across = np.abs(H[1:] @ z).max(), np.linalg.norm(np.cross(H[1:], y), axis=1).max()
@@ -267,7 +265,7 @@ class Beside:
     sides: Array
 
     @classmethod
-    def of(cls, chain: Chain) -> Beside | None:
+    def of(cls, chain: Chain) -> "Beside | None":
         """None for other arms."""
         if chain.n != 5 or chain.prismatic.any():
             return None

@@ -1,7 +1,5 @@
 """The nearest postures: where no joint vector does what is asked, those that miss least of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache

@@ -6,8 +6,6 @@ Directions of negative curvature are followed downhill, and joints at their limi
 them (Nocedal and Wright, Numerical Optimization, 2006, chapters 3, 16 and 18).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -52,7 +50,7 @@ class Wanted:
     matrix: Array
     constant: float
 
-    def __getitem__(self, index: Any) -> Wanted:
+    def __getitem__(self, index: Any) -> "Wanted":
         return replace(self, place=self.place[index], matrix=self.matrix[index])
 
     @property

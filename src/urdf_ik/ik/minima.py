@@ -1,7 +1,5 @@
 """All local minima of what joint vectors miss of targets: a search from evenly spread starts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

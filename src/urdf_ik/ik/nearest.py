@@ -1,7 +1,5 @@
 """The joint vector nearest to a reference, over all values of one redundancy parameter."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

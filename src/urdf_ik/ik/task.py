@@ -1,7 +1,5 @@
 """``Task``: the part of a pose that is asked for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -44,7 +42,7 @@ class Task:
     frame: str = "tip"
 
     @classmethod
-    def read(cls, task: Any, axis: Any = None) -> Task:
+    def read(cls, task: Any, axis: Any = None) -> "Task":
         """From a task or its components, and 'x', 'y', 'z' or a direction (3,); default: z.
 
         'level' is the position, roll and pitch: any yaw.
@@ -68,7 +66,7 @@ class Task:
         )
 
     @classmethod
-    def chosen(cls, task: Any, axis: Any, controlled: str) -> str | Task:
+    def chosen(cls, task: Any, axis: Any, controlled: str) -> "str | Task":
         """The task, or its name where it is what all joints of an arm control together (``controlled``)."""
         if isinstance(task, Task):
             return "pose" if task == POSE else task

@@ -1,7 +1,5 @@
 """How an arm is solved for a part of a pose: in closed form, with joints given or an axis free, else by search."""
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import combinations
 from typing import Any
@@ -35,7 +33,6 @@ _BY_SEARCH = Family(
     reason="no closed form",
     steps="Newton's method on the URDF as written, from evenly spread starts",
     branches=columns(COLUMNS),
-    by_quadratics=False,
     matches=lambda structure, chain: False,
     prepare=lambda family, structure, chain: None,
 )

@@ -4,8 +4,6 @@ A task counts the numbers that a target fixes: 'pose' (a 4x4 matrix), 'position'
 z and a direction), 'planar position' (x, y in the arm's plane), 'planar pose' (x, y, angle in the arm's plane).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

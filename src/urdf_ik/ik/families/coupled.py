@@ -51,7 +51,6 @@ FAMILY = Family(
     reason="joints mimic others, and at most four are independent",
     steps="bisection of the joint space with proven bounds",
     branches=columns(_MOST_COLUMNS),
-    by_quadratics=False,
     matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n <= MOST_JOINTS and not why_not(chain),
     prepare=_prepare,
 )

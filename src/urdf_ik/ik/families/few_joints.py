@@ -89,7 +89,6 @@ FAMILY = Family(
     reason="three joints at most place a point that the others leave in place",
     steps="a point is placed by three joints, the turns behind follow",
     branches=columns(8),
-    by_quadratics=False,
     matches=lambda structure, chain: 1 <= chain.n <= 5 and not is_redundant(chain),
     prepare=_prepare,
 )

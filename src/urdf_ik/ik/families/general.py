@@ -32,7 +32,6 @@ TURNING = Family(
     steps="Elimination to one joint's angle (Raghavan and Roth), to another one's where that leaves doubts, Newton's "
     "method on the URDF as written",
     branches=columns(16),
-    by_quadratics=False,
     by_elimination=True,
     matches=lambda structure, chain: structure.is_6r,
     prepare=_prepare,
@@ -51,7 +50,6 @@ WITH_SLIDES = Family(
     steps="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the URDF as "
     "written",
     branches=columns(16),
-    by_quadratics=False,
     by_elimination=True,
     matches=lambda structure, chain: _matches(structure) and not is_redundant(chain),
     prepare=_prepare,
@@ -79,7 +77,6 @@ SINGULAR = Family(
     reason="the Jacobian of these six joints loses rank at every joint vector",
     steps="Newton's method on the URDF as written from fixed starts: samples of the continuum that a pose leaves",
     branches=tuple(f"sample {k}" for k in range(1, 17)),
-    by_quadratics=False,
     by_elimination=True,
     matches=lambda structure, chain: chain.n == 6 and is_redundant(chain),
     prepare=_prepare_singular,

@@ -64,7 +64,6 @@ FAMILY = Family(
     reason="axes 4 and 7 meet at every value of the joint that turns axes 5 and 6, and axes 2 and 3 are parallel",
     steps="where axes 4 and 7 meet is known at a value of the joint that turns axes 5 and 6, and with it joints 1 to 3",
     branches=columns(_COLUMNS),
-    by_quadratics=False,
     matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n == 6 and not why_not(chain),
     prepare=_prepare,
 )

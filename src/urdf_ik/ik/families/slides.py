@@ -57,7 +57,6 @@ SPHERICAL_WRIST = Family(
     steps="the first three joints place the wrist's centre, two flips of the wrist; verified and polished on the URDF "
     "as written",
     branches=columns(8),
-    by_quadratics=False,
     matches=lambda structure, chain: (
         structure.slides in (1, 2)
         and len(structure.joint_types) == 6

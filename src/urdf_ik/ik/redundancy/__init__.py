@@ -1,7 +1,5 @@
 """Redundancy parameters: their values, the intervals with solutions, and the choice along them."""
 
-from __future__ import annotations
-
 from urdf_ik.ik.redundancy.curves import End
 from urdf_ik.ik.redundancy.intervals import Interval, Intervals
 from urdf_ik.ik.redundancy.region import Region

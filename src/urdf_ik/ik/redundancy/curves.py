@@ -1,7 +1,5 @@
 """Curves of joint vectors that hold a pose, intervals of the redundancy parameter along them, and least costs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
@@ -79,7 +77,7 @@ class Found:
     q: Array
     core: Array
 
-    def of(self, which: NDArray[np.intp]) -> Found:
+    def of(self, which: NDArray[np.intp]) -> "Found":
         """Some of the intervals; the samples stay as they are."""
         return replace(self, **{name: getattr(self, name)[which] for name in _OF_INTERVALS})
 
@@ -123,7 +121,7 @@ class Curves:
     appended: bool
 
     @classmethod
-    def of(cls, solver: Solver) -> Curves:
+    def of(cls, solver: Solver) -> "Curves":
         """The curves of an arm with one redundancy parameter.
 
         Raises:

@@ -1,7 +1,5 @@
 """Values of the redundancy parameters at which poses have solutions inside the joint limits."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

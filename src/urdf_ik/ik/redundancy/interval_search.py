@@ -6,8 +6,6 @@ two values of the grid only is looked for where the closed form's branches, take
 the pose, and from starts all over the joints where there is no closed form.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """``Intervals``: where each branch has solutions, what ends each interval, and the choice along them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """``Region``: how far the tip may be from a target, in the target's frame."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The redundancy parameters of given joint vectors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

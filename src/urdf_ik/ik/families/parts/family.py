@@ -42,9 +42,9 @@ class Family:
     reason: str
     steps: str
     branches: tuple[str, ...]
-    by_quadratics: bool
     matches: Callable[[Structure, Chain], bool]
     prepare: Callable[["Family", Structure, Chain], "FamilyMember | None"]
+    by_quadratics: bool = False
     variant: str = ""
     by_elimination: bool = False
 
