@@ -134,7 +134,7 @@ ROW = "".join(
 def test_rigid_and_adjacent_links_may_touch() -> None:
     """No joint or one joint between two links, counted through fixed joints, excuses them; two do not."""
     body = model(ROW)
-    assert dict(body.allowed_pairs) == {
+    assert dict(body.table().allowed) == {
         ("base", "plate"): "adjacent",
         ("base", "cup"): "adjacent",
         ("plate", "cup"): "rigid",
@@ -150,7 +150,7 @@ def test_rigid_and_adjacent_links_may_touch() -> None:
 def test_pairs_that_always_collide_may_touch() -> None:
     """A pair in contact all over the joints' ranges says nothing and is dropped; one that parts now and then stays."""
     always = model(table(SPHERE.format(1.5), SPHERE.format(1.5)))
-    assert dict(always.allowed_pairs) == {("base", "tool"): "always"}
+    assert dict(always.table().allowed) == {("base", "tool"): "always"}
     assert always.checked_pairs == ()
     assert always.in_collision([0.0, 0.0]) is False
     assert always.distance([0.0, 0.0]) == np.inf
@@ -170,8 +170,8 @@ def test_an_srdf_excuses_pairs(as_file: bool, tmp_path: Path) -> None:
     path = tmp_path / "row.srdf"
     path.write_text(text)
     body = model(ROW, srdf=path if as_file else text)
-    assert body.allowed_pairs["base", "tool"] == "srdf"
-    assert body.allowed_pairs["plate", "cup"] == "rigid"
+    assert body.table().allowed["base", "tool"] == "srdf"
+    assert body.table().allowed["plate", "cup"] == "rigid"
     assert body.colliding_pairs([0.0, 0.0, 0.0]) == (("base", "carriage"), ("plate", "tool"), ("cup", "tool"))
 
 

@@ -80,7 +80,7 @@ def test_the_same_as_pair_by_pair(name: str, reach: float, count: int) -> None:
     # Allowed pairs are honoured; so are pairs of a link that stands still, which are checked where a user says so.
     model = arm.cell.collisions.in_world(world)
     model = model.allow(*model.checked_pairs[-1]).allow(*model.checked_pairs[-2])
-    still = [pair for pair, why in model.allowed_pairs.items() if why == "rigid" and pair[1] == "o1"]
+    still = [pair for pair, why in model.table().allowed.items() if why == "rigid" and pair[1] == "o1"]
     for pair in still[:1]:
         model = model.check(*pair)
     hits = []

@@ -119,12 +119,12 @@ def test_what_a_tool_may_touch() -> None:
     """What it is mounted on, as any link: rigidly joined links, and one joint further; the links before are checked."""
     arm = from_catalogue("ur5").arm
     new = arm.with_tool(urdf_ik.pose([0, 0, 0.3]), Cylinder(0.05, 0.2))
-    allowed, checked = new.cell.collisions.allowed_pairs, new.cell.collisions.checked_pairs
+    allowed, checked = new.cell.collisions.table().allowed, new.cell.collisions.checked_pairs
     assert allowed["wrist_3_link", "tool"] == "rigid"
     assert allowed["wrist_2_link", "tool"] == "adjacent"
     assert ("forearm_link", "tool") in checked and ("base_link", "tool") in checked
     before = arm.cell.collisions
-    assert {pair: why for pair, why in allowed.items() if "tool" not in pair} == dict(before.allowed_pairs)
+    assert {pair: why for pair, why in allowed.items() if "tool" not in pair} == dict(before.table().allowed)
     assert [pair for pair in checked if "tool" not in pair] == list(before.checked_pairs)
 
 
@@ -161,7 +161,7 @@ def test_what_the_arm_had_stays(tmp_path: Path) -> None:
     srdf = '<robot name="ur5"><disable_collisions link1="forearm_link" link2="base_link"/></robot>'
     model = CollisionModel(ur.model, ur.base, ur.tip, srdf=srdf.encode()).allow("upper_arm_link", "wrist_1_link")
     ur = ur.with_cell(ur.cell.with_collisions(model))
-    kept = ur.with_tool(np.eye(4), Box(0.05)).cell.collisions.allowed_pairs
+    kept = ur.with_tool(np.eye(4), Box(0.05)).cell.collisions.table().allowed
     assert kept["base_link", "forearm_link"] == "srdf"
     assert kept["upper_arm_link", "wrist_1_link"] == "allowed"
     assert "tool" not in ur.model.links

@@ -250,7 +250,7 @@ def test_the_table_is_read_printed_and_changed(ball: CollisionModel) -> None:
     body = ball.in_world(world)
     assert body.checked_pairs == (("ball", "table"), ("ball", "post"))
     free = body.allow("table", "ball").allow("ball", "post")
-    assert dict(free.allowed_pairs) == {("ball", "table"): "allowed", ("ball", "post"): "allowed"}
+    assert dict(free.table().allowed) == {("ball", "table"): "allowed", ("ball", "post"): "allowed"}
     assert free.in_collision([0.0, 0.0, 0.0]) is False
     assert body.in_collision([0.0, 0.0, 0.0]) is True
     assert free.check("ball", "post").colliding_pairs([0.0, 0.0, 0.0]) == (("ball", "post"),)
@@ -270,14 +270,14 @@ def test_the_table_among_links() -> None:
     """Neighbours can be checked, checked pairs allowed; links that stand still may touch the world."""
     arm = urdf_ik.load("zyyzyz_6r")
     body = arm.cell.collisions
-    neighbours = next(pair for pair, why in body.allowed_pairs.items() if why == "adjacent")
+    neighbours = next(pair for pair, why in body.table().allowed.items() if why == "adjacent")
     assert neighbours in body.check(*neighbours).checked_pairs
     pair = body.checked_pairs[0]
     assert pair not in body.allow(*pair).checked_pairs
-    assert body.allow(*pair).allowed_pairs[pair] == "allowed"
+    assert body.allow(*pair).table().allowed[pair] == "allowed"
     world = World()
     world.add("floor", HalfSpace((0.0, 0.0, 1.0), 0.0))
-    reasons = body.in_world(world).allowed_pairs
+    reasons = body.in_world(world).table().allowed
     still = {link for (link, other), why in reasons.items() if other == "floor" and why == "rigid"}
     assert still
     moving = {link for link, other in body.in_world(world).checked_pairs if other == "floor"}

@@ -38,16 +38,10 @@ def far(folder: Path) -> str:
     return str(name)
 
 
-def arrays_of(path: Path) -> dict[str, Array]:
-    """The arrays of an .npz file, which is closed again."""
-    with np.load(path) as held:
-        return dict(held)
-
-
 def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
     """The plan that is written, in any format, leads through the waypoints by Pinocchio's kinematics."""
     found = {}
-    for suffix in ("csv", "json", "npz"):
+    for suffix in ("csv", "json"):
         out = tmp_path / f"plan.{suffix}"
         succeed("path", ARM, "-p", file, "--output", str(out))
         found[suffix] = out
@@ -56,7 +50,6 @@ def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
     q = np.array([[float(row[name]) for name in urdf_ik.load(ARM).joint_names] for row in rows])
     np.testing.assert_allclose(oracle().poses(q), seam(*SHORT), rtol=0.0, atol=1e-9)
     assert np.array_equal(strict_json(found["json"].read_text())["q"], q)
-    assert np.array_equal(arrays_of(found["npz"])["q"], q)
 
 
 def test_a_written_plan_keeps_to_the_straight_segment(tmp_path: Path) -> None:
@@ -76,7 +69,7 @@ def test_a_written_plan_keeps_to_the_straight_segment(tmp_path: Path) -> None:
     assert np.linalg.norm(off, axis=1).max() < 1e-3
 
 
-@pytest.mark.parametrize("suffix", ["csv", "json", "npz"])
+@pytest.mark.parametrize("suffix", ["csv", "json"])
 def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Path, suffix: str) -> None:
     """It begins and ends at rest at the path's ends, and no joint exceeds the URDF's velocity."""
     out = tmp_path / f"motion.{suffix}"
@@ -89,7 +82,7 @@ def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Pat
         both = [[[float(row[name + what]) for name in arm.joint_names] for row in rows] for what in ("", " qd")]
         q, qd = np.array(both)
     else:
-        data = arrays_of(out) if suffix == "npz" else strict_json(out.read_text())
+        data = strict_json(out.read_text())
         assert tuple(data["joints"]) == arm.joint_names
         t, q, qd = (np.array(data[name]) for name in ("t", "q", "qd"))
     assert f" {t[-1]:.3f} s (" in text
@@ -177,9 +170,9 @@ def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
     [
         ((), ("--poses", "seam.csv")),
         (("-p", "no/seam.csv"), ("cannot read no/seam.csv",)),
-        (("-p", "{file}", "--output", "plan.txt"), ("--output", ".csv, .json, .npz")),
+        (("-p", "{file}", "--output", "plan.txt"), ("--output", ".csv, .json")),
         (("-p", "{file}", "--output", "no/folder/plan.csv"), ("no folder",)),
-        (("-p", "{file}", "--timed", "motion"), ("--timed", ".csv, .json, .npz")),
+        (("-p", "{file}", "--timed", "motion"), ("--timed", ".csv, .json")),
         (("-p", "{file}", "--start", "1,2"), ("--start", "joint_6")),
         (("-p", "{file}", "--start", "0,0,0,0,0,0"), ("start is no solution of waypoint 0",)),
         (("-p", "{file}", "--margin", "-1"), ("margin=-1.0", "at least 0")),

@@ -92,7 +92,7 @@ def test_contacts_are_collisions(name: str) -> None:
     """No pair of links touches in nearly every posture, and at most a small part of the postures has contacts."""
     arm = urdf_ik.load(name)
     body = arm.cell.collisions
-    assert "always" not in body.allowed_pairs.values()
+    assert "always" not in body.table().allowed.values()
     share = float(np.mean(body.in_collision(draw(arm, 300))))
     # Planar arms and the SCARA cannot reach themselves.
     free = name in ("planar_2r", "planar_2r_unit", "scara_rrpr")

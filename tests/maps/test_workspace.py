@@ -231,7 +231,8 @@ def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
     """Every array, the header and the grid; the header is JSON with the arm's numbers, and there is no pickle."""
     arm = urdf_ik.load("zyyzyz_6r")
     path = tmp_path / "map.npz"
-    found = workspaces.workspace(arm, 0.8, 7, manipulability=True, margin=True, output=path)
+    found = workspaces.workspace(arm, 0.8, 7, manipulability=True, margin=True)
+    found.save(path)
     again = workspaces.opened(path)
     assert again.about == found.about and again.grid.shape == found.grid.shape
     for name in ("samples", "solutions", "within", "branch_poses", "manipulability", "margin"):

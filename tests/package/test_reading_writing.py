@@ -21,8 +21,7 @@ OLD = b"what was there before"
 
 # What writes a file, by the ending of its name.
 WRITERS: dict[str, Callable[[Path], Any]] = {
-    "a.csv": PLAN.to_csv, "a.npz": PLAN.to_npz, "t.csv": lambda p: PLAN.timed().to_csv(p),
-    "t.npz": lambda p: PLAN.timed().to_npz(p),
+    "a.csv": PLAN.to_csv, "t.csv": lambda p: PLAN.timed().to_csv(p),
     "arm.urdf": SCARA.model.write, "arm.png": lambda p: plot.save(plot.arm(SCARA), p),
     "arm.svg": lambda p: plot.save(plot.arm(SCARA), p),
     "map.npz": lambda p: urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), 0.1, 4).save(p),

@@ -16,6 +16,7 @@ from urdf_ik.errors import UnsupportedArm
 from urdf_ik.verify import completeness
 from urdf_ik.verify.completeness import (
     BOTH,
+    CONTINUUM,
     CORNER,
     DISTANCES,
     SECOND,
@@ -126,7 +127,7 @@ def test_representatives_of_one_continuum_are_no_difference() -> None:
     T = arm.fk(q)
     answer = reference.unmatched(T, q, q[None], elsewhere[None])
     assert (answer.only_first, answer.only_second, answer.planted_lost) == ([], [], False)
-    assert answer.continua == 2
+    assert answer.how[CONTINUUM] == 2
     solutions = arm.ik(T).to_array()
     other = solutions[np.abs(solutions[:, 2] - q[2]) > 0.1][:1]
     answer = reference.unmatched(T, q, q[None], other)

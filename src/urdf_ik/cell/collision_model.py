@@ -3,7 +3,6 @@
 import os
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -154,14 +153,6 @@ class CollisionModel:
     def unchecked(self) -> str:
         """The same in a few words, such as '6 meshes missing'."""
         return "" if self._error is None else coal_shapes.why_unreadable(self._made_from[0])
-
-    @property
-    def allowed_pairs(self) -> Mapping[Pair, str]:
-        """Pairs that may touch, in the URDF's order of links and the world's of obstacles, to the reason.
-
-        Reasons are 'rigid', 'adjacent', 'srdf', 'always' and 'allowed'.
-        """
-        return MappingProxyType({}) if self._error else self._table().allowed
 
     @property
     def checked_pairs(self) -> tuple[Pair, ...]:

@@ -77,7 +77,6 @@ class Entry:
         base: base link of the arm; None: that of the default chain.
         tip: tip link of the arm; None: that of the default chain.
         package_dirs: folders for the ``package://`` addresses of its meshes.
-        description: the arm in words; '' for those of example-robot-data.
         xacro_args: arguments of the xacro, None for a URDF.
     """
 
@@ -86,7 +85,6 @@ class Entry:
     base: str | None
     tip: str | None
     package_dirs: tuple[Path, ...] = ()
-    description: str = ""
     xacro_args: Mapping[str, str] | None = None
 
 
@@ -181,14 +179,14 @@ def resolve(name: str) -> Entry:
         'tool0'
     """
     if name in BUNDLED:
-        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
+        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"))
     if name in EXAMPLE_ROBOT_DATA:
         return _from_example_robot_data(name)
     if stem := _of_example_robot_data(name):
         return _from_example_robot_data(stem)
     if model := downloads.model_of(name):
         path, folders, arguments = downloads.fetch(model, _near_and_here(name))
-        return Entry(name, path, None, None, folders, downloads.describe(model), arguments)
+        return Entry(name, path, None, None, folders, arguments)
     raise ArgumentError(f"no arm is called {name!r}; {_alternatives(name)}")
 
 

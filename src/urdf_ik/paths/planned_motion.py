@@ -7,19 +7,15 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.pose_solving import solve
-from urdf_ik.ik.solutions import IKSolutions, branch_names, limits
-from urdf_ik.ik.solutions.derivatives import joint_rates
+from urdf_ik.ik.solutions import branch_names, limits
 from urdf_ik.ik.solver import Solver
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths.path_settings import Obstacles
 from urdf_ik.paths.timing import Timed, timed, write_rows
-from urdf_ik.support import files
 from urdf_ik.support.report import Report
-from urdf_ik.support.text import Section
 from urdf_ik.typing import Array
 
 
@@ -154,27 +150,6 @@ class Plan(Report):
             clearance = np.asarray(self.obstacles.model.distance(self.q))
         return Margins(room, clearance, velocity.manipulability(self.solver.chain, self.q))
 
-    def velocities(self, twists: ArrayLike, rates: ArrayLike | None = None) -> Array:
-        """Joint velocities (m, n) rad/s or m/s at the waypoints, by the inverse of the Jacobian.
-
-        Args:
-            twists: (m, 6) or (6,) m/s and rad/s of the targets at the waypoints, in base axes at their origins.
-            rates: (m, k) or (k,) per s, of the redundancy parameters; default: zeros.
-
-        Returns:
-            NaN at a singular waypoint.
-
-        Raises:
-            ArgumentError: there is no plan, or an argument does not fit.
-        """
-        return joint_rates(self._solutions(), twists, rates)[..., 0, :]
-
-    def _solutions(self) -> IKSolutions:
-        """The plan's joint vectors as solutions of its waypoints, one column."""
-        self._require()
-        info = np.ones((len(self.q), 1), np.uint8)
-        return IKSolutions(self.solver, self.poses, self.q[:, None].copy(), info, ("plan",))
-
     def explain(self) -> str:
         """Why there is no plan: a line for each branch of the first waypoint, the one that gets farthest first.
 
@@ -210,7 +185,8 @@ class Plan(Report):
         Raises:
             ArgumentError: there is no plan, or the file cannot be written.
         """
-        self._require()
+        if not self.found:
+            raise ArgumentError(f"there is no plan to write: {self.explain()}")
         rows = zip(self.place.tolist(), self.motion.tolist(), strict=True)
         write_rows(
             path,
@@ -238,17 +214,6 @@ class Plan(Report):
             "search": self.unlooked or "complete",
         }
 
-    def to_npz(self, path: str | os.PathLike[str]) -> None:
-        """Write q, poses, branches, joints, motion and place as NumPy arrays.
-
-        Raises:
-            ArgumentError: there is no plan, or the file cannot be written.
-        """
-        self._require()
-        arrays = {name: getattr(self, name) for name in ("q", "poses", "motion", "place")}
-        names = {"branches": np.array(self.branches), "joints": np.array(self.solver.joint_names)}
-        files.write(path, lambda file: np.savez(file, allow_pickle=False, **arrays, **names))
-
     @property
     def faulty(self) -> bool:
         """Whether there is no plan."""
@@ -264,44 +229,19 @@ class Plan(Report):
         return ", ".join(filter(None, ("found" if self.found else "no plan", unchecked, self.unlooked)))
 
     def lines(self) -> tuple[str, ...]:
-        """Branches, cost and largest step; or the reason why each branch stops."""
+        """Branches, cost, largest step and least margins; or the reason why each branch stops."""
         if not self.found:
             return tuple(map(str, self.stops))
         steps = np.abs(np.diff(self.q, axis=0)).max(axis=0, initial=0.0)
         joint = int(np.argmax(steps))
+        least = (f"{name} {values.min():.4g}" for name, values in zip(Margins._fields, self.margins, strict=True))
         return (
             " then ".join(dict.fromkeys(self.branches)),
             f"cost {self.cost:.6g}, {len(self.changes)} reconfigurations",
             f"largest step {steps[joint]:.4g} of {self.solver.joint_names[joint]}",
             f"{len(self.motion) - len(self.q)} waypoints added between those given",
+            f"least margins: {', '.join(least)}",
         )
-
-    def sections(self) -> tuple[Section, ...]:
-        """Each joint's range and the margins."""
-        if not self.found:
-            return ()
-        chain, q = self.solver.chain, self.q
-        units = ["m" if slides else "rad" for slides in chain.prismatic]
-        columns = np.stack([q[0], q[-1], q.min(axis=0), q.max(axis=0), *self.solver.limits.T], axis=1)
-        joints = tuple(
-            (name, unit, *(f"{x:.4f}" if np.isfinite(x) else "none" for x in row))
-            for name, unit, row in zip(chain.joint_names, units, columns, strict=True)
-        )
-        names = ("room to a limit [rad or m]", "clearance [m]", "manipulability")
-        margins = tuple(
-            (name, f"{values.min():.4g}", str(int(np.argmin(values))))
-            for name, values in zip(names, self.margins, strict=True)
-            if not np.isnan(values).any()
-        )
-        header = ("joint", "unit", "first", "last", "least", "most", "lower limit", "upper limit")
-        return (
-            Section("joints at the waypoints", header, joints, left=header[:2]),
-            Section("margins", ("least", "value", "at waypoint"), margins, left=("least",)),
-        )
-
-    def _require(self) -> None:
-        if not self.found:
-            raise ArgumentError(f"there is no plan to write: {self.explain()}")
 
 
 def followed(plan: Plan) -> Plan:

@@ -62,16 +62,6 @@ class Timed:
         """As JSON: joints, t, q, qd, qdd."""
         return json_text({"joints": self.joints, "t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd})
 
-    def to_npz(self, path: str | os.PathLike[str]) -> None:
-        """Write joints, t, q, qd and qdd as NumPy arrays.
-
-        Raises:
-            ArgumentError: the file cannot be written.
-        """
-        arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
-        names = np.array(self.joints)
-        files.write(path, lambda file: np.savez(file, allow_pickle=False, joints=names, **arrays))
-
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
 

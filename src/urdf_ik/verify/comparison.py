@@ -26,7 +26,7 @@ from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT as TOLERANCES
 from urdf_ik.typing import Array
 from urdf_ik.verify.alignment import Alignment, aligned
-from urdf_ik.verify.description import described, matrix, parameters_of
+from urdf_ik.verify.description import Description, described, matrix, parameters_of
 from urdf_ik.verify.differences import (
     DEFAULT,
     Difference,
@@ -36,7 +36,7 @@ from urdf_ik.verify.differences import (
     differences,
     ignored,
     moved,
-    same_limit,
+    order_of,
     summed,
 )
 from urdf_ik.verify.sampling import redundancy_at, solutions_of
@@ -101,7 +101,8 @@ def compare(
     if align:
         b, alignment = aligned(a, b)
         skipped |= {"names"}
-    order, reason = _order(a, b)
+    ours, theirs = described(a), described(b)
+    order, reason = _order(ours, theirs)
     if reason:
         notes.append(f"axes, limits, joint differences and the tool error: {reason}")
     vectors = _drawn(a, n, seed)
@@ -126,7 +127,7 @@ def compare(
     tried = found[0].q[found[0].valid] if found else vectors
     axes = () if order is None else _axes(a, b, order)
     signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
-    differing = differences(described(a), described(b), tolerance, frames=not align)
+    differing = differences(ours, theirs, tolerance, frames=not align)
     return Comparison(
         differences=tuple(difference for difference in differing if difference.kind not in skipped),
         a=_side(a),
@@ -271,18 +272,16 @@ class _Answers:
         return np.where(self.a.rotary, np.abs(shortest(difference)), difference)
 
 
-def _order(a: Arm, b: Arm) -> tuple[list[int] | None, str]:
+def _order(a: Description, b: Description) -> tuple[list[int] | None, str]:
     """B's joints in the order of A's, or None and the reason why they are not the same joints."""
     if a.dof != b.dof:
         return None, f"A has {a.dof} joints and B has {b.dof}"
-    order = list(range(b.dof))
-    if set(a.joint_names) == set(b.joint_names):
-        order = [b.joint_names.index(name) for name in a.joint_names]
+    order = list(order_of(a, b))
     for i, k in enumerate(order):
-        if a.chain.prismatic[i] != b.chain.prismatic[k]:
-            kinds = ["slides" if arm.chain.prismatic[j] else "turns" for arm, j in ((a, i), (b, k))]
-            ours, theirs = a.joint_names[i], b.joint_names[k]
-            return None, f"joint {ours!r} of A {kinds[0]}, joint {theirs!r} of B {kinds[1]}"
+        slide = [side.joint_types[j] == "prismatic" for side, j in ((a, i), (b, k))]
+        if slide[0] != slide[1]:
+            kinds = ["slides" if each else "turns" for each in slide]
+            return None, f"joint {a.joint_names[i]!r} of A {kinds[0]}, joint {b.joint_names[k]!r} of B {kinds[1]}"
     return order, ""
 
 
@@ -385,11 +384,6 @@ class _LimitChange:
     joint_b: str
     a: tuple[float, float]
     b: tuple[float, float]
-
-    @property
-    def same(self) -> bool:
-        """Whether both limits are the same to rounding."""
-        return all(same_limit(mine, other) for mine, other in zip(self.a, self.b, strict=True))
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,9 @@ and Roth, set up at three places of the loop, and Newton's method from many rand
 Each pose comes from a planted joint vector. If neither method finds this vector, the report counts it as missed.
 """
 
-from dataclasses import astuple, dataclass, field
+from collections import Counter
+from dataclasses import astuple, dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -88,7 +90,8 @@ def compare(
             found = [(names[k], SECOND, x) for k, x in answer.only_first]
             found += [(f"number {k + 1} of the second way", SOLVER, x) for k, x in answer.only_second]
             found += [("planted", BOTH, vectors[index])] * answer.planted_lost
-            numbers = (1, valid[i].sum(), len(theirs), answer.double_roots, answer.continua, len(found))
+            how = answer.how[DOUBLE_ROOT], answer.how[CONTINUUM]
+            numbers = (1, valid[i].sum(), len(theirs), *how, len(found))
             counts[near] = counts.get(near, np.zeros(6, np.intp)) + numbers
             for branch, missed_by, x in found:
                 pair = tuple(map(float, vectors[index])), tuple(map(float, x))
@@ -341,6 +344,9 @@ class Completeness(Report):
         return f"{sum(group.poses for group in self.groups)} poses, {', '.join(parts) or 'no difference'}"
 
 
+DOUBLE_ROOT, CONTINUUM = "double root", "continuum"
+"""How two joint vectors that differ may be one solution."""
+
 SAME = 1e-6
 ROUNDING = 1e-13
 LOOSEST = 1e-3
@@ -353,25 +359,22 @@ STEP, STEPS = 0.02, 2000
 """Length [rad] and greatest number of steps of a walk along a continuum, each way."""
 
 
-@dataclass
-class _Unmatched:
+class _Unmatched(NamedTuple):
     """Solutions that only one of two answers to a pose has.
 
     Attributes:
         only_first: (row, joint vector) of each solution that only the first answer has.
         only_second: the same for the second answer.
         planted_lost: whether neither answer has the planted joint vector.
-        double_roots: number of solutions that only one answer has, but as a double root with another of the other's.
-        continua: the same for representatives of one continuum.
+        how: number of solutions that the other answer has as a ``DOUBLE_ROOT``, and of those on one ``CONTINUUM``.
         everything: (k, 6) both answers and the planted joint vector.
     """
 
+    only_first: list[tuple[int, Array]]
+    only_second: list[tuple[int, Array]]
+    planted_lost: bool
+    how: Counter[str]
     everything: Array
-    only_first: list[tuple[int, Array]] = field(default_factory=list)
-    only_second: list[tuple[int, Array]] = field(default_factory=list)
-    planted_lost: bool = False
-    double_roots: int = 0
-    continua: int = 0
 
 
 class Sameness:
@@ -403,16 +406,19 @@ class Sameness:
 
     def unmatched(self, T: Array, planted: Array, first: Array, second: Array) -> _Unmatched:
         """Compare two answers (k, 6), (m, 6) to the pose T (4, 4), made of a planted joint vector (6,)."""
-        out = _Unmatched(np.concatenate([first, second, planted[None]]))
-        for mine, theirs, only in ((first, second, out.only_first), (second, first, out.only_second)):
+        alone: list[list[tuple[int, Array]]] = [[], []]
+        hows: Counter[str] = Counter()
+        for mine, theirs, only in ((first, second, alone[0]), (second, first, alone[1])):
             position, rotation = self.reference.errors(mine, T)
             for i, q in enumerate(mine):
                 # A joint vector that misses the pose is not a solution, even if polishing would make it one.
-                if max(position[i], rotation[i]) > EXACT or not self.has(T, q, theirs, out):
+                how = self.has(T, q, theirs) if max(position[i], rotation[i]) <= EXACT else ""
+                hows[how] += 1
+                if not how:
                     only.append((i, q))
         answered = np.concatenate([first, second])
-        out.planted_lost = not self.has(T, planted, answered)
-        return out
+        lost = not self.has(T, planted, answered)
+        return _Unmatched(alone[0], alone[1], lost, hows, np.concatenate([answered, planted[None]]))
 
     def sigma_min(self, q: Array) -> float:
         """Smallest singular value of the Jacobian at q (6,)."""
@@ -423,31 +429,21 @@ class Sameness:
         far = largest_apart(others, q)
         return float(far[far > SAME].min(initial=np.inf))
 
-    def has(self, T: Array, q: Array, others: Array, count: _Unmatched | None = None) -> bool:
-        """Whether q (6,) is one of the others (k, 6), solutions of the pose T (4, 4).
-
-        ``count`` counts double roots and continua.
-        """
+    def has(self, T: Array, q: Array, others: Array) -> str:
+        """How q (6,) is one of the others (k, 6), solutions of the pose T (4, 4); '' where it is none of them."""
         if (largest_apart(others, q) <= SAME).any():
-            return True
+            return "equal"
         q = descend(self._chain, T, q[None], 20, 0.0)[0][0]
         tolerance = SAME + min(ROUNDING / max(self.sigma_min(q), 1e-300), LOOSEST)
         others = descend(self._chain, T, others, 20, 0.0)[0]
         far = largest_apart(others, q)
         if (far <= tolerance).any():
-            return True
+            return "equal"
         near = others[far < NEIGHBOURS]
         if (errors(self._chain, T, q + 0.5 * shortest(near - q))[1] <= self._fold).any():
-            if count is not None:
-                count.double_roots += 1
-            return True
-        if self.sigma_min(q) > self.singular or not len(others):
-            return False
-        if self._on_one_continuum(T, q, others):
-            if count is not None:
-                count.continua += 1
-            return True
-        return False
+            return DOUBLE_ROOT
+        regular = self.sigma_min(q) > self.singular or not len(others)
+        return CONTINUUM if not regular and self._on_one_continuum(T, q, others) else ""
 
     def _on_one_continuum(self, T: Array, q: Array, others: Array) -> bool:
         """Whether a walk along the continuum through q, if there is one, meets one of the others."""

@@ -200,12 +200,8 @@ def _rows(array: Array) -> tuple[Row, ...]:
 
 def _moving(arm: Arm) -> tuple[str, ...]:
     """Names of the joints that move between base and tip, those that mimic others included."""
-    locked = dict(arm.chain.locked)
-    return tuple(
-        joint.name
-        for joint in arm.model.path_between(arm.base, arm.tip)
-        if joint.type != "fixed" and arm.model.driver(joint)[0].name not in locked
-    )
+    locked, path = dict(arm.chain.locked), arm.model.path_between(arm.base, arm.tip)
+    return tuple(each.name for each in path if each.type != "fixed" and arm.model.driver(each)[0].name not in locked)
 
 
 def _steps(arm: Arm) -> tuple[Step, ...]:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from urdf_ik.arm import Arm
 from urdf_ik.cell.pinocchio_reference import pose_errors
 from urdf_ik.errors import ArgumentError, UrdfIkError
+from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, difference
 from urdf_ik.support.report import Report
@@ -164,12 +165,8 @@ def _poses(arm: Arm, kind: str, n: int, seed: int) -> tuple[Array, Array | None,
     T = reference.pose(q)
     if kind != "tool down" or arm.task != "pose" or reference.dof < 6:
         return T, q, redundancy_at(arm, q)
-    down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
-    angle = rng.uniform(-np.pi, np.pi, n)
-    turn = np.zeros((n, 3, 3))
-    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
-    turn[:, 1, 0], turn[:, 0, 1], turn[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
-    T[:, :3, :3] = turn @ down
+    turns = rng.uniform(-np.pi, np.pi, (n, 1)) * [0.0, 0.0, 1.0]
+    T[:, :3, :3] = pose(np.zeros(3), rotvec=turns)[:, :3, :3] @ np.diag([1.0, -1.0, -1.0])
     return T, None, None
 
 
@@ -274,7 +271,7 @@ class _Judged:
         if gaps.min() <= _NEAR or any(self._joined(T, q, other) for other in others):
             return True
         if self._sameness is not None:
-            return self._sameness.has(T, q, others)
+            return bool(self._sameness.has(T, q, others))
         sigma = max(float(least_singular_value(self._arm, q[None])[0]), 1e-300)
         if gaps.min() <= _NEAR + min(10.0 * self._tolerance / sigma, _FAR):
             return True
@@ -442,13 +439,12 @@ class Judgement(Report):
         return f"{sum(kind.poses for kind in self.kinds)} poses, {parts or 'nothing wrong, missing or doubled'}"
 
 
-Solver = Callable[[Array], Any]
 FORMS = "module:function, file.py:function, or process:COMMAND"
 _PATIENCE = 1.0  # s for a process to end by itself when its input is closed
 
 
 @contextmanager
-def opened(spec: str) -> Iterator[Solver]:
+def opened(spec: str) -> Iterator[Solve]:
     """The solver that a text names; a process ends at the end of the block.
 
     Args:
@@ -475,7 +471,7 @@ def opened(spec: str) -> Iterator[Solver]:
 
 
 @contextmanager
-def _process(command: list[str]) -> Iterator[Solver]:
+def _process(command: list[str]) -> Iterator[Solve]:
     try:
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
     except (OSError, ValueError, IndexError) as error:

@@ -25,7 +25,7 @@ from urdf_ik.support import files
 from urdf_ik.support.text import counted
 from urdf_ik.typing import Array
 
-SUFFIXES = (".csv", ".json", ".npz")
+SUFFIXES = (".csv", ".json")
 _FREE = {None: "not checked", True: "free", False: "hits"}
 """Whether the straight joint motion of a change touches something."""
 _KINDS = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
@@ -145,8 +145,8 @@ def path(
         alternatives: The best plan from every start branch, too.
 
     Options (Output):
-        output (-o FILE): Write the plan: .csv, .json or .npz; always rad, m.
-        timed (FILE): Write it in time, at the highest velocities: .csv, .json or .npz; always s, rad, m.
+        output (-o FILE): Write the plan: .csv or .json; always rad, m.
+        timed (FILE): Write it in time, at the highest velocities: .csv or .json; always s, rad, m.
     """
     for file, option in ((output, "--output"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:
@@ -166,11 +166,10 @@ def path(
     console.emit(printed_as, data, lambda: _text(found, angles, in_time, others))
     for file, content in ((output, plan), (timed, in_time)):
         if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
-            kind = file.suffix.lower()[1:]
-            if kind == "json":
+            if file.suffix.lower() == ".json":
                 files.write(file, content.to_json().encode())
             else:
-                getattr(content, f"to_{kind}")(file)
+                content.to_csv(file)
             rows = len(plan.motion) if content is plan else len(in_time.t) if in_time is not None else 0
             console.say(f"{file}: {rows} joint vectors; {'rad' if content is plan else 's, rad'}, m")
         elif file is not None:
@@ -214,7 +213,7 @@ def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
     ]
     strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
     about |= {
-        "branches": "; ".join(dict.fromkeys(plan.branches)),
+        "branch": "; ".join(dict.fromkeys(plan.branches)),
         "cost": f"{_cost(found, plan, angles):.6g} ({_KINDS[found.cost]})",
         "reconfigurations": len(plan.changes),
         "tolerance": f"{strays} from the straight segments, proven",

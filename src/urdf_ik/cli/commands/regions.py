@@ -123,7 +123,9 @@ def workspace(
         if work.store is not None:
             found = workspaces.stored_workspace(arm, work.store, **asked, client=client, progress=progress.tick)
         else:
-            found = workspaces.workspace(arm, **asked, output=output, progress=progress.tick)
+            found = workspaces.workspace(arm, **asked, progress=progress.tick)
+    if output is not None:
+        found.save(output)
     console.emit(printed_as, _map_data(found), lambda: _map_text(found))
     if (place := output or work.store) is not None:
         console.say(f"map written to {place}")

@@ -8,9 +8,8 @@ values or the arm by a small amount b, the joints follow it by A^-1 b. Where A l
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.solutions.solution import KeptSolutions
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import POSE
@@ -140,17 +139,6 @@ def _target(solutions: KeptSolutions) -> Array:
     return solutions.poses[..., None, :, :] if solutions.solver.task == "pose" else _reached(solutions)
 
 
-def _twists(given: ArrayLike, name: str, batch: tuple[int, ...]) -> Array:
-    """Twists (..., 6), one for all poses or one each."""
-    V = inputs.array(given, name, (..., 6))
-    try:
-        np.broadcast_to(V, (*batch, 6))
-    except ValueError:
-        needed = f"a twist (6,) is needed, or one a pose {(*batch, 6)}"
-        raise ArgumentError(f"{name} of shape {V.shape} given; {needed}") from None
-    return V
-
-
 class DifferentiableSolutions(KeptSolutions):
     """The derivatives of :class:`IKSolutions` by the pose, the redundancy parameters and the URDF's numbers."""
 
@@ -239,21 +227,3 @@ def no_swivel(solver: Solver, what: str) -> None:
             f"{solver.name}: {what} need a joint as the redundancy parameter, not the swivel angle: "
             f"arm.with_redundancy({solver.joint_names[0]!r})"
         )
-
-
-def joint_rates(solutions: DifferentiableSolutions, twists: ArrayLike, rates: ArrayLike | None = None) -> Array:
-    """Joint velocities (..., B, n) for twists (..., 6) of the targets and rates (..., k) of redundancy parameters.
-
-    Args:
-        solutions: the joint vectors.
-        twists: (..., 6) m/s and rad/s in base axes, at the targets' origins.
-        rates: (..., k) of the redundancy parameters; default: they are held.
-    """
-    out = (solutions.dq_dT() @ _twists(twists, "twists", solutions.shape)[..., None, :, None])[..., 0]
-    if rates is not None:
-        count = len(solutions.solver.parameters)
-        given = inputs.real(rates, "rates", f"an array of numbers (..., {count})")
-        if given.ndim == 0 or given.shape[-1] != count:
-            raise ArgumentError(f"rates of shape {given.shape} given; the arm has {count} redundancy parameters")
-        out = out + (solutions.dq_dredundancy() @ given[..., None, :, None])[..., 0]
-    return np.asarray(out)

@@ -23,7 +23,7 @@ from urdf_ik.maps.workspaces.workspace_map import (
     sample_coordinates,
 )
 from urdf_ik.model.poses import pose
-from urdf_ik.support import files, inputs
+from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array, Threads
 
@@ -46,7 +46,6 @@ def workspace(
     voxel: float = 0.1,
     orientations: int = 200,
     *,
-    output: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
     **options: Any,
 ) -> WorkspaceMap:
@@ -59,7 +58,6 @@ def workspace(
         arm: the arm.
         voxel: m, edge of a voxel.
         orientations: number of them at each position.
-        output: file to save the map to; that it fits is checked before any work.
         progress: called with the number of solved poses, and of all.
         **options: any of the following.
 
@@ -78,7 +76,6 @@ def workspace(
         ArgumentError: an invalid number, or a map that does not fit in memory.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are asked for.
-        JobError: the map does not fit on the disk.
 
     Example:
         >>> import urdf_ik
@@ -89,14 +86,9 @@ def workspace(
     question = _question(arm, voxel, orientations, None, **options)
     grid, count = question.grid, len(question.samples)
     require_memory(grid, count, question.memory(grid.shape))
-    if output is not None:
-        files.writable(output)
     arrays = question.computed(progress, grid.count * count)
     question.samples.setflags(write=False)
-    result = WorkspaceMap(question.described(), grid, question.samples, arrays)
-    if output is not None:
-        result.save(output)
-    return result
+    return WorkspaceMap(question.described(), grid, question.samples, arrays)
 
 
 def stored_workspace(

@@ -188,13 +188,6 @@ def _solved(state: State) -> State:
 
 def _solve(state: State) -> IKSolutions:
     arm, T = state.arm, state.target
-    control = arm.solver.control
-    if control.task == "pose":
+    if arm.task == "pose":
         return arm.ik(T, state.q, redundancy=state.redundancy)
-    if control.plane is not None:
-        planar = control.plane.coordinates(T)
-        return arm.ik(planar[:2] if control.task == "planar position" else planar, state.q, task=control.task)
-    point = T[:3, 3]
-    if control.aimed is not None:
-        return arm.ik(np.concatenate([point, T[:3, :3] @ control.aimed]), state.q, task=control.task)
-    return arm.ik(point, state.q, task=control.task)
+    return arm.ik(arm.solver.control.target_of(T), state.q, task=arm.task)
