@@ -479,7 +479,7 @@ class Arm:
             >>> len(arm.ik([0.1, 0.1]))
             2
         """
-        asked = Task.chosen(task, axis, self.task)
+        asked = Task.chosen(task, axis, self.solver.control.aimed)
         if asked not in self._tasks:
             same = asked == self.solver.settings["task"]
             if not same and self.solver.free_axis is not None:
@@ -498,7 +498,7 @@ class Arm:
     def _again(self, model: UrdfModel, chain: Chain) -> Arm:
         """The arm of another URDF or chain, with the settings that it has."""
         own = self.solver
-        return assemble(model, chain, own.task, own.free_axis, own.chosen, self.cell.moved_to(model, chain))
+        return assemble(model, chain, own.settings["task"], own.free_axis, own.chosen, self.cell.moved_to(model, chain))
 
     def _repr_html_(self) -> str:
         return html(self.solver)
@@ -510,7 +510,7 @@ class Arm:
 def assemble(
     model: UrdfModel,
     chain: Chain,
-    task: str = "pose",
+    task: str | Task = "pose",
     free_axis: FreeAxis | None = None,
     chosen: Sequence[str] = (),
     cell: Cell | None = None,

@@ -206,4 +206,4 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
     held = {**dict(arm.chain.locked), **{f"{name}_{joint}": value for joint, value in positioner.chain.locked}}
     chain = from_urdf(model, f"{name}_{positioner.tip}", arm.tip).lock(held)
     own = arm.solver
-    return assemble(model, chain, own.task, own.free_axis, own.chosen, arm.cell.moved_to(model, chain))
+    return assemble(model, chain, own.settings["task"], own.free_axis, own.chosen, arm.cell.moved_to(model, chain))

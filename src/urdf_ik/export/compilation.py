@@ -46,7 +46,7 @@ def compile(arm: Arm) -> str:  # noqa: A001  what it does, as re.compile
     """
     solver, chain = arm.solver, arm.chain
     member = solver.require_member()
-    if solver.targets is not None:
+    if solver.task != "pose":
         raise UnsupportedArm(f"{arm.name}: an arm for the task {solver.task!r} is not compiled, only one for poses")
     if not isinstance(member.solver, _core.Solver):
         raise UnsupportedArm(

@@ -39,7 +39,7 @@ class Solver:
         structure: how the axes lie to each other, and how the arm is solved.
         control: what the joints control of the tip.
         task: what a target is; 'pose' unless another one was asked for, a :class:`urdf_ik.Task` included.
-        targets: what reads targets of a task other than 'pose'; None for poses.
+        targets: what reads targets of a planar task; None for poses, of which ``asked`` counts.
         member: the arm as a member of its family; None where no solver takes it.
         core: the compiled solver; None where no solver takes the arm.
         single: the compiled solver where targets are poses: it takes a single pose without detours.
@@ -170,15 +170,15 @@ def _prepare(
     control, structure = control_of(chain), analyse(chain)
     asked, task = (task, task.components) if isinstance(task, Task) else (POSE, task)
     targets = None if task == "pose" or asked != POSE else Targets(name, chain, control, task)
-    member = targets.plan(structure) if targets else families.choose(structure, chain, chosen)
-    if member is None and chosen:
-        raise UnsupportedArm(f"{name}: no solver for the other joints with {', '.join(chosen)} given")
     if asked != POSE:
         from urdf_ik.ik.task_members import member as member_for  # not needed by whole poses
 
         _check_numbers(name, chain, control, asked)
-
-        member = member_for(chain, asked, member)
+        member: FamilyMember | None = member_for(chain, asked, lambda: families.choose(structure, chain, chosen))
+    else:
+        member = targets.plan(structure) if targets else families.choose(structure, chain, chosen)
+    if member is None and chosen:
+        raise UnsupportedArm(f"{name}: no solver for the other joints with {', '.join(chosen)} given")
     if free_axis is not None:
         _check_free_axis(name, chain, free_axis, member, control.task if targets is None else task)
         member = None if member is None else axis_added.prepare_free(chain, member, free_axis)

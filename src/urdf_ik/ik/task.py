@@ -66,11 +66,12 @@ class Task:
         )
 
     @classmethod
-    def chosen(cls, task: Any, axis: Any, controlled: str) -> "str | Task":
-        """The task, or its name where it is what all joints of an arm control together (``controlled``)."""
+    def chosen(cls, task: Any, axis: Any, aimed: Array | None) -> "str | Task":
+        """The task, or the name of one in a plane; ``aimed``: the axis of 'position and axis', where none is named."""
         if isinstance(task, Task):
             return "pose" if task == POSE else task
-        by_name = axis is None and (task in ("pose", controlled) or (task not in NUMBERS and task != LEVEL))
+        by_name = axis is None and (task == "pose" or task not in (*NUMBERS, LEVEL))
+        axis = aimed if axis is None and task == "position and axis" else axis
         return task if by_name and isinstance(task, str) else cls.read(task, axis)
 
     def __str__(self) -> str:
@@ -106,7 +107,7 @@ class Task:
         if are_poses(T):
             return check_poses(as_pose_array(T))
         width = {"position": 3, "look at": 3, "axis": 3, "position and axis": 6}.get(self.components)
-        target = inputs.real(T, "a target", "an array of numbers", PoseError)
+        target = inputs.real(T, f"a target of the task {self}", "an array of numbers", PoseError)
         if width is None or self.frame == "base" or target.shape[-1:] != (width,):
             numbers = "" if width is None or self.frame == "base" else f", or of shape (..., {width})"
             raise PoseError(f"a target of shape {target.shape} given; the task {self} takes poses (..., 4, 4){numbers}")

@@ -1,5 +1,6 @@
 """How an arm is solved for a part of a pose: in closed form, with joints given or an axis free, else by search."""
 
+from collections.abc import Callable
 from functools import partial
 from itertools import combinations
 from typing import Any
@@ -38,8 +39,8 @@ _BY_SEARCH = Family(
 )
 
 
-def member(chain: Chain, asked: Task, whole: FamilyMember | None) -> FamilyMember:
-    """The arm as it is solved for a task, its member for whole poses being ``whole``."""
+def member(chain: Chain, asked: Task, whole: Callable[[], FamilyMember | None]) -> FamilyMember:
+    """The arm as it is solved for a task; ``whole`` makes its member for whole poses."""
     if asked.components == "position" and 3 <= chain.n <= 3 + _MOST_GIVEN and chain.axes is chain:
         placing = _placing(chain)
         placed = placing and _placed(chain, placing, tuple(range(1, chain.n + 1)))
@@ -47,8 +48,8 @@ def member(chain: Chain, asked: Task, whole: FamilyMember | None) -> FamilyMembe
             return placed
     if asked.components == "position and axis" and asked.frame == "tip" and chain.axes is chain:
         axis = np.array(asked.axis)
-        if chain.n >= 6 and whole is not None and isinstance(whole.solver, Solver):
-            return axis_added.prepare_free(chain, whole, FreeAxis.read(axis))
+        if chain.n >= 6 and (own := whole()) is not None and isinstance(own.solver, Solver):
+            return axis_added.prepare_free(chain, own, FreeAxis.read(axis))
         if chain.n == 5 and not chain.prismatic.any() and controls_aim(chain, axis):
             aimed = axis_added.prepare_aimed(chain, axis, of_six)
             if aimed is not None:

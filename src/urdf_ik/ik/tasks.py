@@ -1,7 +1,7 @@
-"""Tasks: the parts of a pose that an arm with few joints controls, and targets of only those.
+"""Tasks that an arm with few joints controls, and the targets of a planar arm.
 
-A task counts the numbers that a target fixes: 'pose' (a 4x4 matrix), 'position' (x, y, z), 'position and axis' (x, y,
-z and a direction), 'planar position' (x, y in the arm's plane), 'planar pose' (x, y, angle in the arm's plane).
+These are x, y in the arm's plane ('planar position'), or x, y and an angle ('planar pose'); other tasks are a
+:class:`urdf_ik.Task`.
 """
 
 from dataclasses import dataclass, replace
@@ -10,19 +10,17 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
-from urdf_ik.ik import families
-from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, planar
-from urdf_ik.ik.task import are_poses, turn_to
+from urdf_ik.ik.families import FamilyMember, few_joints, planar
 from urdf_ik.kinematics.chain import Chain, least_stretches, sampled
 from urdf_ik.kinematics.chain.plane import Plane, plane_of
 from urdf_ik.kinematics.structure import Structure, analyse
-from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
+from urdf_ik.support.angles import shortest
 from urdf_ik.support.text import quoted
 from urdf_ik.typing import Array
 
-_WIDTH = {"position": 3, "position and axis": 6, "planar position": 2, "planar pose": 3}
-TASKS = ("pose", *_WIDTH)
+_WIDTH = {"planar position": 2, "planar pose": 3}
+TASKS = ("pose", "position", "position and axis", *_WIDTH)
 # Smallest singular value of a task's Jacobian, at the middle one of sampled joint vectors, that counts as control.
 CONTROL = 1e-3
 
@@ -58,20 +56,13 @@ class Control:
         return np.ascontiguousarray(self.plane.coordinates(T)[..., : _WIDTH[self.task]])
 
     def errors(self, T: Array, targets: Array) -> tuple[Array, Array]:
-        """How far poses ``T`` (..., 4, 4) of the tip are from targets (..., k) of this task, which is not 'pose'.
+        """How far poses ``T`` (..., 4, 4) of the tip are from targets (..., k) in the plane.
 
         Returns:
             Distances (...) [m] and angles (...) [rad], which are 0 where the task has no angle.
         """
-        found = self.target_of(T)
-        numbers = 3 if self.plane is None else 2
-        off = found[..., numbers:] - targets[..., numbers:]
-        angle = np.zeros(off.shape[:-1])
-        if self.aimed is not None:
-            angle = 2.0 * np.arcsin(np.clip(0.5 * np.linalg.norm(off, axis=-1), 0.0, 1.0))
-        elif off.shape[-1]:
-            angle = np.abs(np.arctan2(np.sin(off[..., 0]), np.cos(off[..., 0])))
-        return np.linalg.norm(found[..., :numbers] - targets[..., :numbers], axis=-1), angle
+        off = self.target_of(T) - targets
+        return np.linalg.norm(off[..., :2], axis=-1), np.abs(shortest(off[..., 2:])).sum(axis=-1)
 
 
 def control_of(chain: Chain) -> Control:
@@ -111,10 +102,10 @@ def controls_aim(chain: Chain, axis: Array) -> bool:
 
 
 class Targets:
-    """The targets of a task other than 'pose': their check, and the poses that the solver gets for them.
+    """The targets of a planar task: their check, and the poses that the solver gets for them.
 
     Attributes:
-        task: one of ``TASKS``, but 'pose'.
+        task: 'planar position' or 'planar pose'.
     """
 
     def __init__(self, name: str, chain: Chain, control: Control, task: str) -> None:
@@ -135,8 +126,9 @@ class Targets:
             fitting = "the whole pose" if control.task == "pose" else f"the whole pose, or the task {control.task!r}"
             joints = f"{name}: its {chain.n} joints"
             raise ArgumentError(f"{joints} do not control {task!r} and nothing else; give {fitting}")
+        assert control.plane is not None  # as the task is planar
         self.task = task
-        self._name, self._chain, self._control = name, chain, control
+        self._name, self._chain, self._plane = name, chain, control.plane
         self._takes_points = False
 
     def plan(self, structure: Structure) -> FamilyMember:
@@ -145,7 +137,7 @@ class Targets:
         Raises:
             UnsupportedArm: no solver takes this arm.
         """
-        plan = _plan(self._chain, self._control)
+        plan = self._planned()
         if plan is None:
             raise UnsupportedArm(f"{self._name}: no solver for the task {quoted(self.task)} of this arm. {structure}")
         self._takes_points = plan.solver.numbers == _WIDTH["planar position"]
@@ -158,69 +150,38 @@ class Targets:
     def read(self, T: Any) -> Array:
         """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""
         width = _WIDTH[self.task]
-        if self._control.plane is None and isinstance(T, np.ndarray | list | tuple) and are_poses(T):
-            T = self._control.target_of(check_poses(T))
-        words = {
-            "position": "x, y, z [m] in the base",
-            "position and axis": "x, y, z [m] and a direction",
-            "planar position": "x, y [m] in the arm's plane, see Arm.solver.control.plane",
-            "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.solver.control.plane",
-        }[self.task]
+        words = f"x, y [m]{' and angle [rad]' * (width == 3)} in the arm's plane, see Arm.solver.control.plane"
         needed = f"an array of numbers, {words}"
         target = inputs.real(T, f"a target for the task {quoted(self.task)}", needed, PoseError)
         if target.ndim == 0 or target.shape[-1] != width:
             raise PoseError(
                 f"a target of shape {target.shape} given; the task {quoted(self.task)} takes (..., {width}): {words}"
             )
-        if self.task == "position and axis":
-            target = target.copy()
-            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                target[..., 3:] /= np.abs(target[..., 3:]).max(axis=-1, keepdims=True)  # lest squares overflow
-                target[..., 3:] /= np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
-        else:
-            target = target.copy() if target is T else target
         if (bad := inputs.first_bad(target)) is not None:
-            raise PoseError(
-                f"the target {target[bad[:-1]].tolist()} for the task {self.task!r} is not finite, or its direction "
-                f"has no length: {inputs.why_bad(target[bad])}",
-                bad[:-1] or None,
-            )
-        return target
+            what = f"the target {target[bad[:-1]].tolist()} for the task {self.task!r}"
+            raise PoseError(f"{what} is not finite: {inputs.why_bad(target[bad])}", bad[:-1] or None)
+        return target.copy() if target is T else target
 
     def poses(self, target: Array) -> Array:
         """The target (m, k) as poses (m, 4, 4), of which the solver uses only the parts that the task fixes."""
-        control = self._control
-        T = np.zeros((len(target), 4, 4))
-        T[:, range(4), range(4)] = 1.0
-        if self.task == "position":
-            T[:, :3, 3] = target
-        elif control.aimed is not None:
-            T[:, :3, 3] = target[:, :3]
-            T[:, :3, :3] = turn_to(control.aimed, target[:, 3:])
-        elif control.plane is not None:
-            plane = control.plane
-            # Number by number, not as a product of matrices: its digits depend on how many there are.
-            T[:, :3, 3] = plane.origin + target[:, :1] * plane.axes[0] + target[:, 1:2] * plane.axes[1]
-            if self.task == "planar pose":
-                home = np.eye(4)
-                home[:3, :3] = self._chain.R_tip
-                T[:, :3, :3] = _turned(home[:3, :3], plane.normal, target[:, 2] - plane.coordinates(home)[2])
+        plane = self._plane
+        T = np.tile(np.eye(4), (len(target), 1, 1))
+        # Number by number, not as a product of matrices: its digits depend on how many there are.
+        T[:, :3, 3] = plane.origin + target[:, :1] * plane.axes[0] + target[:, 1:2] * plane.axes[1]
+        if self.task == "planar pose":
+            home = np.eye(4)
+            home[:3, :3] = self._chain.R_tip
+            T[:, :3, :3] = _turned(home[:3, :3], plane.normal, target[:, 2] - plane.coordinates(home)[2])
         return T
 
-
-def _plan(chain: Chain, control: Control) -> FamilyMember | None:
-    if control.task == "position":
-        return few_joints.prepare_position(chain)
-    if control.aimed is not None:
-        return axis_added.prepare_aimed(chain, control.aimed, families.of_six)
-    if control.plane is None:
-        return None
-    if control.task == "planar pose":
-        # In an arm that is planar exactly, the whole pose follows from the one in the plane.
-        exact = planar.FAMILY.plan(analyse(chain), chain)
-        return exact or few_joints.prepare_planar(chain, control.plane.normal, control.plane.heading)
-    plan = few_joints.prepare_planar(chain, control.plane.normal, None)
-    return None if plan is None else planar.for_points(chain, plan)
+    def _planned(self) -> FamilyMember | None:
+        chain, plane = self._chain, self._plane
+        if self.task == "planar pose":
+            # In an arm that is planar exactly, the whole pose follows from the one in the plane.
+            exact = planar.FAMILY.plan(analyse(chain), chain)
+            return exact or few_joints.prepare_planar(chain, plane.normal, plane.heading)
+        plan = few_joints.prepare_planar(chain, plane.normal, None)
+        return None if plan is None else planar.for_points(chain, plan)
 
 
 def _turned(R: Array, axis: Array, angles: Array) -> Array:

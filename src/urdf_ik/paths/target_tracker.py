@@ -23,7 +23,7 @@ from urdf_ik.ik.families.parts import written as task
 from urdf_ik.ik.solutions.distances import per_joint
 from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.ik.solver import Solver
-from urdf_ik.ik.task import POSE
+from urdf_ik.ik.task import POSE, Task
 from urdf_ik.kinematics.chain import CoupledChain, velocity_limits
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
@@ -139,19 +139,11 @@ class Tracker:
             self.acceleration_limits = per_joint("acceleration", acceleration, solver.joint_names)
         self.velocity_limits.setflags(write=False)
         self.acceleration_limits.setflags(write=False)
-        self._targets = solver.targets
-        control = solver.control
-        kind = (
-            task.Aim()
-            if self._targets is None
-            else task.Aim(
-                _KINDS[self._targets.task], control.aimed, None if control.plane is None else control.plane.normal
-            )
-        )
+        self._targets, aim = solver.targets, _aim(solver)
         self._core = CoreTracker(
             SimpleNamespace(  # fields of the core's TrackedArm
                 joints=chain.n,
-                written=task.written(chain, kind),
+                written=task.written(chain, aim),
                 lower=chain.limits[:, 0].copy(),
                 upper=chain.limits[:, 1].copy(),
                 velocity=self.velocity_limits,
@@ -166,9 +158,9 @@ class Tracker:
             self._collision = solver.arm.cell.in_world(world)
         # A pose is tracked and no collision is checked: the core does the whole cycle.
         chosen = inputs.choice(first or "position", "first", ("position", "orientation", "both"))
-        few = chain.n < 6 and self._targets is None and solver.asked.has_place and solver.asked.has_turn
+        few = chain.n < 6 and aim.kind == task.POSE and solver.asked.has_place and solver.asked.has_turn
         self._first = chosen if few else "both"
-        self._partial = solver.asked != POSE or self._first != "both"
+        self._partial = aim.kind == task.POSE and (solver.asked != POSE or self._first != "both")
         whole = self._targets is None and not self._partial
         self._quick = self._core.step if whole and self._collision is None else None
         self.reset(q0)
@@ -297,3 +289,13 @@ class Tracker:
             raise PoseError(f"an array of shape {target.shape} given; a cycle takes a single target")
         poses: Array = self._targets.poses(target[None])
         return np.ascontiguousarray(poses[0])
+
+
+def _aim(solver: Solver) -> task.Aim:
+    """What the core tracks: the task, where the joints control it and nothing else of the tip; else whole poses."""
+    control = solver.control
+    if solver.targets is not None and control.plane is not None:
+        return task.Aim(_KINDS[control.task], normal=control.plane.normal)
+    x, y, z = np.zeros(3) if control.aimed is None else control.aimed.tolist()
+    own = Task(control.task, None if control.aimed is None else (x, y, z))
+    return task.Aim(_KINDS[control.task], control.aimed) if solver.asked == own else task.Aim()

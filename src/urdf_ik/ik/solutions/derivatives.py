@@ -108,20 +108,13 @@ def _controlled(solutions: KeptSolutions) -> Array | None:
         if solver.free_axis is None or solver.parameters:
             return None
         return np.asarray(solver.free_axis.reduced(_reached(solutions)[..., :3, :3], np.eye(6)))
-    control = solver.control
+    plane = solver.control.plane
+    assert plane is not None  # the task is planar
     W: Array = np.zeros((6, 6))
-    if control.plane is not None:
-        W[:3, :3] = control.plane.axes.T @ control.plane.axes
-        if solver.task == "planar pose":
-            W[3:, 3:] = np.outer(control.plane.normal, control.plane.normal)
-        return W
-    W[:3, :3] = np.eye(3)
-    if control.aimed is None or solver.task == "position":
-        return W
-    axis = _reached(solutions)[..., :3, :3] @ control.aimed
-    every: Array = np.broadcast_to(W, (*axis.shape[:-1], 6, 6)).copy()
-    every[..., 3:, 3:] = np.eye(3) - axis[..., :, None] * axis[..., None, :]
-    return every
+    W[:3, :3] = plane.axes.T @ plane.axes
+    if solver.task == "planar pose":
+        W[3:, 3:] = np.outer(plane.normal, plane.normal)
+    return W
 
 
 def _finite(solutions: KeptSolutions) -> Array:
