@@ -12,6 +12,7 @@ from urdf_ik.interop.differentiable import Differentiable
 
 jax = pytest.importorskip("jax", reason="jax is not installed: pip install 'urdf-ik[jax]'")
 
+pytestmark = pytest.mark.slow
 SIX = urdf_ik.load("zyyzyz_6r")
 T = SIX.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 

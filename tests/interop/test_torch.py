@@ -9,12 +9,13 @@ from arms_hollow import hollow
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError
+from urdf_ik.interop.differentiable import Differentiable
 
 torch = pytest.importorskip("torch", reason="torch is not installed: pip install 'urdf-ik[torch]'")
 func = pytest.importorskip("torch.func")
 
 # What torch itself imports for its forward mode calls a function of its own that it has deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:.*torch.jit.script:DeprecationWarning")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:.*torch.jit.script:DeprecationWarning")]
 
 SIX, SEVEN = (urdf_ik.load(name) for name in ("zyyzyz_6r", "panda"))
 Q6 = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
@@ -62,6 +63,8 @@ def test_function_transforms() -> None:
     """With vmap over poses, jvp and jacrev agree with dq_dT."""
     T = poses(3)
     s = SIX.ik(T.numpy())
+    twice = func.vmap(func.vmap(lambda T: urdf_ik.torch.ik(SIX, T).q))(T[None])[0]
+    np.testing.assert_allclose(twice.numpy(), s.q, atol=1e-12)
     np.testing.assert_allclose(func.vmap(lambda T: urdf_ik.torch.ik(SIX, T).q)(T).numpy(), s.q, atol=1e-12)
     J = func.vmap(func.jacrev(lambda T: urdf_ik.torch.ik(SIX, T).q))(T)[..., :3, 3]
     np.testing.assert_allclose(J.numpy(), s.dq_dT()[..., :3], atol=1e-9)
@@ -69,6 +72,25 @@ def test_function_transforms() -> None:
     step[:, 1, 3] = 1.0
     _, change = func.jvp(lambda T: urdf_ik.torch.ik(SIX, T).q, (T,), (step,))
     np.testing.assert_allclose(change.numpy(), s.dq_dT()[..., 1], atol=1e-9)
+
+
+def test_vmap_is_one_call_for_all_poses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Poses or values of the redundancy parameter; several geometries are one call each."""
+    arm, calls = SEVEN, []
+    answers = Differentiable.answers
+    monkeypatch.setattr(Differentiable, "answers", lambda *args: calls.append(1) or answers(*args))
+    T, values = torch.tensor(arm.fk(Q7)), torch.tensor([0.1, 0.2, 0.3], dtype=torch.float64)
+
+    def ik(T: torch.Tensor, at: torch.Tensor, geometry: torch.Tensor | None = None) -> torch.Tensor:
+        return urdf_ik.torch.ik(arm, T, redundancy=at, geometry=geometry, at_folds="nan").q
+
+    expected = arm.ik(T.numpy(), redundancy=values.numpy()).q
+    np.testing.assert_allclose(func.vmap(ik, (None, 0))(T, values).numpy(), expected, atol=1e-12)
+    np.testing.assert_allclose(func.vmap(ik)(T.expand(3, 4, 4), values).numpy(), expected, atol=1e-12)
+    assert len(calls) == 2
+    several = urdf_ik.torch.geometry(arm).expand(2, -1)
+    np.testing.assert_allclose(func.vmap(ik, (None, None, 0))(T, values, several)[1].numpy(), expected, atol=1e-12)
+    assert len(calls) == 4
 
 
 def test_missing_branches_do_not_spoil_the_gradient() -> None:

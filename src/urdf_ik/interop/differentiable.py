@@ -105,6 +105,34 @@ class Differentiable:
         valid = np.take(found.valid, columns, axis=-1)
         return Answers(np.where(valid[..., None], q, 0.0), np.where(valid[..., None, None], X, 0.0), valid)
 
+    def mapped(self, ranks: tuple[int, ...], T: Array, numbers: Array, *at: Array) -> Answers:
+        """The answers under ``vmap``, of all poses in one call; of several geometries in one call each.
+
+        ``vmap`` puts its axes before those of every argument, of length 1 where the argument is the same for all.
+
+        Args:
+            ranks: numbers of batch axes of the poses and of the redundancy parameters without ``vmap``.
+            T: poses.
+            numbers: the URDF's numbers, whose last axis alone is not from ``vmap``.
+            *at: values of the redundancy parameters, if any.
+        """
+        mapped = numbers.ndim - 1
+        most = max(ranks)
+        T, *at_all = (
+            array.reshape((*array.shape[:mapped], *(1,) * (most - rank), *array.shape[mapped:]))
+            for array, rank in zip((T, *at), ranks, strict=True)
+        )
+        if numbers.size == numbers.shape[-1]:
+            return self.answers(T, numbers.ravel(), *at_all)
+        size = np.broadcast_shapes(*(array.shape[:mapped] for array in (T, numbers, *at_all)))
+        T, numbers, *at_all = (
+            np.broadcast_to(array, (*size, *array.shape[mapped:])) for array in (T, numbers, *at_all)
+        )
+        parts = [
+            self.answers(T[place], numbers[place], *(values[place] for values in at_all)) for place in np.ndindex(size)
+        ]
+        return Answers(*(np.stack(column).reshape(*size, *column[0].shape) for column in zip(*parts, strict=True)))
+
     def _at_fold(self, found: IKSolutions, X: Array, folded: NDArray[np.bool_]) -> Array:
         """The inverses with those at singular solutions as asked."""
         if self._at_folds == "nan":

@@ -5,7 +5,6 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
@@ -71,12 +70,12 @@ def _compiled(arm: Arm, at_folds: str) -> Any:
     function = _differentiable(arm, at_folds)
     n, k, rows = arm.dof, function.count, len(function.held)
 
-    def branches(T: Any, numbers: Any, *at: Any) -> tuple[Any, Any]:
+    def answers(T: Any, numbers: Any, *at: Any) -> Answers:
         batch = T.shape[:-2]
         ranks = (T.ndim - 2, *(values.ndim - (k > 1) for values in at))
 
         def solved(*arrays: Any) -> Answers:
-            return _batched(function, ranks, *map(np.asarray, arrays))
+            return function.mapped(ranks, *map(np.asarray, arrays))
 
         if at:
             batch = jnp.broadcast_shapes(batch, at[0].shape[: at[0].ndim - (k > 1)])
@@ -86,43 +85,28 @@ def _compiled(arm: Arm, at_folds: str) -> Any:
             jax.ShapeDtypeStruct((*shape, n, 6 + rows), jnp.float64),
             jax.ShapeDtypeStruct(shape, jnp.bool_),
         )
-        given = [jax.lax.stop_gradient(each) for each in (T, numbers, *at)]
-        start = Answers(*jax.pure_callback(solved, like, *given, vmap_method="expand_dims"))
-        values = jnp.asarray(function.defaults) if not at else at[0] if k > 1 else at[0][..., None]
-        q = step(jnp, jnp.asarray, jax.lax.stop_gradient, function, start, T, numbers, values)
-        return jnp.where(start.valid[..., None], q, jnp.nan), start.valid
+        still = [jax.lax.stop_gradient(each) for each in (T, numbers, *at)]
+        return Answers(*jax.pure_callback(solved, like, *still, vmap_method="expand_dims"))
+
+    @jax.custom_jvp  # type: ignore[untyped-decorator]
+    def joints(start: Answers, T: Any, numbers: Any, *at: Any) -> Any:
+        return start.q
+
+    @joints.defjvp  # type: ignore[untyped-decorator]
+    def followed(primals: Any, tangents: Any) -> Any:
+        start, *moving = primals
+
+        def stepped(T: Any, numbers: Any, *at: Any) -> Any:
+            values = jnp.asarray(function.defaults) if not at else at[0] if k > 1 else at[0][..., None]
+            return step(jnp, jnp.asarray, jax.lax.stop_gradient, function, start, T, numbers, values)
+
+        return jax.jvp(stepped, tuple(moving), tuple(tangents[1:]))
+
+    def branches(T: Any, numbers: Any, *at: Any) -> tuple[Any, Any]:
+        start = answers(T, numbers, *at)
+        return jnp.where(start.valid[..., None], joints(start, T, numbers, *at), jnp.nan), start.valid
 
     return jax.jit(branches)
-
-
-def _batched(
-    function: Differentiable, ranks: tuple[int, ...], T: NDArray[Any], numbers: NDArray[Any], *at: NDArray[Any]
-) -> Answers:
-    """The answers under ``vmap``, of all poses in one call; of several geometries in one call each.
-
-    ``vmap`` puts its axes before those of every argument, of length 1 where the argument is the same for all.
-
-    Args:
-        function: the arm.
-        ranks: numbers of batch axes of the poses and of the redundancy parameters without ``vmap``.
-        T: poses.
-        numbers: the URDF's numbers, whose only own axis is the last.
-        *at: values of the redundancy parameters, if any.
-    """
-    mapped = numbers.ndim - 1
-    most = max(ranks)
-    T, *at_all = (
-        array.reshape((*array.shape[:mapped], *(1,) * (most - rank), *array.shape[mapped:]))
-        for array, rank in zip((T, *at), ranks, strict=True)
-    )
-    if numbers.size == numbers.shape[-1]:
-        return function.answers(T, numbers.ravel(), *at_all)
-    size = np.broadcast_shapes(*(array.shape[:mapped] for array in (T, numbers, *at_all)))
-    T, numbers, *at_all = (np.broadcast_to(array, (*size, *array.shape[mapped:])) for array in (T, numbers, *at_all))
-    parts = [
-        function.answers(T[place], numbers[place], *(values[place] for values in at_all)) for place in np.ndindex(size)
-    ]
-    return Answers(*(np.stack(column).reshape(*size, *column[0].shape) for column in zip(*parts, strict=True)))
 
 
 def _jax() -> Any:

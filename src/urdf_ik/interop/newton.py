@@ -59,7 +59,7 @@ def fk(xp: Any, constant: Callable[[Any], Any], geometry: WrittenChain, q: Any, 
             else:
                 s, c = xp.sin(value)[..., None, None], xp.cos(value)[..., None, None]
                 along = axis[:, None] * axis[None, :]
-                turn = turn @ (c * eye + (1.0 - c) * along - s * (cross @ axis))
+                turn = turn @ along + c * (turn @ (eye - along)) - s * (turn @ (cross @ axis))
         if up:
             R = R @ turn.swapaxes(-1, -2)
             p = p - (R @ shift[..., None])[..., 0]

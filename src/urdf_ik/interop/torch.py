@@ -62,8 +62,9 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     function = Differentiable(arm, at_folds)
     numbers = torch.as_tensor(function.geometry.values.copy()) if geometry is None else geometry
     at = None if redundancy is None else torch.as_tensor(redundancy, dtype=torch.float64)
-    still = [None if each is None else each.detach() for each in (T, geometry, at)]
-    start = Answers(*_solve().apply(function, *still))
+    still = [each.detach() for each in (T, numbers, at) if each is not None]
+    ranks = (T.dim() - 2,) if at is None else (T.dim() - 2, at.dim() - (function.count > 1))
+    start = Answers(*_solve().apply(function, ranks, *still))
 
     def constant(numbers: Any) -> Any:
         return torch.as_tensor(np.array(numbers), dtype=torch.float64)
@@ -82,24 +83,20 @@ def _solve() -> Any:
 
     class Solve(function):  # type: ignore[misc]
         @staticmethod
-        def forward(function: Differentiable, T: Any, values: Any, at: Any) -> tuple[Any, ...]:
-            arrays = [None if each is None else each.cpu().numpy() for each in (T, values, at)]
-            return tuple(torch.as_tensor(each) for each in function.answers(*arrays))
+        def forward(function: Differentiable, ranks: tuple[int, ...], *arrays: Any) -> tuple[Any, ...]:
+            found = function.mapped(ranks, *(each.cpu().numpy() for each in arrays))
+            return tuple(torch.as_tensor(each) for each in found)
 
         @staticmethod
         def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
             ctx.mark_non_differentiable(*output)
 
         @staticmethod
-        def vmap(info: Any, in_dims: Any, function: Differentiable, T: Any, values: Any, at: Any) -> tuple[Any, Any]:
-            def one(each: Any, dim: int | None, k: int) -> Any:
-                return each if dim is None else each.select(dim, k)
-
-            found = [
-                Solve.apply(function, *(one(*pair, k) for pair in zip((T, values, at), in_dims[1:], strict=True)))
-                for k in range(info.batch_size)
-            ]
-            return tuple(torch.stack(each) for each in zip(*found, strict=True)), (0, 0, 0)
+        def vmap(info: Any, dims: Any, function: Differentiable, ranks: tuple[int, ...], *arrays: Any) -> Any:
+            first = (
+                each[None] if dim is None else each.movedim(dim, 0) for each, dim in zip(arrays, dims[2:], strict=True)
+            )
+            return Solve.apply(function, ranks, *first), (0, 0, 0)
 
     return Solve
 
