@@ -12,7 +12,7 @@ from urdf_ik.calibration.measurements import Measurements
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.serial import TreeJoint
 from urdf_ik.kinematics.derivatives import Parameter, WrittenChain, written
-from urdf_ik.model.poses import to_rotvec, to_rpy
+from urdf_ik.model.poses import nearest_rotation, to_rotvec, to_rpy
 from urdf_ik.typing import Array
 
 BASE, MARKER = "the base", "the marker"
@@ -119,17 +119,17 @@ def _places(T: Array, given: Measurements, *, base: bool, marker: bool) -> tuple
             v = np.linalg.svd(np.hstack([left, -right]), full_matrices=False)[2][-1]
             Y, Q = v[:9].reshape(3, 3), v[9:].reshape(3, 3)
             sign = np.sign(np.linalg.det(Q)) or 1.0
-            X[:3, :3], Z[:3, :3] = _rotation(sign * Y).T, _rotation(sign * Q)
+            X[:3, :3], Z[:3, :3] = nearest_rotation(sign * Y).T, nearest_rotation(sign * Q)
         elif base:
-            Z[:3, :3] = _rotation((S @ np.swapaxes(R, 1, 2)).sum(axis=0))
+            Z[:3, :3] = nearest_rotation((S @ np.swapaxes(R, 1, 2)).sum(axis=0))
         elif marker:
-            X[:3, :3] = _rotation((np.swapaxes(R, 1, 2) @ S).sum(axis=0))
+            X[:3, :3] = nearest_rotation((np.swapaxes(R, 1, 2) @ S).sum(axis=0))
     else:
         s = given.values
         for _ in range(20 if base and marker else 1):
             if base:
                 at = p + R @ X[:3, 3]
-                Z[:3, :3] = _rotation((s - s.mean(axis=0)).T @ (at - at.mean(axis=0)))
+                Z[:3, :3] = nearest_rotation((s - s.mean(axis=0)).T @ (at - at.mean(axis=0)))
                 Z[:3, 3] = s.mean(axis=0) - Z[:3, :3] @ at.mean(axis=0)
             if marker:
                 X[:3, 3] = (np.swapaxes(R, 1, 2) @ ((s - Z[:3, 3]) @ Z[:3, :3] - p)[..., None]).mean(axis=0)[:, 0]
@@ -158,13 +158,6 @@ def _posed(R: Array) -> Array:
     T = np.zeros((*R.shape[:-2], 4, 4))
     T[..., :3, :3], T[..., 3, 3] = R, 1.0
     return T
-
-
-def _rotation(M: Array) -> Array:
-    """The rotation nearest to a matrix (3, 3)."""
-    U, _, Vt = np.linalg.svd(M)
-    U[:, -1] *= np.linalg.det(U @ Vt)
-    return np.asarray(U @ Vt)
 
 
 def _left_inverse(phi: Array) -> Array:

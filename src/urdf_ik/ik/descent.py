@@ -92,8 +92,7 @@ class _Seen:
     @property
     def skew(self) -> Array:
         """(m, 3) half the gradient of the chord by rotations of the tip in the base: a unit axis times sine."""
-        A = self.A
-        return np.stack([A[:, 1, 2] - A[:, 2, 1], A[:, 2, 0] - A[:, 0, 2], A[:, 0, 1] - A[:, 1, 0]], -1)
+        return _skew(self.A)
 
     def second(self, rows: Array, columns: Array) -> Array:
         """(m, n, n) of the sums of ``rows`` (m, 3, k) times ``columns`` (m, 3, k), axis i before axis j."""
@@ -109,6 +108,16 @@ class _Seen:
         """(m, n, n) second derivatives of the chord."""
         trace = np.trace(self.A, axis1=1, axis2=2)[:, None, None]
         return self.second(self.w, trace * self.w - self.A @ self.w)
+
+
+def _skew(A: Array) -> Array:
+    return np.stack([A[:, 1, 2] - A[:, 2, 1], A[:, 2, 0] - A[:, 0, 2], A[:, 0, 1] - A[:, 1, 0]], -1)
+
+
+def angle_missed(R: Array, matrix: Array, constant: float) -> Array:
+    """(m,) rad that rotations R (m, 3, 3) miss of ``Wanted.matrix`` (m, 3, 3) with its constant."""
+    A = R @ np.swapaxes(matrix, 1, 2)
+    return np.asarray(np.arctan2(np.linalg.norm(_skew(A), axis=1), np.trace(A, axis1=1, axis2=2) - (constant - 2.0)))
 
 
 def _seen(wanted: Wanted, q: Array) -> _Seen:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.descent import Wanted, constrained, descended
+from urdf_ik.ik.descent import Wanted, angle_missed, constrained, descended
 from urdf_ik.support.angles import wrapped
 from urdf_ik.typing import Array
 
@@ -106,10 +106,7 @@ def missed(wanted: Wanted, q: Array) -> tuple[Array, Array]:
     """What joint vectors (m, n) miss: of the place [share of size] and of the angle [rad]."""
     T = wanted.chain.fk(q)
     off = np.linalg.norm(T[:, :3, 3] - wanted.place, axis=1) / wanted.chain.size
-    A = T[:, :3, :3] @ np.swapaxes(wanted.matrix, 1, 2)
-    skew = np.stack([A[:, 1, 2] - A[:, 2, 1], A[:, 2, 0] - A[:, 0, 2], A[:, 0, 1] - A[:, 1, 0]], -1)
-    cosine = np.trace(A, axis1=1, axis2=2) - (wanted.constant - 2.0)
-    return off, np.arctan2(np.linalg.norm(skew, axis=1), cosine)
+    return off, angle_missed(T[:, :3, :3], wanted.matrix, wanted.constant)
 
 
 def spread_evenly(count: int, wide: int) -> Array:

@@ -25,8 +25,6 @@ from urdf_ik.typing import Array
 
 _MOST_TRIED = 40
 """Choices of joints to lock that are tried for an error's hint."""
-_WHOLE = 7
-"""Joints of a chain that is solved whole."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,7 +324,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
     return UnsupportedArm(
         f"{name}: {chain.n} joints from {quoted(chain.base)} to {quoted(chain.tip)} ({', '.join(chain.joint_names)}); "
         f"at most {MOST_JOINTS} are solved: hold {chain.n - MOST_JOINTS} or more of them, each at a value [rad or m], "
-        f"as in {locked}{_shorter(chain)}"
+        f"as in {locked}"
     )
 
 
@@ -342,22 +340,10 @@ def _hint(chain: Chain) -> str:
         if families.choose(analyse(rest), rest) is not None:
             verb = "joint is" if len(locked) == 1 else "joints are"
             return f"it is solved where {len(locked)} {verb} locked at a value [rad or m], as in {_locked(locked)}"
-    return f"lock joints at a value [rad or m], as in {_locked(names[:1])}{_shorter(chain)}"
+    return f"lock joints at a value [rad or m], as in {_locked(names[:1])}"
 
 
 def _locked(names: Sequence[str]) -> str:
     values = ", ".join(f"{quoted(name)}: 0.0" for name in names)
     typed = " ".join(f"--lock {printable(name)}=0" for name in names)
     return f"urdf_ik.load(..., locked={{{values}}}) ({typed})"
-
-
-def _shorter(chain: Chain) -> str:
-    """The longest part of a chain with at most seven joints, in words."""
-    above = {joint.child: joint for joint in chain.tree}
-    link, count = chain.tip, 0
-    while link != chain.base and link in above:
-        moves = above[link].column is not None
-        if count + moves > _WHOLE:
-            return f"; or take the last {count} joints alone, with base={quoted(link)}"
-        link, count = above[link].parent, count + moves
-    return ""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.ik.descent import angle_missed
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model.poses import as_pose_array, check_poses
@@ -159,11 +160,8 @@ class Task:
             return np.linalg.norm(np.cross(off, along), axis=-1), np.where(far > _AHEAD, 0.0, np.pi)
         angle = zero
         if self.has_turn:
-            A, constant = self.matrix(T.reshape(-1, 4, 4))
-            A = reached.reshape(-1, 4, 4)[:, :3, :3] @ np.swapaxes(A, 1, 2)
-            skew = np.stack([A[:, 1, 2] - A[:, 2, 1], A[:, 2, 0] - A[:, 0, 2], A[:, 0, 1] - A[:, 1, 0]], -1)
-            cosine = np.trace(A, axis1=1, axis2=2) - (constant - 2.0)
-            angle = np.arctan2(np.linalg.norm(skew, axis=1), cosine).reshape(zero.shape)
+            wanted = self.matrix(T.reshape(-1, 4, 4))
+            angle = angle_missed(reached.reshape(-1, 4, 4)[:, :3, :3], *wanted).reshape(zero.shape)
         return (np.linalg.norm(off, axis=-1) if self.has_place else zero), angle
 
 

@@ -223,6 +223,12 @@ def check_poses(T: Any) -> Array:
     return _checked(as_pose_array(T), DEFAULT.rotation)
 
 
+def nearest_rotation(M: Array) -> Array:
+    """The rotation nearest to a matrix (3, 3) (Kabsch 1976)."""
+    U, _, V = np.linalg.svd(M)
+    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V)
+
+
 def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
     """Poses with each rotation replaced by the nearest one (in the Frobenius norm), by its polar decomposition.
 

@@ -14,6 +14,7 @@ from lxml import etree
 
 from urdf_ik.arm import Arm, load
 from urdf_ik.errors import ArgumentError
+from urdf_ik.model.poses import nearest_rotation
 from urdf_ik.model.xml import numbers_text, origin_attributes
 from urdf_ik.support.angles import shortest
 from urdf_ik.typing import Array
@@ -111,8 +112,8 @@ def _ends(
     there = b.fk(q)
     R, S = poses[:, :3, :3], there[:, :3, :3]
     for _ in range(5):
-        tip = _nearest(np.einsum("mji,kj,mkl->il", S, rotation, R))
-        rotation = _nearest(np.einsum("mij,kj,mlk->il", R, tip, S))
+        tip = nearest_rotation(np.einsum("mji,kj,mkl->il", S, rotation, R))
+        rotation = nearest_rotation(np.einsum("mij,kj,mlk->il", R, tip, S))
     columns = [np.broadcast_to(np.eye(3), R.shape), rotation @ S]
     slides = np.flatnonzero(b.chain.prismatic)
     moves = [(rotation @ (b.fk(q + np.eye(b.dof)[k]) - there)[:, :3, 3, None]) for k in slides]
@@ -128,12 +129,6 @@ def _ends(
     zeros[slides] = x[6:]
     off = float(np.sqrt((missed**2).sum(axis=1).mean() + size**2 * (turned**2).sum(axis=(1, 2)).mean()))
     return zeros, base_pose, tip_pose, off
-
-
-def _nearest(M: Array) -> Array:
-    """The rotation nearest to a matrix (3, 3)."""
-    U, _, V = np.linalg.svd(M)
-    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V)
 
 
 def _rewritten(b: Arm, found: Alignment) -> Arm:

@@ -11,7 +11,6 @@ from urdf_ik.support import files
 from urdf_ik.support.text import Section
 
 Fit = StrEnum("Fit", ["ORIGINS", "OFFSETS", "EVERYTHING"])
-Loss = StrEnum("Loss", ["SOFT_L1", "HUBER", "CAUCHY", "LINEAR"])
 
 
 def calibrate(
@@ -21,7 +20,6 @@ def calibrate(
     fit_base: bool = False,
     fit_marker: bool = False,
     fit: Fit = Fit.ORIGINS,
-    loss: Loss = Loss.SOFT_L1,
     output: Path | None = None,
     report: Path | None = None,
     next_poses: int = 0,
@@ -50,7 +48,6 @@ def calibrate(
         fit_base: Fit the base's pose in the measuring frame too.
         fit_marker: Fit the marker's pose in the tip too.
         fit: Origins of moving joints (default), joint offsets alone, or fixed joints too.
-        loss: linear keeps outliers; the others find them. Default: soft_l1.
 
     Options (Output):
         output (-o FILE): The new URDF.
@@ -69,7 +66,6 @@ def calibrate(
             fit=fit,
             base=fit_base,
             marker=fit_marker,
-            loss=loss,
             seed=seed,
             time_limit=time_limit,
             progress=progress.tick,

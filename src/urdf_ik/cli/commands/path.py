@@ -26,8 +26,6 @@ from urdf_ik.support.text import counted
 from urdf_ik.typing import Array
 
 SUFFIXES = (".csv", ".json")
-_FREE = {None: "not checked", True: "free", False: "hits"}
-"""Whether the straight joint motion of a change touches something."""
 _KINDS = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
 """What each cost sums up."""
 _TYPES: Mapping[str, tuple[Any, str | None]] = {
@@ -163,7 +161,7 @@ def path(
         untimed = error
     others = plan.alternatives if alternatives else ()
     data = _data(found, angles, in_time, others)
-    console.emit(printed_as, data, lambda: _text(found, angles, in_time, others))
+    console.emit(printed_as, data, lambda: _text(found, angles, in_time, data))
     for file, content in ((output, plan), (timed, in_time)):
         if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
             if file.suffix.lower() == ".json":
@@ -181,18 +179,15 @@ def path(
         raise typer.Exit(Status.FAILED)
 
 
-def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
+def _text(found: _Followed, angles: Angles, in_time: Timed | None, data: dict[str, Any]) -> str:
     """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     head = f"{arm.name}: {arm.base} to {arm.tip}, {counted(len(plan.poses), 'waypoint')} from {found.source}"
     about: dict[str, Any] = {"world": "" if found.world is None else ", ".join(found.world.names)}
     about |= {"search": plan.unlooked, "contacts": f"not checked: {plan.unchecked}" if plan.unchecked else ""}
     if not plan.found:
-        stops = [
-            {"start branch": stop.branch, "before waypoint": stop.waypoint, "cause": stop.cause, "reason": stop.reason}
-            for stop in plan.stops
-        ]
-        return tables.render(head, tables.outline(about | {"plan": f"none, in {found.seconds:.2f} s", "stops": stops}))
+        about |= {"plan": f"none, in {found.seconds:.2f} s", "stops": data["stops"]}
+        return tables.render(head, tables.outline(about))
     q, limits, margins = angles.shown(plan.q), angles.shown(plan.solver.limits.T), plan.margins
     columns = {"first": q[0], "last": q[-1], "least": q.min(axis=0), "most": q.max(axis=0)}
     columns["step"] = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
@@ -202,18 +197,9 @@ def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
         | {head: "none" if np.isinf(column[k]) else tables.number(column[k]) for head, column in columns.items()}
         for k, name in enumerate(plan.solver.joint_names)
     ]
-    changes = [
-        {"before waypoint": c.waypoint, "from": c.before, "to": c.after, "straight joint motion": _FREE[c.free]}
-        for c in plan.changes
-    ]
-    branches = [
-        {"start branch": each.branches[0], "end branch": each.branches[-1], "cost": _cost(found, each, angles)}
-        | {"clearance [m]": _clearance(each)}
-        for each in others
-    ]
     strays = f"{plan.tolerance[0]:g} m and {float(angles.angle(plan.tolerance[1])):.4g} {angles.unit}"
     about |= {
-        "branch": "; ".join(dict.fromkeys(plan.branches)),
+        "branches": "; ".join(dict.fromkeys(plan.branches)),
         "cost": f"{_cost(found, plan, angles):.6g} ({_KINDS[found.cost]})",
         "reconfigurations": len(plan.changes),
         "tolerance": f"{strays} from the straight segments, proven",
@@ -222,7 +208,8 @@ def _text(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
         "time": "" if in_time is None else f"{in_time.duration:.3f} s ({in_time.method})",
         "found": f"in {found.seconds:.2f} s",
     }
-    return tables.render(head, tables.outline(about | {"joints": joints, "changes": changes, "branches": branches}))
+    tabled = {"joints": joints, "changes": data["changes"], "alternatives": data["alternatives"]}
+    return tables.render(head, tables.outline(about | tabled))
 
 
 def _cost(found: _Followed, plan: Plan, angles: Angles) -> float:

@@ -132,19 +132,14 @@ def workspace(
 
 
 def _region_text(region: workspaces.PlanarWorkspace, angles: Angles) -> str:
-    """The areas of the regions, and the arcs that bound them."""
+    """The areas of the regions; the arcs that bound them are in the JSON."""
     data, total = _region_data(region, angles), region.boundary.area
-    shares = [{"region": name, "area [m2]": f"{each['area']:.6f}", "share [%]": f"{100.0 * each['area'] / total:.1f}"}
-              for name, each in data["regions"].items()]  # fmt: skip
-    arcs = [
-        {"arc of": name, **dict(zip(("x [m]", "y [m]"), arc["centre"], strict=True))}
-        | {"radius [m]": arc["radius"], f"from [{angles.unit}]": arc["start"], f"sweep [{angles.unit}]": arc["sweep"]}
-        | {"where": written.name}
-        for name, part in _parts(region).items()
-        for arc, written in zip(data["regions"][name]["arcs"], part.arcs, strict=True)
+    shares = [
+        {"region": name, "area [m2]": f"{each['area']:.6f}", "share [%]": f"{100.0 * each['area'] / total:.1f}"}
+        for name, each in data["regions"].items()
     ]
     head = f"{region.name}: exact workspace of two turning joints"
-    return tables.render(head, "", tables.outline({"links [m]": list(region.lengths), "regions": shares, "arcs": arcs}))
+    return tables.render(head, "", tables.outline({"links [m]": list(region.lengths), "regions": shares}))
 
 
 def _parts(region: workspaces.PlanarWorkspace) -> dict[str, workspaces.Region]:
@@ -198,9 +193,6 @@ def placement(
     world: Path | None = None,
     margin: float | None = None,
     collisions: bool | None = None,
-    places: int = 5,
-    show: str = "reached",
-    threads: int = 1,
     chosen: ArmOptions,
     degrees: bool = False,
     printed_as: ReportFormat = ReportFormat.TABLE,
@@ -223,16 +215,12 @@ def placement(
         headings (N): Headings of the base at each position.
         mount (R,P,Y): Orientation of the base at heading 0, for an arm that hangs.
         as_path (--path): The targets are the waypoints of a path to be followed.
-        places (N): Number of best places to print.
-        show (VALUE): Score to draw: reached, branches, margin, ...
         output (-o FILE): Draw the map: PNG, SVG or PDF.
     """
     from urdf_ik.cli import targets
     from urdf_ik.model.poses import pose
     from urdf_ik.show import plot
 
-    if show not in placements.SHOWN:
-        raise usage(f"no score is called {show!r}; there are {', '.join(placements.SHOWN)}", "--show")
     if output is not None and output.suffix.lower() not in plot.SUFFIXES:
         raise ArgumentError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
     box = console.box(bounds, "--bounds")
@@ -255,12 +243,11 @@ def placement(
             world=obstacles,
             margin=margin or 0.0,
             collisions=collisions,
-            threads=threads,
             progress=progress.tick,
         )
     if output is not None:
-        plot.save(plot.placements(found, show), output)
-    best = found.places(places)
+        plot.save(plot.placements(found), output)
+    best = found.places()
     data = {
         **found.about,
         "reached_all": int((found.reached == len(found.targets)).sum()),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.explanations import beyond_links, beyond_reach, outside
+from urdf_ik.ik.families.parts.explanations import beyond_reach, outside
 from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import LITTLE, Variant, closed_form, families
 from urdf_ik.ik.families.parts.written import Numbers
@@ -157,26 +157,17 @@ def _numbers(ideal: Numbers, shoulder: str, ahead: float) -> dict[str, Any] | No
 
 
 def _explain(arm: Numbers, solver: Solver, rotation: Array, point: Array) -> str:
-    ideal, rho, shoulder, (swing, shift) = arm.ideal, arm.rho, arm.variant, arm.swing
+    """Which length does not fit where axes 2 and 3 are parallel; of other arms the nearest pose explains."""
+    if arm.variant != "2||3":
+        return ""
+    ideal, rho = arm.ideal, arm.rho
     a, ca, sa = ideal.a, ideal.cos_alpha[0], ideal.sin_alpha[0]
-    why = ""
-    if shoulder == "2||3":
-        up = (point[2] - ca * arm.height) / sa
-        side = ca * up - sa * arm.height
-        radius = math.hypot(point[0], point[1])
-        near = "the wrist centre is {at} m from axis 1, and joints 2 and 3 cannot bring it closer than {low} m"
-        if why := outside(near, radius, abs(side)):
-            return why
-        ahead = math.sqrt(radius**2 - side**2)
-        reach = np.array([math.hypot(sign * ahead - a[0], up) for sign in (1.0, -1.0)])
-        why = beyond_reach("wrist centre {at} m from the shoulder (axis 2)", reach, abs(a[1] - rho), a[1] + rho)
-    elif shoulder == "1x2":
-        low, high = (math.sqrt(max(end, 0.0)) for end in sorted(((-1.0 - shift) / swing, (1.0 - shift) / swing)))
-        text = "wrist centre {at} m from the shoulder (where axes 1 and 2 meet), reach {low} to {high} m"
-        why = outside(text, float(np.linalg.norm(point)), low, high)
-    elif shoulder == "1||2":
-        text = "wrist centre at {at} m along axis 1, which joint 3 moves from {low} to {high} m"
-        why = outside(text, ca * point[2], *sorted(((-1.0 - shift) / swing, (1.0 - shift) / swing)))
-    distance = float(np.linalg.norm(point))
-    far = distance > 2.0 * ideal.size
-    return why or (beyond_links("the wrist centre", distance, ideal.size) if far else "")
+    up = (point[2] - ca * arm.height) / sa
+    side = ca * up - sa * arm.height
+    radius = math.hypot(point[0], point[1])
+    near = "the wrist centre is {at} m from axis 1, and joints 2 and 3 cannot bring it closer than {low} m"
+    if why := outside(near, radius, abs(side)):
+        return why
+    ahead = math.sqrt(radius**2 - side**2)
+    reach = np.array([math.hypot(sign * ahead - a[0], up) for sign in (1.0, -1.0)])
+    return beyond_reach("wrist centre {at} m from the shoulder (axis 2)", reach, abs(a[1] - rho), a[1] + rho)
