@@ -32,7 +32,7 @@ _NEARLY = 1e-3
 """rad: axes that miss the structure by no more are taken for it."""
 _GRID = 16
 """Angles of the roll of which the best ones are refined."""
-_FINER = ((0.75, 7), (0.0625, 3), (0.0025, 3), (0.0025, 3))
+_FINER = ((0.75, 7), (0.125, 5), (0.02, 5), (0.0025, 3))
 """Half widths, as shares of the grid's, and numbers of the angles of which each round of refining takes the best."""
 _ROUNDS = 20
 """Newton's rounds from there."""
