@@ -33,7 +33,6 @@ from urdf_ik.kinematics.structure import Structure
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.paths.path_settings import takes_settings
 from urdf_ik.paths.target_tracker import Tracker
-from urdf_ik.support import inputs
 from urdf_ik.support.palette import colours
 from urdf_ik.support.report import table
 from urdf_ik.typing import Array, Threads
@@ -454,10 +453,8 @@ class Arm:
             >>> bool(left.clearance(q) > 0.02), float(crossed.clearance(q))
             (True, 0.0)
         """
-        given = inputs.mapping(values, "values", "a value for each joint by name")
-        return self._again(
-            self.model, from_urdf(self.model, self.base, self.tip).lock({**dict(self.chain.locked), **given})
-        )
+        held = {**dict(self.chain.locked), **values}
+        return self._again(self.model, from_urdf(self.model, self.base, self.tip).lock(held))
 
     def with_cell(self, cell: Cell) -> Arm:
         """A new arm in another cell, such as one with other allowed collisions."""

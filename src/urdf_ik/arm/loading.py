@@ -18,7 +18,6 @@ from urdf_ik.model.srdf import chain_groups, defects_of, disabled_pairs, groups_
 from urdf_ik.model.urdf.checks import together
 from urdf_ik.model.urdf.edits import joined
 from urdf_ik.model.xml import require_name
-from urdf_ik.support import inputs
 
 Robot = Arm | str | os.PathLike[str] | IO[Any]
 """An arm, or the source of one."""
@@ -196,8 +195,6 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
         >>> cell.base, cell.dof, cell.redundancy.joint
         ('table_link_1', 7, 'table_joint_1')
     """
-    inputs.arm(arm)
-    inputs.arm(positioner, "positioner")
     at = check_poses(pose)
     if at.ndim != 2:
         raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")

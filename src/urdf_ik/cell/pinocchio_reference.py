@@ -100,10 +100,9 @@ class Reference:
         self._base, self._tip = self._frame(self.base), self._frame(self.tip)
         self._bodies = [(f.name, i) for i, f in enumerate(self.pin_model.frames) if f.type == pin.FrameType.BODY]
 
-        by_name = {joint.name: joint for joint in model.joints}
-        followed = {name: _followed(by_name, joint) for name, joint in by_name.items()}
+        followed = {joint.name: model.driver(joint) for joint in model.joints}
         path, locked_values = self._path(), dict(locked or {})
-        drivers = dict.fromkeys(followed[name][0] for name in path if abs(followed[name][1]) > STILL)
+        drivers = dict.fromkeys(followed[name][0].name for name in path if abs(followed[name][1]) > STILL)
         self.joint_names = tuple(name for name in drivers if name not in locked_values)
         for name in self.joint_names:
             joint = self._joint(name)
@@ -115,10 +114,10 @@ class Reference:
         for name in self.pin_model.names[1:]:
             joint = self._joint(name)
             driver, multiplier, offset = followed[name]
-            offset += multiplier * locked_values.get(driver, 0.0)
+            offset += multiplier * locked_values.get(driver.name, 0.0)
             # A joint that Pinocchio treats as a mimic has no own entry in the configuration.
-            if joint.nq and joint.nv == 1 and (driver in column or offset):
-                place = column.get(driver)
+            if joint.nq and joint.nv == 1 and (driver.name in column or offset):
+                place = column.get(driver.name)
                 self._drives.append(_Drive(joint.idx_q, joint.idx_v, joint.nq == 2, place, multiplier, offset))
         # Pinocchio's velocities from the joint vector's.
         self._spread = np.zeros((self.pin_model.nv, self.dof))
@@ -130,7 +129,7 @@ class Reference:
         self.limits = self._limits()
         for row, name in zip(self.limits, self.joint_names, strict=True):
             others = [joint for joint in model.joints if joint.name in path and joint.name != name]
-            followers = [joint for joint in others if followed[joint.name][0] == name]
+            followers = [joint for joint in others if followed[joint.name][0].name == name]
             _tighten(row, [(joint, *followed[joint.name][1:]) for joint in followers])
         self.ranges = self._ranges()
         self.size = self._size()
@@ -369,14 +368,7 @@ def pose_errors(A: Array, B: Array) -> tuple[Array, Array]:
     position = np.linalg.norm(A[..., :3, 3] - B[..., :3, 3], axis=-1)
     turn = np.swapaxes(A[..., :3, :3], -1, -2) @ B[..., :3, :3]
     # From sine and cosine together: the cosine alone knows no angle below 1e-8.
-    across = np.stack(
-        [
-            turn[..., 2, 1] - turn[..., 1, 2],
-            turn[..., 0, 2] - turn[..., 2, 0],
-            turn[..., 1, 0] - turn[..., 0, 1],
-        ],
-        axis=-1,
-    )
+    across = turn[..., [2, 0, 1], [1, 2, 0]] - turn[..., [1, 2, 0], [2, 0, 1]]
     cosine = np.trace(turn, axis1=-2, axis2=-1) - 1.0
     return position, np.arctan2(np.linalg.norm(across, axis=-1), cosine)
 
@@ -403,14 +395,3 @@ def _tighten(limits: Array, followers: list[tuple[urdf.Joint, float, float]]) ->
             lowest, highest = max(lowest, min(one, other)), min(highest, max(one, other))
     if lowest <= highest:
         limits[:] = lowest, highest
-
-
-def _followed(by_name: Mapping[str, urdf.Joint], joint: urdf.Joint) -> tuple[str, float, float]:
-    """The joint at the end of a row of mimics, with the multiplier and offset that lead there."""
-    multiplier, offset = 1.0, 0.0
-    while joint.mimic is not None:
-        name, factor, shift = joint.mimic
-        offset += multiplier * shift
-        multiplier *= factor
-        joint = by_name[name]
-    return joint.name, multiplier, offset

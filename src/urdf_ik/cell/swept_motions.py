@@ -112,15 +112,8 @@ class _Pieces(NamedTuple):
         """The pieces ``which`` (m,)."""
         number = np.cumsum(which) - 1
         kept = which[self.piece]
-        return _Pieces(
-            self.motion[which],
-            self.start[which],
-            self.end[which],
-            self.links[which],
-            self.listed[which],
-            number[self.piece[kept]],
-            self.pair[kept],
-        )
+        of_pieces = [each[which] for each in self[:5]]
+        return _Pieces._make([*of_pieces, number[self.piece[kept]], self.pair[kept]])
 
 
 def check_margin(margin: float) -> float:

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.angles import amount
-from urdf_ik.support.report import html_of, short
-from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT
 
 Vector = NDArray[np.float64]
@@ -182,7 +180,7 @@ class Structure:
         kinds = "".join(_KINDS[kind] for kind in self.joint_types)
         name = f"{len(self.joint_types)} joints ({kinds})"
         sentences = [f"{name}: {self.family}" if self.family else f"{name}, of no family that is solved here"]
-        sentences.append("; ".join(self._relations()))
+        sentences.append("; ".join(map(str, (*self.triples, *self.pairs))))
         if self.family:
             # The relations above say why, unless no relation helps.
             sentences += [self.reason if self.is_general else "", self.method, self.solutions_in_words()]
@@ -190,21 +188,7 @@ class Structure:
         return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
 
     def __repr__(self) -> str:
-        if not self.family:
-            return short(
-                f"Structure of no family that is solved here: {len(self.joint_types)} joints", self._relations()
-            )
-        return short(f"Structure {self.family}: {self.solutions_in_words()}", [self.reason, self.method])
-
-    def _repr_html_(self) -> str:
-        facts = [self.reason, self.method, f"imperfection: {self.imperfection_in_words()}"] if self.family else []
-        found = self.solutions_in_words() if self.family else "no solver takes it"
-        sections = [Section("", remarks=tuple(facts)), Section("axes", remarks=self._relations())]
-        title = self.family or f"{len(self.joint_types)} joints, of no family that is solved here"
-        return html_of(title, found, bool(self.family), sections)
-
-    def _relations(self) -> tuple[str, ...]:
-        return (*map(str, self.triples), *map(str, self.pairs))
+        return f"<Structure: {self.family or f'{len(self.joint_types)} joints, of no family that is solved here'}>"
 
 
 def analyse(chain: Chain) -> Structure:

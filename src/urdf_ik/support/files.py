@@ -32,27 +32,23 @@ def read(source: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> by
     return data.encode(errors="surrogatepass") if isinstance(data, str) else bytes(data)
 
 
-def writable(path: str | os.PathLike[str], error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
-    """The path of a file that may be written: no folder, in a folder that is there; else ``error`` is raised."""
+def writable(path: str | os.PathLike[str]) -> Path:
+    """The path of a file that may be written: no folder, in a folder that is there."""
     file = Path(path)
     if file.is_dir():
-        raise error(f"cannot write {name_of(file)}: it is a folder")
+        raise ArgumentError(f"cannot write {name_of(file)}: it is a folder")
     if not file.parent.is_dir():
-        raise error(f"cannot write {name_of(file)}: there is no folder {name_of(file.parent)}")
+        raise ArgumentError(f"cannot write {name_of(file)}: there is no folder {name_of(file.parent)}")
     return file
 
 
-def write(
-    path: str | os.PathLike[str],
-    content: bytes | Callable[[IO[bytes]], object],
-    error: Callable[[str], UrdfIkError] = ArgumentError,
-) -> None:
+def write(path: str | os.PathLike[str], content: bytes | Callable[[IO[bytes]], object]) -> None:
     """Write a file; one that is there already is replaced when the new one is whole, and not before.
 
     ``content``: bytes, or the function that writes them to an open file. A device or a pipe is written as it is; a
-    link is followed. Where it cannot be written, ``error`` names the folder.
+    link is followed. Where it cannot be written, the error names the folder.
     """
-    file = writable(path, error)
+    file = writable(path)
     try:
         target = Path(os.path.realpath(file))
         if target.exists() and not target.is_file():
@@ -67,8 +63,8 @@ def write(
         finally:
             unfinished.unlink(missing_ok=True)
     except OSError as failure:
-        reason = failure.strerror or failure
-        raise error(f"cannot write {name_of(file)}: {reason} (folder {name_of(file.parent.absolute())})") from None
+        reason = f"{failure.strerror or failure} (folder {name_of(file.parent.absolute())})"
+        raise ArgumentError(f"cannot write {name_of(file)}: {reason}") from None
 
 
 def _put(target: Path, content: bytes | Callable[[IO[bytes]], object]) -> None:

@@ -4,13 +4,11 @@ import math
 import numbers
 import operator
 import os
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from types import EllipsisType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdf_ik.errors import ArgumentError, UrdfIkError
 from urdf_ik.support.text import quoted
@@ -108,15 +106,6 @@ def number(
     raise _refusal(value, what, f"{kind} is", error)
 
 
-def usable(values: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which numbers are within a factor of LARGEST of one: their squares and inverses neither overflow nor vanish."""
-    return np.asarray((values >= 1.0 / LARGEST) & (values <= LARGEST))
-
-
-USABLE = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
-"""The same in words."""
-
-
 def whole(value: Any, what: str, error: Error = ArgumentError, *, low: int = 0, high: int = 2**31) -> int:
     """A single whole number from ``low`` to ``high``; not 2.0."""
     try:
@@ -146,26 +135,6 @@ def processors() -> int:
 def poses(value: Any) -> int:
     """A number ``n`` of random poses."""
     return whole(value, "n", low=1, high=MOST_POSES)
-
-
-def path(value: Any, what: str, error: Error = ArgumentError) -> Path:
-    """The path of a file, which need not exist."""
-    if not isinstance(value, str | os.PathLike) or not str(value).strip():
-        raise _refusal(value, what, "the path of a file is", error)
-    return Path(value)
-
-
-def arm(value: Any, what: str = "arm") -> None:
-    """Refuse an object that is not an arm: the path of a URDF, a DH table, None."""
-    if not hasattr(value, "solver"):
-        raise _refusal(value, what, "an arm, as urdf_ik.load gives it, is")
-
-
-def mapping(value: Any, what: str, needed: str) -> Mapping[Any, Any]:
-    """Values by name."""
-    if isinstance(value, Mapping):
-        return value
-    raise _refusal(value, what, f"{needed} is")
 
 
 def choice(value: Any, what: str, choices: Sequence[str]) -> str:

@@ -3,12 +3,12 @@
 import csv
 import io
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, UrdfIkError, printable
+from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import files
 from urdf_ik.typing import Array
 
@@ -21,7 +21,6 @@ class Table(NamedTuple):
     first: int
     lines: list[int]
     cells: list[list[str]]
-    error: Callable[[str], UrdfIkError]
 
     def numbers(self, columns: Sequence[str], header: Sequence[str]) -> Array:
         """(k, c) the columns asked for, each of them in ``header``, as finite numbers."""
@@ -30,21 +29,15 @@ class Table(NamedTuple):
         for k, (line, row) in enumerate(zip(self.lines, self.cells, strict=True)):
             where = f"{self.name}, line {line}"
             if len(row) != len(header):
-                raise self.error(f"{where}: {len(row)} values; {len(header)} are needed, as in the first line")
+                raise ArgumentError(f"{where}: {len(row)} values; {len(header)} are needed, as in the first line")
             for j, (column, place) in enumerate(picked):
                 out[k, j] = number(row[place])
                 if not np.isfinite(out[k, j]):
-                    raise self.error(f"{where}, column {column}: {row[place]!r} is no finite number")
+                    raise ArgumentError(f"{where}, column {column}: {row[place]!r} is no finite number")
         return out
 
 
-def read_table(
-    source: Any,
-    keys: Sequence[str],
-    element: str,
-    accepted: str,
-    error: Callable[[str], UrdfIkError] = ArgumentError,
-) -> tuple[str, Array | Table]:
+def read_table(source: Any, keys: Sequence[str], element: str, accepted: str) -> tuple[str, Array | Table]:
     """The name of a file in messages, and its numbers.
 
     Args:
@@ -52,9 +45,8 @@ def read_table(
         keys: what the array may be called in an .npz file or a JSON object.
         element: what the messages call one entry of a list, such as 'waypoint'.
         accepted: a sentence that describes valid contents.
-        error: the class of errors.
     """
-    name, data = files.name_of(source), files.read(source, error)
+    name, data = files.name_of(source), files.read(source)
     try:
         if not data.strip():
             raise ValueError(" is empty")
@@ -65,12 +57,12 @@ def read_table(
             return name, _from_json(text, keys, element)
         header, lines, cells = csv_rows(text, element)
     except UnicodeDecodeError:
-        raise error(f"{name} is neither text nor a .npy or .npz file; {accepted}") from None
+        raise ArgumentError(f"{name} is neither text nor a .npy or .npz file; {accepted}") from None
     except json.JSONDecodeError as failure:
-        raise error(f"{name}, line {failure.lineno}: {failure.msg}; {accepted}") from None
+        raise ArgumentError(f"{name}, line {failure.lineno}: {failure.msg}; {accepted}") from None
     except ValueError as failure:
-        raise error(f"{name}{failure}; {accepted}") from None
-    return name, Table(name, header, lines[0], lines[1:] if header else lines, cells, error)
+        raise ArgumentError(f"{name}{failure}; {accepted}") from None
+    return name, Table(name, header, lines[0], lines[1:] if header else lines, cells)
 
 
 def csv_rows(text: str, element: str) -> tuple[list[str] | None, list[int], list[list[str]]]:

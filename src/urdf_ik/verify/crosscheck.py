@@ -77,7 +77,6 @@ def check(
     seed: int = 0,
     collision: bool | None = None,
     *,
-    collision_poses: int | None = COLLISION_POSES,
     time_limit: float | None = None,
     progress: Progress | None = None,
 ) -> CrossCheck:
@@ -93,7 +92,6 @@ def check(
         n: number of poses.
         seed: the same seed gives the same report; :func:`replay` gives pose i of it again.
         collision: compare collision, too; None: where the URDF has collision shapes and all of them can be read.
-        collision_poses: most joint vectors whose collision is compared; None: all.
         time_limit: s after which no more poses are checked; what was left out did not pass.
         progress: called with (poses done, n).
 
@@ -114,7 +112,7 @@ def check(
     reference, tallies = arm.cell.reference, _Tallies(arm)
     if tallies.joints():
         shapes = tallies.shapes(collision)
-        left = np.inf if collision_poses is None else collision_poses
+        left = COLLISION_POSES
         for part in watch.parts(n, _CHUNK):
             Q = np.array([_draw(reference, seed, index) for index in part])
             T = reference.pose(Q)
@@ -442,12 +440,12 @@ class _Tallies:
         return [q[i, valid[i]] for i in range(len(indices))]
 
     def collisions(
-        self, indices: Sequence[int], Q: Array, solutions: Sequence[Array], shapes: CollisionModel, most: float
+        self, indices: Sequence[int], Q: Array, solutions: Sequence[Array], shapes: CollisionModel, most: int
     ) -> int:
         """Coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio."""
         verdict, distance = (self.of[name] for name in _COLLISION)
         every = [(index, q) for i, index in enumerate(indices) for q in (Q[i], *solutions[i]) if np.isfinite(q).all()]
-        every = every[: int(min(most, len(every)))]
+        every = every[:most]
         for index, q in every:
             poses = self._arm.link_poses(q)
             theirs, hit = float(shapes.distance(q)), bool(shapes.in_collision(q))

@@ -14,6 +14,7 @@ from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import LARGEST
 
 Array = NDArray[np.float64]
 Metric = Literal["l2", "max", "time"]
@@ -158,11 +159,11 @@ def per_joint(name: str, value: ArrayLike, names: Sequence[str], also: tuple[flo
     numbers = inputs.real(value, name, f"a number, or one for each of {', '.join(names)}")
     fits = numbers.shape in ((), (1,), (len(names),))
     numbers = np.broadcast_to(numbers if fits else np.nan, (len(names),)).copy()
-    if not (inputs.usable(numbers) | np.isin(numbers, also)).all():
+    if not ((numbers >= 1.0 / LARGEST) & (numbers <= LARGEST) | np.isin(numbers, also)).all():
         sign = "zero or positive" if 0.0 in also else "positive"
         raise ArgumentError(
-            f"{name} is {np.asarray(value).tolist()}; a {sign} number {inputs.USABLE} is needed, or one for each of "
-            f"{', '.join(names)}"
+            f"{name} is {np.asarray(value).tolist()}; a {sign} number between {1.0 / LARGEST:g} and {LARGEST:g} is "
+            f"needed, or one for each of {', '.join(names)}"
         )
     return numbers
 

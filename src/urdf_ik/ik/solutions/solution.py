@@ -351,15 +351,6 @@ class KeptSolutions(Answer):
         """
         return self._q[self._columns("to_array()")]
 
-    @property
-    def list(self) -> list[Solution]:
-        """The solutions of a single pose, each with ``q``, ``branch`` and ``singular``; as iteration gives them.
-
-        Raises:
-            ArgumentError: this is a batch.
-        """
-        return [*self]
-
     def __len__(self) -> int:
         return len(self._columns("len()"))
 

@@ -347,10 +347,9 @@ class Chain(Frozen):
 
 def _held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
-    given = inputs.mapping(values, "locked", "names of joints with values, {name: 0.0},")
     held = {
         name: inputs.number(value, f"joint {name!r} cannot be locked: its value", unit="rad or m")
-        for name, value in given.items()
+        for name, value in values.items()
     }
     there = dict.fromkeys([*chain.joint_names, *(joint.driver for joint in chain.tree if joint.column is None)])
     able = [name for name in there if name and name not in dict(chain.locked)]

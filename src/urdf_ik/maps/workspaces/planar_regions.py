@@ -56,11 +56,6 @@ class Arc:
     sweep: float
     name: str = ""
 
-    @property
-    def length(self) -> float:
-        """Length [m]."""
-        return self.radius * abs(self.sweep)
-
     def points(self, n: int = 64) -> Array:
         """(n, 2) m, points from its start to its end, evenly spaced."""
         angles = self.start + np.linspace(0.0, self.sweep, n)

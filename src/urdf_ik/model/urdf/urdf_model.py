@@ -1,13 +1,9 @@
 """UrdfModel: a URDF that was read and checked, its kinematic tree and its clean XML."""
 
-import io
 import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
-
-from lxml import etree
 
 from urdf_ik.errors import ChainError
 from urdf_ik.model import meshes
@@ -33,7 +29,6 @@ class UrdfModel:
         warnings: defects in parts that a chain need not use, and how they were read. ``xml`` is without these
             defects, so Pinocchio and yourdfpy read what is read here.
         sha256: SHA-256 of the text that was read, tools apart; of a xacro or MJCF, of the URDF made from it.
-        robot: yourdfpy's model of ``xml``, without meshes and without a scene.
 
     Example:
         >>> import urdf_ik
@@ -52,11 +47,6 @@ class UrdfModel:
     mesh_roots: tuple[Path, ...] = ()
     warnings: tuple[UrdfWarning, ...] = field(repr=False, default=())
     sha256: str = field(repr=False, default="")
-
-    @cached_property
-    def robot(self) -> Any:
-        """The yourdfpy.URDF of ``xml``, without meshes and without a scene."""
-        return yourdfpy_model(self.xml)
 
     @property
     def package_dirs(self) -> tuple[str, ...]:
@@ -293,16 +283,3 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
         UrdfError: the path leads outside these folders, or no such file exists there; the message lists them.
     """
     return meshes.resolve(filename, [Path(folder) for folder in model.package_dirs], model.source)
-
-
-def yourdfpy_model(xml: bytes) -> Any:
-    """The yourdfpy.URDF of clean XML, without meshes, scene and capsules."""
-    tree = etree.fromstring(xml)
-    capsules = [shape.getparent().getparent() for shape in tree.iter("capsule")]
-    for body in capsules:  # yourdfpy knows no capsules, and would refuse the file
-        body.getparent().remove(body)
-    import yourdfpy  # brings trimesh, SciPy and NetworkX: 0.5 s that loading an arm need not pay
-
-    return yourdfpy.URDF.load(
-        io.BytesIO(etree.tostring(tree) if capsules else xml), build_scene_graph=False, load_meshes=False
-    )
