@@ -18,7 +18,7 @@ import urdf_ik
 from urdf_ik import export
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path.insert(0, str(ROOT / "benchmarks"))
 
 from arms_outside import GENERAL, poses_of  # noqa: E402
 

@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from cases import from_catalogue
+from cases import from_catalogue, vectors
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -20,12 +20,6 @@ AXES = {
 }
 
 NAMES = ("ur5", "puma_560", "zyyzyz_6r", "dh_6r")
-
-
-def vectors(arm: urdf_ik.Arm, count: int, seed: int = 0) -> Array:
-    """Joint vectors (count, n) inside the limits, without turns."""
-    lower, upper = np.clip(arm.limits, -np.pi, np.pi).T
-    return np.random.default_rng(seed).uniform(lower, upper, (count, arm.dof))
 
 
 def turned(axis: str | tuple[float, ...], at: tuple[float, ...] | None, values: Array) -> Array:

@@ -4,26 +4,19 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from chains import LIMIT, collision, joint, robot
 
 import urdf_ik
 
 # A turning joint, one that follows it the other way round at twice the angle, a slider that follows it too, and a ball.
-MIMIC = (
-    '<robot name="mimic"><link name="base"/>'
-    + "".join(
-        f'<link name="{name}"><collision><origin xyz="0.2 0.05 0.1" rpy="0.3 0.2 0.1"/>'
-        '<geometry><box size="0.4 0.05 0.1"/></geometry></collision></link>'
-        for name in "abc"
-    )
-    + '<joint name="one" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0.6 0.8"/>'
-    '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
-    '<joint name="two" type="revolute"><origin xyz="0.4 0 0" rpy="0.1 0.2 0.3"/><parent link="a"/><child link="b"/>'
-    '<axis xyz="0 1 0"/><limit lower="-6" upper="6" effort="1" velocity="1"/>'
-    '<mimic joint="one" multiplier="-2"/></joint>'
-    '<joint name="three" type="prismatic"><origin xyz="0.4 0 0" rpy="0 0 0"/><parent link="b"/><child link="c"/>'
-    '<axis xyz="1 0 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/>'
-    '<mimic joint="one" multiplier="0.5" offset="0.1"/></joint></robot>'
-)
+MIMIC = robot(
+    joint("one", "revolute", "base", "a", axis="0 0.6 0.8"),
+    joint("two", "revolute", "a", "b", "0.4 0 0", "0.1 0.2 0.3", "0 1 0",
+          LIMIT.replace("3", "6") + '<mimic joint="one" multiplier="-2"/>'),
+    joint("three", "prismatic", "b", "c", "0.4 0 0", axis="1 0 0",
+          more='<mimic joint="one" multiplier="0.5" offset="0.1"/>'),
+    **dict.fromkeys("abc", collision('box size="0.4 0.05 0.1"', "0.2 0.05 0.1", "0.3 0.2 0.1")),
+)  # fmt: skip
 
 
 def arms() -> dict[str, urdf_ik.Arm]:

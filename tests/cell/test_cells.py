@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from cases import vectors
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -11,12 +12,6 @@ from urdf_ik.arm import with_positioner
 from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
-
-
-def vectors(arm: urdf_ik.Arm, count: int, seed: int = 0) -> Array:
-    """Joint vectors (count, n) inside the limits, without turns."""
-    lower, upper = np.clip(arm.limits, -np.pi, np.pi).T
-    return np.random.default_rng(seed).uniform(lower, upper, (count, arm.dof))
 
 
 def check(arm: urdf_ik.Arm, seed: int = 0) -> None:

@@ -1,7 +1,6 @@
 """Self-collision and distances against known geometry, and against Pinocchio asked in the plainest way."""
 
 import math
-import pickle
 import re
 import warnings
 from functools import lru_cache
@@ -11,42 +10,27 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+from chains import LIMIT, collision, joint, robot
 
 import urdf_ik
 from urdf_ik.cell import CollisionModel, Nearest
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.model import catalogue, urdf
 
-SPHERE = '<sphere radius="{}"/>'
-BOX = '<box size="{}"/>'
+SPHERE = 'sphere radius="{}"'
+BOX = 'box size="{}"'
+REACH = LIMIT.replace("3", "2")
 
 
-def link(name: str, *shapes: str) -> str:
-    """A link with collision shapes."""
-    return f'<link name="{name}">{"".join(f"<collision><geometry>{s}</geometry></collision>" for s in shapes)}</link>'
+def slide(name: str, parent: str, child: str, axis: str = "1 0 0") -> str:
+    """A prismatic joint of +-2."""
+    return joint(name, "prismatic", parent, child, axis=axis, more=REACH)
 
 
-def slide(name: str, parent: str, child: str, axis: str, reach: float = 2.0) -> str:
-    """A prismatic joint of +-reach."""
-    return (
-        f'<joint name="{name}" type="prismatic"><parent link="{parent}"/><child link="{child}"/><axis xyz="{axis}"/>'
-        f'<limit lower="{-reach}" upper="{reach}" effort="1" velocity="1"/></joint>'
-    )
-
-
-def fixed(parent: str, child: str, xyz: str = "0 0 0") -> str:
-    """A fixed joint."""
-    return (
-        f'<joint name="{parent}_{child}" type="fixed"><origin xyz="{xyz}" rpy="0 0 0"/><parent link="{parent}"/>'
-        f'<child link="{child}"/></joint>'
-    )
-
-
-def table(first: str, second: str, reach: float = 2.0) -> str:
+def table(first: str, second: str) -> str:
     """A shape at the origin, and one that two sliders move over x and y: q is its place."""
-    parts = [link("base", first), link("rail"), link("tool", second)]
-    joints = [slide("x", "base", "rail", "1 0 0", reach), slide("y", "rail", "tool", "0 1 0", reach)]
-    return "".join(['<robot name="table">', *parts, *joints, "</robot>"])
+    sliders = (slide("x", "base", "rail"), slide("y", "rail", "tool", "0 1 0"))
+    return robot(*sliders, base=collision(first), tool=collision(second))
 
 
 SPHERES = table(SPHERE.format(0.1), SPHERE.format(0.2))
@@ -118,16 +102,12 @@ def test_batches_and_rows_that_are_not_finite() -> None:
 # ---------------------------------------------------------------- which pairs may touch
 
 # base - slider - plate = cup (fixed) - slider - carriage - slider - tool
-ROW = "".join(
-    [
-        '<robot name="row">',
-        *(link(name, SPHERE.format(0.1)) for name in ("base", "plate", "cup", "carriage", "tool")),
-        slide("one", "base", "plate", "1 0 0"),
-        fixed("plate", "cup", "0 0 0.15"),
-        slide("two", "cup", "carriage", "1 0 0"),
-        slide("three", "carriage", "tool", "1 0 0"),
-        "</robot>",
-    ]
+ROW = robot(
+    slide("one", "base", "plate"),
+    joint("cup", "fixed", "plate", "cup", "0 0 0.15"),
+    slide("two", "cup", "carriage"),
+    slide("three", "carriage", "tool"),
+    **dict.fromkeys(("base", "plate", "cup", "carriage", "tool"), collision(SPHERE.format(0.1))),
 )
 
 
@@ -192,16 +172,16 @@ def test_a_broken_srdf_is_refused(text: str, says: str) -> None:
 
 
 def test_the_srdf_of_an_arm_excuses_its_pairs_wherever_the_arm_goes() -> None:
-    """Of a loaded arm, with a tool, with a joint held, and pickled; pairs of unknown links allow nothing."""
+    """Of a loaded arm, with a tool, with a joint held; pairs of unknown links allow nothing."""
     pair, other = ("link_4", "link_6"), ("link_3", "link_5")
     disable = '<disable_collisions link1="{}" link2="{}"/>'
     srdf = f'<robot name="r">{disable.format(*pair)}{disable.format("link_1", "hand")}</robot>'
     arm = urdf_ik.load("zyyzyz_6r", srdf=srdf)
     plain = urdf_ik.load("zyyzyz_6r")
     assert (arm.base, arm.tip) == (plain.base, plain.tip)  # an SRDF without groups chooses no chain
-    for each in (arm, arm.with_tool(np.eye(4)), arm.with_locked({"joint_1": 0.0}), pickle.loads(pickle.dumps(arm))):
-        table = each.cell.collisions.table()
-        assert table.allowed[pair] == "srdf" and other in table.checked
+    for each in (arm, arm.with_tool(np.eye(4)), arm.with_locked({"joint_1": 0.0})):
+        pairs = each.cell.collisions.table()
+        assert pairs.allowed[pair] == "srdf" and other in pairs.checked
     assert pair in plain.cell.collisions.checked_pairs
     q = np.array([0.0] * 6)
     assert plain.cell.nearest_pair(q).links == pair and arm.cell.nearest_pair(q).links == other
@@ -223,7 +203,7 @@ MESH = SHEET.format(
 def with_mesh(folder: Path, filename: str) -> CollisionModel:
     """A table whose second shape is a mesh, read from a file in ``folder``."""
     path = folder / "arm.urdf"
-    path.write_text(table(SPHERE.format(0.1), f'<mesh filename="{filename}"/>'))
+    path.write_text(table(SPHERE.format(0.1), f'mesh filename="{filename}"'))
     return CollisionModel(urdf.read(path))
 
 
@@ -243,16 +223,15 @@ def test_a_mesh_beside_the_urdf(filename: str, tmp_path: Path) -> None:
     ("shapes", "says"),
     [
         (("", ""), "no link has a collision shape"),
-        ((SPHERE.format(0.1), '<mesh filename="gone.stl"/>'), "gone.stl.*not found"),
-        ((SPHERE.format(0.1), '<mesh filename="bad.stl"/>'), "cannot be read: .*bad.stl"),
-        ((SPHERE.format(0.1), '<box size="1 1"/>'), "2 values instead of 3"),
+        ((SPHERE.format(0.1), 'mesh filename="gone.stl"'), "gone.stl.*not found"),
+        ((SPHERE.format(0.1), 'mesh filename="bad.stl"'), "cannot be read: .*bad.stl"),
+        ((SPHERE.format(0.1), 'box size="1 1"'), "2 values instead of 3"),
     ],
 )
 def test_incomplete_geometry_is_said_and_never_called_free(shapes: tuple[str, str], says: str, tmp_path: Path) -> None:
     """Without shapes, or with one that cannot be read, there is a word on what is missing, and every check raises."""
     (tmp_path / "bad.stl").write_text("no mesh")
-    text = table(*shapes).replace("<collision><geometry></geometry></collision>", "")
-    (tmp_path / "arm.urdf").write_text(text)
+    (tmp_path / "arm.urdf").write_text(table(*shapes).replace(collision(""), ""))
     body = CollisionModel(urdf.read(tmp_path / "arm.urdf"))
     assert not body.has_geometry
     assert re.search(says, body.missing)
@@ -274,7 +253,7 @@ def test_hull_and_balls_from_the_cache_change_no_distance(
     body.apply_transform(np.diag([1.0, 0.6, 0.3, 1.0]))
     body.apply_translation([30.0, 0.0, 0.0])
     body.export(tmp_path / f"body.{ending}")
-    mesh = f'<mesh filename="body.{ending}" scale="-0.001 0.001 0.001"/>'
+    mesh = f'mesh filename="body.{ending}" scale="-0.001 0.001 0.001"'
     path = tmp_path / "arm.urdf"
     path.write_text(table(mesh, mesh))
     plain = pin.buildModelFromUrdf(str(path))
@@ -297,15 +276,12 @@ def test_hull_and_balls_from_the_cache_change_no_distance(
 def test_a_mesh_in_mm_is_asked_about(tmp_path: Path) -> None:
     """A body of 100 mm that is read as 100 m is far larger than an arm with 0.4 m between its axes."""
     trimesh.creation.box([100.0, 80.0, 60.0]).export(tmp_path / "box.stl")
-    turn = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
-    joints = "".join(
-        f'<joint name="{name}" type="revolute"><origin xyz="{x} 0 0"/><parent link="{a}"/><child link="{b}"/>{turn}'
-        for name, x, a, b in (("p", 0.0, "base", "arm"), ("q", 0.4, "arm", "hand"))
-    )
+    joints = [joint("p", "revolute", "base", "arm", axis="0 0 1"),
+              joint("q", "revolute", "arm", "hand", "0.4 0 0", axis="0 0 1")]  # fmt: skip
     for scale, asked in ((1.0, True), (0.001, False)):
-        shape = f'<mesh filename="box.stl" scale="{scale} {scale} {scale}"/>'
+        shape = collision(f'mesh filename="box.stl" scale="{scale} {scale} {scale}"')
         path = tmp_path / "arm.urdf"
-        path.write_text(f'<robot name="a">{link("base", shape)}{link("arm")}{link("hand", shape)}{joints}</robot>')
+        path.write_text(robot(*joints, base=shape, hand=shape))
         with warnings.catch_warnings(record=True) as seen:
             warnings.simplefilter("always")
             CollisionModel(urdf.read(path))

@@ -9,41 +9,20 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from worlds import random_pose, random_shape, random_world
 
 import urdf_ik
-from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Points, Sphere, World, pose
+from urdf_ik import Box, HalfSpace, World, pose
 from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.coal_shapes import geometry
-from urdf_ik.cell.shapes import Shape
 from urdf_ik.cell.swept_motions import TOUCH
 
 Array = np.ndarray
 
 
-def random_shape(rng: np.random.Generator, size: float) -> Shape:
-    """A shape of any kind that is finite and no mesh."""
-    a, b = rng.uniform(0.3, 1.0, 2) * size
-    return [
-        lambda: Box((a, b, 0.5 * size)),
-        lambda: Sphere(a),
-        lambda: Cylinder(0.5 * a, b),
-        lambda: Capsule(0.3 * a, b),
-        lambda: Box((0.001, 3.0 * b, 3.0 * b)),
-        lambda: Points(rng.normal(size=(20, 3)) * b, 0.01),
-    ][int(rng.integers(6))]()
-
-
-def random_pose(rng: np.random.Generator, reach: float) -> Array:
-    """A pose in a ball shell about the base."""
-    at = rng.normal(size=3)
-    return pose(rng.uniform(0.4, 2.5) * reach * at / np.linalg.norm(at), rpy=rng.uniform(-3, 3, 3))
-
-
-def random_world(rng: np.random.Generator, count: int, reach: float) -> World:
+def large_world(rng: np.random.Generator, count: int, reach: float) -> World:
     """``count`` obstacles of all kinds, and a floor."""
-    world = World()
-    for i in range(count):
-        world.add(f"o{i}", random_shape(rng, 0.1 * reach), random_pose(rng, reach))
+    world = random_world(rng, count, 0.1 * reach, 0.4 * reach, 2.5 * reach)
     world.add("floor", HalfSpace((0.0, 0.1, 1.0), -0.7 * reach))
     return world
 
@@ -76,7 +55,7 @@ def pairwise(model: CollisionModel, world: World, q: Array) -> dict[tuple[str, s
 def test_the_same_as_pair_by_pair(name: str, reach: float, count: int) -> None:
     """Distances, verdicts, margins and colliding pairs are those of all pairs, one by one."""
     arm, rng = urdf_ik.load(name), np.random.default_rng(count)
-    world = random_world(rng, count, reach)
+    world = large_world(rng, count, reach)
     # Allowed pairs are honoured; so are pairs of a link that stands still, which are checked where a user says so.
     model = arm.cell.collisions.in_world(world)
     model = model.allow(*model.checked_pairs[-1]).allow(*model.checked_pairs[-2])
@@ -106,7 +85,7 @@ def test_the_same_as_pair_by_pair(name: str, reach: float, count: int) -> None:
 def test_a_world_that_was_changed_answers_like_a_new_one() -> None:
     """Moved, removed and added obstacles, few and many, leave the answers of a world that was made as it is now."""
     arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(5)
-    world = random_world(rng, 400, 2.0)
+    world = large_world(rng, 400, 2.0)
     q = rng.uniform(-2.0, 2.0, (15, 6))
     arm.clearance(q[0], world)
     for changes in (1, 1, 30, 300, 7):
@@ -114,11 +93,11 @@ def test_a_world_that_was_changed_answers_like_a_new_one() -> None:
             name = str(rng.choice(world.names))
             match int(rng.integers(3)):
                 case 0:
-                    world.move(name, random_pose(rng, 2.0))
+                    world.move(name, random_pose(rng, 0.8, 5.0))
                 case 1:
                     world.remove(name)
                 case 2:
-                    world.add(f"n{world.version}", random_shape(rng, 0.2), random_pose(rng, 2.0))
+                    world.add(f"n{world.version}", random_shape(rng, 0.2), random_pose(rng, 0.8, 5.0))
         fresh = World()
         for each in world:
             fresh.add(*each)
@@ -159,7 +138,7 @@ def test_motions_through_many_obstacles(seed: int) -> None:
     arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(seed)
     world = World()
     for i in range(500):
-        world.add(f"b{i}", random_shape(rng, 0.1), random_pose(rng, 2.5))
+        world.add(f"b{i}", random_shape(rng, 0.1), random_pose(rng, 1.0, 6.25))
     model = arm.cell.collisions.in_world(world)
     q0 = rng.uniform(-2.0, 2.0, (200, 6))
     q0 = q0[~np.asarray(model.in_collision(q0, 1e-3))][:25]
@@ -175,7 +154,7 @@ def test_motions_through_many_obstacles(seed: int) -> None:
 def test_one_large_world_from_many_threads() -> None:
     """While one thread moves an obstacle to and fro, each answer is that of one of its two places."""
     arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(13)
-    world = random_world(rng, 200, 2.0)
+    world = large_world(rng, 200, 2.0)
     world.add("shuttle", Box(0.3))
     q = rng.uniform(-2.0, 2.0, (6, 6))
     model = arm.cell.collisions.in_world(world)

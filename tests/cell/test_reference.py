@@ -1,7 +1,6 @@
 """The reference itself: Pinocchio's model, asked for a chain's poses, Jacobian and errors, against facts by hand."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -9,7 +8,7 @@ import pytest
 from chains import joint, robot
 
 from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
-from urdf_ik.errors import ChainError, UnsupportedArm, UrdfError
+from urdf_ik.errors import ChainError, UnsupportedArm
 from urdf_ik.model import catalogue, urdf
 
 # Joints b and c stand in the file before the joint that carries them; b is continuous; d slides.
@@ -220,16 +219,3 @@ def test_links_that_are_not_there_and_joints_that_are_no_number() -> None:
     with pytest.raises(UnsupportedArm, match="'f' .* 6 degrees"):
         Reference(floating, "base", "two")
     assert Reference(floating, "base", "one").joint_names == ("a",)
-
-
-def test_what_pinocchio_refuses_is_a_urdf_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Should Pinocchio refuse a URDF that was read, the error names the file."""
-    path = tmp_path / "arm.urdf"
-    path.write_text(TREE)
-
-    def refuse(*_: object, **__: object) -> None:
-        raise ValueError("no")
-
-    monkeypatch.setattr(pin, "buildModelFromXML", refuse)
-    with pytest.raises(UrdfError, match=r"arm\.urdf: Pinocchio refuses it: no"):
-        Reference(path, "base", "four")

@@ -2,28 +2,30 @@
 
 import numpy as np
 import pytest
+from chains import collision, joint, robot
+from worlds import random_world
 
 import urdf_ik
-from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Points, Sphere, World, pose
+from urdf_ik import Box, HalfSpace, Sphere, World, pose
 from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.swept_motions import TOUCH
 
 Array = np.ndarray
 
 # A thin arm of one joint: a bar 1 m long that turns about z, and its ball at the end.
-BAR = """<robot name="bar"><link name="base"/><link name="bar"><collision><origin xyz="0.5 0 0" rpy="0 0 0"/>
-<geometry><box size="1 0.02 0.02"/></geometry></collision></link><joint name="turn" type="continuous">
-<parent link="base"/><child link="bar"/><axis xyz="0 0 1"/></joint></robot>"""
+BAR = robot(
+    joint("turn", "continuous", "base", "bar", axis="0 0 1"), bar=collision('box size="1 0.02 0.02"', "0.5 0 0")
+)
 
 # Two bars, the second on the end of the first, and a slider above.
-TWO = """<robot name="two"><link name="base"/><link name="one"><collision><origin xyz="0.5 0 0" rpy="0 0 0"/>
-<geometry><box size="1 0.02 0.02"/></geometry></collision></link><link name="two"><collision>
-<origin xyz="0.5 0 0" rpy="0 1.5707963 0"/><geometry><cylinder radius="0.01" length="1"/></geometry></collision></link>
-<link name="pin"><collision><geometry><sphere radius="0.01"/></geometry></collision></link>
-<joint name="a" type="continuous"><parent link="base"/><child link="one"/><axis xyz="0 0 1"/></joint>
-<joint name="b" type="continuous"><origin xyz="1 0 0" rpy="0 0 0"/><parent link="one"/><child link="two"/>
-<axis xyz="0 0 1"/></joint><joint name="c" type="prismatic"><origin xyz="1 0 0" rpy="0 0 0"/><parent link="two"/>
-<child link="pin"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+TWO = robot(
+    joint("a", "continuous", "base", "one", axis="0 0 1"),
+    joint("b", "continuous", "one", "two", "1 0 0", axis="0 0 1"),
+    joint("c", "prismatic", "two", "pin", "1 0 0", axis="0 0 1"),
+    one=collision('box size="1 0.02 0.02"', "0.5 0 0"),
+    two=collision('cylinder radius="0.01" length="1"', "0.5 0 0", "0 1.5707963 0"),
+    pin=collision('sphere radius="0.01"'),
+)
 
 
 def touches(body: CollisionModel, q0: Array, q1: Array, samples: int, margin: float = 0.0) -> bool:
@@ -110,26 +112,6 @@ def test_links_of_the_arm_itself() -> None:
     assert arm.motion_is_free(q0, q0 + [40.0, 0.0, 0.0])
 
 
-def random_world(rng: np.random.Generator, reach: float, count: int) -> World:
-    """Obstacles of every kind but meshes within reach."""
-    world = World()
-    for i in range(count):
-        a, b = rng.uniform(0.05, 0.3, 2) * reach
-        shape = [
-            lambda a=a, b=b: Box((a, b, 0.1)),
-            lambda a=a: Sphere(a),
-            lambda a=a, b=b: Cylinder(0.5 * a, b),
-            lambda a=a, b=b: Capsule(0.3 * a, b),
-            lambda b=b: Box((0.001, 3.0 * b, 3.0 * b)),
-            lambda b=b: Points(rng.normal(size=(30, 3)) * b, 0.01),
-        ][int(rng.integers(6))]()
-        at = rng.normal(size=3)
-        world.add(
-            f"o{i}", shape, pose(rng.uniform(0.3, 1.0) * reach * at / np.linalg.norm(at), rpy=rng.uniform(-3, 3, 3))
-        )
-    return world
-
-
 @pytest.mark.parametrize(
     ("name", "reach"), [("zyyzyz_6r", 2.0), ("srs_7r", 1.0), ("stanford_rrprrr", 1.0), ("scara_rrpr", 0.8)]
 )
@@ -141,7 +123,7 @@ def test_no_free_motion_touches(name: str, reach: float) -> None:
     arm, rng = urdf_ik.load(name), np.random.default_rng(4)
     frees = []
     for _ in range(4):
-        world = random_world(rng, reach, 3)
+        world = random_world(rng, 3, 0.3 * reach, 0.3 * reach, reach)
         body = arm.cell.collisions.in_world(world)
         starts = rng.uniform(-np.pi, np.pi, (60, arm.dof))
         starts = starts[~np.asarray(body.in_collision(starts, 1e-3))][:15]
@@ -163,7 +145,7 @@ def test_no_free_motion_touches(name: str, reach: float) -> None:
 def test_almost_every_motion_that_is_free_is_called_free() -> None:
     """Short motions that no sample brings within a millimetre of anything are all called free."""
     arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(9)
-    world = random_world(rng, 2.0, 6)
+    world = random_world(rng, 6, 0.6, 0.6, 2.0)
     body = arm.cell.collisions.in_world(world)
     q0 = rng.uniform(-np.pi, np.pi, (100, 6))
     q1 = q0 + rng.uniform(-0.1, 0.1, q0.shape)

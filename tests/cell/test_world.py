@@ -1,7 +1,6 @@
 """Worlds: shapes, distances to them in closed form, tables, and what is refused."""
 
 import math
-import pickle
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+from chains import collision, joint, robot
 
 import urdf_ik
 from urdf_ik import (
@@ -27,25 +27,16 @@ from urdf_ik import (
 )
 from urdf_ik.cell import CollisionModel, Nearest
 from urdf_ik.cell.shapes import Shape
-from urdf_ik.model import (
-    urdf,
-)
+from urdf_ik.model import urdf
 
 RADIUS = 0.1
 # A ball on three sliders: q is its place.
-BALL = (
-    '<robot name="ball"><link name="base"/><link name="a"/><link name="b"/>'
-    f'<link name="ball"><collision><geometry><sphere radius="{RADIUS}"/></geometry></collision></link>'
-    + "".join(
-        f'<joint name="{axis}" type="prismatic"><parent link="{parent}"/><child link="{child}"/>'
-        f'<axis xyz="{axes}"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
-        for axis, parent, child, axes in (
-            ("x", "base", "a", "1 0 0"),
-            ("y", "a", "b", "0 1 0"),
-            ("z", "b", "ball", "0 0 1"),
-        )
-    )
-    + "</robot>"
+SPHERE = f'sphere radius="{RADIUS}"'
+BALL = robot(
+    joint("x", "prismatic", "base", "a", axis="1 0 0"),
+    joint("y", "prismatic", "a", "b", axis="0 1 0"),
+    joint("z", "prismatic", "b", "ball", axis="0 0 1"),
+    ball=collision(SPHERE),
 )
 Distance = Callable[[np.ndarray], float]
 
@@ -123,9 +114,7 @@ def test_a_mesh_with_a_triangle_without_area(ball: CollisionModel, tmp_path: Pat
     corners = [(1, -1, 0), (1, 1, 0), (1, 0, 0)]
     facet = "facet normal 0 0 1\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners)
     (tmp_path / "line.stl").write_text(f"solid s\n{facet}endloop\nendfacet\nendsolid s\n")
-    (tmp_path / "arm.urdf").write_text(
-        BALL.replace(f'<sphere radius="{RADIUS}"/>', f'<mesh filename="{tmp_path / "line.stl"}"/>')
-    )
+    (tmp_path / "arm.urdf").write_text(BALL.replace(SPHERE, f'mesh filename="{tmp_path / "line.stl"}"'))
     world = World()
     world.add("sphere", Sphere(0.1))
     body = CollisionModel(urdf.read(tmp_path / "arm.urdf")).in_world(world)
@@ -151,38 +140,17 @@ def test_what_moves_counts_at_once(ball: CollisionModel) -> None:
     assert ball.in_world(world) is body
 
 
-def test_a_world_is_a_collection() -> None:
-    """Names, length, iteration, membership and text; a world can be pickled."""
-    world = World()
-    world.add("table", Box(1.0), pose([0.0, 0.0, -0.5]))
-    world.add("cloud", Points(CLOUD, 0.01))
-    assert world.names == ("table", "cloud")
-    assert len(world) == 2
-    assert "table" in world
-    assert [each.name for each in world] == ["table", "cloud"]
-    assert repr(world) == "World(table: Box, cloud: Points)"
-    np.testing.assert_array_equal(world["table"].pose, pose([0.0, 0.0, -0.5]))
-    with pytest.raises(ValueError, match="read-only"):
-        world["table"].pose[0, 3] = 1.0
-    again = pickle.loads(pickle.dumps(world))
-    assert again.names == world.names
-
-
-CELL = """<robot name="cell"><link name="room"/>
-<link name="table"><collision><origin xyz="0 0 0.1" rpy="0 0 1.5707963267948966"/><geometry>
-<box size="2 1 0.2"/></geometry></collision><collision><geometry><sphere radius="0.3"/></geometry></collision></link>
-<link name="fixture"><collision><geometry><mesh filename="{mesh}" scale="0.5 0.5 0.5"/></geometry></collision></link>
-<joint name="a" type="{type}"><origin xyz="1 0 0" rpy="0 0 0"/><parent link="room"/><child link="table"/>
-<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-<joint name="b" type="fixed"><origin xyz="0 0 0.5" rpy="0 0 0"/><parent link="table"/><child link="fixture"/></joint>
-</robot>"""
-
-
 def cell(folder: Path, mesh: str = "box.stl", kind: str = "fixed") -> Path:
     """A cell's URDF beside its mesh."""
     trimesh.creation.box((1.0, 1.0, 1.0)).export(folder / "box.stl")
     path = folder / "cell.urdf"
-    path.write_text(CELL.format(mesh=mesh, type=kind))
+    table = collision('box size="2 1 0.2"', "0 0 0.1", "0 0 1.5707963267948966") + collision('sphere radius="0.3"')
+    fixture = collision(f'mesh filename="{mesh}" scale="0.5 0.5 0.5"')
+    joints = (
+        joint("a", kind, "room", "table", "1 0 0", axis="0 0 1"),
+        joint("b", "fixed", "table", "fixture", "0 0 0.5"),
+    )
+    path.write_text(robot(*joints, table=table, fixture=fixture))
     return path
 
 
@@ -207,10 +175,7 @@ def test_cells_that_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ArgumentError, match="no link has a collision shape"):
         World.from_urdf('<robot name="r"><link name="a"/></robot>')
     with pytest.raises(ArgumentError, match="'a'.*radius is 0"):
-        World.from_urdf(
-            '<robot name="r"><link name="a"><collision><geometry><sphere radius="0"/></geometry></collision>'
-            "</link></robot>"
-        )
+        World.from_urdf(robot(joint("f", "fixed", "room", "a"), a=collision('sphere radius="0"')))
 
 
 def test_bad_changes_of_a_world() -> None:
@@ -321,7 +286,7 @@ def test_solutions_free_of_a_world() -> None:
 
 def test_an_arm_without_shapes_says_so() -> None:
     """Every question about its contacts is refused: nothing is called free that was not checked."""
-    bare = urdf_ik.load(BALL.replace(f'<collision><geometry><sphere radius="{RADIUS}"/></geometry></collision>', ""))
+    bare = urdf_ik.load(BALL.replace(collision(SPHERE), ""))
     for ask in (bare.clearance, bare.cell.nearest_pair):
         with pytest.raises(UrdfError, match="no link has a collision shape"):
             ask([0.0, 0.0, 0.0], World())

@@ -4,17 +4,18 @@ import csv
 import io
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from arms import industrial
-from command import ARM, TYPED, Q, call, comma, oracle, strict_json, succeed, target, vectors
+from command import ARM, TYPED, Q, call, cell, comma, oracle, strict_json, succeed, target, vectors
 from oracle import angle_distance
 
 import urdf_ik
+from urdf_ik import IKSolutions
 from urdf_ik.model import catalogue
 
 
@@ -105,76 +106,33 @@ def test_degrees_are_the_same_answers() -> None:
     for one, other in zip(radians["poses"][0]["solutions"], degrees["poses"][0]["solutions"], strict=True):
         assert one["branch"] == other["branch"]
         assert np.abs(np.deg2rad(other["q"]) - one["q"]).max() < 1e-12
-    nearest = succeed("ik", ARM, "--q", TYPED, "--nearest", TYPED, "-f", "csv")
-    again = succeed("ik", ARM, "--q", comma(np.rad2deg(Q)), "--nearest", comma(np.rad2deg(Q)), "--degrees", "-f", "csv")
-    assert nearest.rpartition(",,")[2] == again.rpartition(",,")[2]
     fk = [succeed("fk", ARM, "--q", TYPED), succeed("fk", ARM, "--q", comma(np.rad2deg(Q)), "--degrees")]
     assert fk[0].splitlines()[:-1] == fk[1].splitlines()[:-1]
-    limits = [strict_json(succeed("info", ARM, "-f", "json", *more))["joints"] for more in ((), ("--degrees",))]
-    for one, other in zip(*limits, strict=True):
-        assert other["upper"] == pytest.approx(np.rad2deg(one["upper"]))
 
 
-def test_filters_keep_what_they_say() -> None:
-    """The limits, collision and nearest filters keep exactly the solutions that the unfiltered data say they should."""
-    args = ("ik", ARM, "--random", "20", "--seed", "3", "-f", "json")
-
-    def kept(*more: str) -> list[list[Any]]:
-        return [pose["solutions"] for pose in strict_json(call(*args, *more).stdout)["poses"]]
-
-    everything = kept()
-    free = kept("--collision-free")
-    assert free == [[one for one in pose if one["collision_free"]] for pose in everything]
-    assert free != everything
-    inside = kept("--within-limits")
-    assert inside == [[one for one in pose if one["within_limits"]] for pose in everything]
-    assert inside != everything
-    for pose, chosen in zip(everything, kept("--nearest", TYPED), strict=True):
-        distance = [np.linalg.norm((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) for one in pose]
-        assert_nearest(pose, chosen, distance)
-    within = kept("--nearest", TYPED, "--metric", "max", "--max-step", "1.2")
-    assert 0 < sum(map(len, within)) < len(within)
-    for pose, chosen in zip(everything, within, strict=True):
-        distance = [np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi).max() for one in pose]
-        if min(distance) <= 1.2:
-            assert_nearest(pose, chosen, distance)
-        else:
-            assert chosen == []
-    speeds = urdf_ik.load(ARM).solver.velocity_limits
-    for pose, chosen in zip(everything, kept("--nearest", TYPED, "--metric", "time"), strict=True):
-        seconds = [(np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) / speeds).max() for one in pose]
-        assert_nearest(pose, chosen, seconds)
-    best = kept("--best", "limits")
-    assert [len(pose) for pose in best] == [int(any(one["within_limits"] for one in pose)) for pose in everything]
+CHOICES: dict[str, Callable[[IKSolutions], IKSolutions]] = {
+    "--collision-free": lambda s: s.collision_free(),
+    "--within-limits": lambda s: s.within_limits(),
+    f"--nearest {TYPED}": lambda s: s.nearest(Q),
+    f"--nearest {TYPED} --metric max --max-step 2": lambda s: s.nearest(Q, metric="max", within=2),
+    f"--nearest {TYPED} --metric time": lambda s: s.nearest(Q, metric="time"),
+    "--best limits": lambda s: s.best("limits"),
+    "--turns": lambda s: s.turns(),
+}
 
 
-def assert_nearest(pose: list[Any], chosen: list[Any], distances: list[float]) -> None:
-    """The nearest solution is the one that was kept, at its nearest turn, with the motion of each joint from there."""
-    best = int(np.argmin(distances))
-    (one,) = chosen
-    assert [one[key] for key in ("branch", "singular")] == [pose[best][key] for key in ("branch", "singular")]
-    turns = (np.array(one["q"]) - pose[best]["q"]) / (2 * np.pi)
-    assert np.abs(turns - turns.round()).max() < 1e-12
-    assert one["distance"] == pytest.approx(distances[best], abs=1e-12)
-    assert np.abs(np.array(one["q"]) - one["difference"] - Q).max() < 1e-12
-
-
-def test_turns_add_images_inside_the_limits() -> None:
-    """--turns gives every image inside the limits, of which a UR's joints have two each: as many as counted by hand."""
-    args = ("ik", "ur5", "--q", "0.1,-1,1,0.2,0.3,0.4", "--no-check", "-f", "json")
-    plain, turned = vectors(succeed(*args)), vectors(succeed(*args, "--turns"))
-    limits = strict_json(succeed("info", "ur5", "-f", "json"))["joints"]
-    images = plain[..., None] + 2.0 * np.pi * np.arange(-2, 3)
-    inside = [(images[:, i] >= one["lower"]) & (images[:, i] <= one["upper"]) for i, one in enumerate(limits)]
-    assert len(turned) == np.prod(np.sum(inside, axis=-1), axis=0).sum() > 8 * len(plain)
-    assert len(np.unique(turned.round(6), axis=0)) == len(turned)
-    assert all(angle_distance(plain, q).min() < 1e-9 for q in turned)
-
-
-def test_random_poses_follow_the_seed() -> None:
-    """The same seed gives the same output, another seed another."""
-    outputs = [succeed("ik", ARM, "--random", "3", "--seed", seed, "-f", "csv") for seed in ("1", "1", "2")]
-    assert outputs[0] == outputs[1] != outputs[2]
+@pytest.mark.parametrize("typed", CHOICES)
+def test_filters_keep_what_the_library_keeps(typed: str) -> None:
+    """Limits, collisions, nearest, best and turns: the library's solutions, and the motion of each joint to them."""
+    args = ("ik", "dh_6r", "--random", "20", "--seed", "3", "-f", "json", *typed.split())
+    poses = strict_json(call(*args).stdout)["poses"]
+    s = urdf_ik.load("dh_6r").ik([pose["pose"] for pose in poses])
+    kept = CHOICES[typed](s)
+    assert not np.array_equal(kept.count, s.count)
+    for k, pose in enumerate(poses):
+        np.testing.assert_array_equal([one["q"] for one in pose["solutions"]] or np.empty((0, 6)), kept[k].to_array())
+        for one in pose["solutions"]:
+            assert "difference" not in one or np.abs(np.array(one["q"]) - one["difference"] - Q).max() < 1e-12
 
 
 def test_no_check_leaves_pinocchio_out() -> None:
@@ -229,15 +187,10 @@ def test_obstacles_of_a_world_count_as_collisions(tmp_path: Path) -> None:
     arm = urdf_ik.load(ARM)
     solutions = arm.ik(urdf_ik.pose([1.2, 0.4, 0.9], rpy=[0.0, 1.57, 0.3]))
     untouched = next(one for one in solutions if not arm.cell.collisions.in_collision(one.q))
-    elbow = " ".join(map(str, arm.link_poses(untouched.q)["link_3"][:3, 3]))
-    cell = tmp_path / "cell.urdf"
-    cell.write_text(
-        f'<robot name="cell"><link name="post"><collision><origin xyz="{elbow}"/><geometry><box size="0.1 0.1 0.1"/>'
-        "</geometry></collision></link></robot>"
-    )
-    world = urdf_ik.World.from_urdf(cell)
-    typed = ("ik", ARM, "--xyz", "1.2,0.4,0.9", "--rpy", "0,1.57,0.3", "--world", str(cell), "-f", "json")
-    among = arm.cell.collisions.in_world(world)
+    elbow = arm.link_poses(untouched.q)["link_3"][:3, 3]
+    file = cell(tmp_path / "cell.urdf", 'box size="0.1 0.1 0.1"', elbow)
+    typed = ("ik", ARM, "--xyz", "1.2,0.4,0.9", "--rpy", "0,1.57,0.3", "--world", file, "-f", "json")
+    among = arm.cell.collisions.in_world(urdf_ik.World.from_urdf(file))
     free = [not among.in_collision(one.q) for one in solutions]
     assert free != [not arm.cell.collisions.in_collision(one.q) for one in solutions]
     told = strict_json(call(*typed).stdout)["poses"]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import ARM, call, strict_json, succeed
+from command import ARM, call, cell, strict_json, succeed
 from pictures import is_png
 from seams import seam
 
@@ -45,13 +45,8 @@ def test_the_best_places_are_those_of_the_map(targets: Path, tmp_path: Path) -> 
 
 def test_a_path_and_a_world_have_columns_of_their_own(targets: Path, tmp_path: Path) -> None:
     """With --path whether it is followed, with --world the clearance."""
-    cell = tmp_path / "cell.urdf"
-    cell.write_text(
-        '<robot name="cell"><link name="post"><collision><origin xyz="3 3 0.5"/><geometry><sphere radius="0.1"/>'
-        "</geometry></collision></link></robot>"
-    )
     typed = ("placement", ARM, "-p", str(targets), "--bounds=0,0,0,0,0,0", "--step", "1", "--path")
-    text = succeed(*typed, "--world", str(cell))
+    text = succeed(*typed, "--world", cell(tmp_path / "cell.urdf", 'sphere radius="0.1"', (3, 3, 0.5)))
     assert "clearance" in text and "followed      1\n" in text
 
 
@@ -81,8 +76,6 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
         (("placement", ARM, "-p", "{t}", BOX, "--step", "0"), "step=0.0 given"),
         (("placement", ARM, "-p", "{t}", "--bounds=1,2", "--step", "1"), "holds 2 values, 6 are needed"),
         (("placement", ARM, "-p", "{t}", BOX, "--step", "1", "--output", "map.bmp"), "pictures are written as"),
-        (("workspace", ARM, "--workers", "2"), "give --store FOLDER, too"),
-        (("placement", ARM, "-p", "no.csv", BOX, "--step", "1"), "no.csv"),
         (("check", "{folder}", "--lock", "a=1"), "--lock is for an arm"),
     ],
 )

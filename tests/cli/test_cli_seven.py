@@ -1,4 +1,4 @@
-"""The urdf-ik command with seven joints: what is free in a pose, and joints that are held."""
+"""The urdf-ik command where something is free in a pose: seven joints, a free axis; and joints that are held."""
 
 import io
 import json
@@ -142,3 +142,31 @@ def test_nearest_looks_over_all_values_of_the_parameter(swivel: str) -> None:
     held = json.loads(call("ik", swivel, *pose, "--nearest", TYPED, "--redundancy", "0.2", "-f", "json").stdout)
     (other,) = held["poses"][0]["solutions"]
     assert np.linalg.norm(np.array(other["q"]) - Q) > np.linalg.norm(near.q[0] - Q)
+
+
+def test_a_free_axis_turns_the_target() -> None:
+    """The solutions are those of the library at the same value; in degrees where asked."""
+    result = call(
+        "ik", "puma_560", "--free-axis", "0,1,0", "--free-at", "0,0,0.1", "--redundancy", "30", "--degrees",
+        "--q", "10,20,30,40,50,60", "-f", "json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    (pose,) = json.loads(result.stdout)["poses"]
+    arm = urdf_ik.load("puma_560").with_free_axis((0, 1, 0), (0, 0, 0.1))
+    wanted = arm.ik(arm.fk(np.deg2rad([10, 20, 30, 40, 50, 60])), redundancy=np.deg2rad(30.0)).to_array()
+    found = np.array([one["q"] for one in pose["solutions"]])
+    np.testing.assert_allclose(found, np.rad2deg(wanted), atol=1e-9)
+    assert pose["redundancy"] == pytest.approx(30.0)
+
+
+def test_info_and_path_know_the_free_axis(tmp_path: Path) -> None:
+    """What is free is named; a path turns about it."""
+    printed = call("info", "puma_560", "--free-axis", "z").stdout
+    assert "rotation about the tip's z axis" in printed
+    arm = urdf_ik.load("puma_560")
+    here = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+    turned = here @ urdf_ik.pose([0.0, 0.0, 0.0], rotvec=[0.0, 0.0, 1.0])
+    np.save(tmp_path / "path.npy", urdf_ik.line(here, turned, 10))
+    asked = ("path", "puma_560", "--poses", str(tmp_path / "path.npy"), "--no-collisions", "-f", "json")
+    fixed, free = (json.loads(call(*asked, *more).stdout)["cost"] for more in ((), ("--free-axis", "z")))
+    assert free < 1e-9 < fixed

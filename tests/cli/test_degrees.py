@@ -1,15 +1,13 @@
 """With --degrees every command speaks of angles in degrees, in text and data, and takes back what it prints."""
 
-import json
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command import call, strict_json, succeed
 
 import urdf_ik
-from urdf_ik.cli import app
 
 SEVEN = "10,20,30,40,50,60,70"
 SIX = "10,20,30,40,50,60"
@@ -47,16 +45,9 @@ COMMANDS = [
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_command_prints_radians(command: str) -> None:
     """Neither in a table, nor in an explanation, nor as the unit of data."""
-    result = CliRunner().invoke(app, [*command.split(), "--degrees"])
+    result = call(*command.split(), "--degrees")
     assert result.exit_code in (0, 1), result.output
     assert not re.search(r"\brad(ians)?\b", result.output), result.output
-
-
-def numbers(command: str, *options: str) -> dict[str, object]:
-    """The data of a command."""
-    result = CliRunner().invoke(app, [*command.split(), "--format", "json", *options])
-    found: dict[str, object] = json.loads(result.stdout)
-    return found
 
 
 def test_data_are_the_same_but_for_the_unit() -> None:
@@ -69,8 +60,9 @@ def test_data_are_the_same_but_for_the_unit() -> None:
     ):
         q = np.array([[0, 40, 50, 0, 50, 0], [10, 40, 50, 0, 50, 0]], dtype=float)
         typed = [",".join(map(repr, row)) for row in (*np.deg2rad(q).tolist(), *q.tolist())]
-        radians = numbers(command.replace("Q", typed[0]).replace("R", typed[1]))
-        degrees = numbers(command.replace("Q", typed[2]).replace("R", typed[3]), "--degrees")
+        radians = strict_json(succeed(*command.replace("Q", typed[0]).replace("R", typed[1]).split(), "--json"))
+        asked = command.replace("Q", typed[2]).replace("R", typed[3]).split()
+        degrees = strict_json(succeed(*asked, "--json", "--degrees"))
         np.testing.assert_allclose(parts(degrees), np.rad2deg(parts(radians)), rtol=1e-6)
 
 
@@ -81,19 +73,19 @@ def test_an_interval_that_is_printed_can_be_typed_back(tmp_path: Path) -> None:
     x, y, z = T[:3, 3].tolist()
     rpy = ",".join(map(repr, np.rad2deg(urdf_ik.model.poses.to_rpy(T)).tolist()))
     ask = ["ik", "srs_7r", "--redundancy-joint", "joint_1", "--xyz", f"{x!r},{y!r},{z!r}", f"--rpy={rpy}", "--degrees"]
-    first = CliRunner().invoke(app, [*ask, "--redundancy=-20"])
+    first = call(*ask, "--redundancy=-20")
     found = re.findall(r"(-?[\d.]+) to (-?[\d.]+) deg", " ".join(first.output.split("there are solutions")[-1].split()))
     assert first.exit_code == 1 and found, first.output
     for low, high in found:
         middle = (float(low) + float(high)) / 2
-        assert CliRunner().invoke(app, [*ask, f"--redundancy={middle}"]).exit_code == 0
+        assert call(*ask, f"--redundancy={middle}").exit_code == 0
 
 
 def test_a_pendant_measures_joint_3_against_the_horizon() -> None:
     """The hand keeps its orientation while joint 2 alone moves, and what ik shows is typed back."""
     vectors = [f"0.2,{second},0.4,0.3,0.5,0.1" for second in (-0.6, 0.2, 1.0)]
     typed = [f"--q={each}" for each in vectors]
-    found = json.loads(CliRunner().invoke(app, ["fk", "puma_560", "--pendant", "--json", *typed]).stdout)
+    found = strict_json(succeed("fk", "puma_560", "--pendant", "--json", *typed))
     reference = urdf_ik.load("puma_560").cell.reference
     poses = [np.array(each["pose"]) for each in found["poses"]]
     np.testing.assert_allclose([each["q"][2] for each in found["poses"]], 0.4, atol=1e-15)
@@ -101,6 +93,6 @@ def test_a_pendant_measures_joint_3_against_the_horizon() -> None:
         np.testing.assert_allclose(pose[:3, :3], poses[0][:3, :3], atol=1e-12)
     whole = np.array([0.2, 1.0, 0.4 - 1.0, 0.3, 0.5, 0.1])
     np.testing.assert_allclose(reference.pose(whole), poses[2], atol=1e-12)
-    answer = json.loads(CliRunner().invoke(app, ["ik", "puma_560", "--pendant", "--json", f"--q={vectors[2]}"]).stdout)
+    answer = strict_json(succeed("ik", "puma_560", "--pendant", "--json", f"--q={vectors[2]}"))
     shown = np.array([each["q"] for each in answer["poses"][0]["solutions"]])
     assert np.abs(shown - [0.2, 1.0, 0.4, 0.3, 0.5, 0.1]).max(axis=1).min() < 1e-9

@@ -7,14 +7,13 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from chains import joint, robot
 from command import ARM, call, strict_json, succeed
 
 from urdf_ik.cli.commands import installation
 from urdf_ik.model import catalogue
 
-TWO = """<robot name="two"><link name="base"/><link name="left"/><link name="right"/>
-<joint name="l" type="continuous"><parent link="base"/><child link="left"/></joint>
-<joint name="r" type="continuous"><parent link="base"/><child link="right"/></joint></robot>"""
+TWO = robot(joint("l", "continuous", "base", "left"), joint("r", "continuous", "base", "right"))
 XACRO = """<robot name="made" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="up" default="1"/>
 <link name="base"/><link name="tip"/><joint name="j" type="continuous"><parent link="base"/><child link="tip"/>
 <origin xyz="0 0 $(arg up)"/></joint></robot>"""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
-from command import ARM, TYPED, call, strict_json, succeed
+from command import ARM, TYPED, call, cell, strict_json, succeed
 
 import urdf_ik
 from urdf_ik.cli import app
@@ -76,12 +76,10 @@ def test_the_task_is_named_and_asked_for() -> None:
 def test_explain_names_what_stands_in_the_way(tmp_path: Path) -> None:
     """Out of reach, out of limits and in contact are told apart, each with the part that is at fault."""
     assert "reach 2.1 m" in succeed("explain", ARM, "--xyz", "0,0,4", "--rpy", "0,0,0")
-    cell = tmp_path / "cell.urdf"
-    box = '<collision><geometry><box size="9 9 9"/></geometry></collision>'
-    cell.write_text(f'<robot name="c"><link name="post">{box}</link></robot>')
+    world = cell(tmp_path / "cell.urdf", 'box size="9 9 9"')
     arm = urdf_ik.load(ARM)
     free = strict_json(succeed("explain", ARM, "--q", TYPED, "--json"))["poses"][0]
-    inside = strict_json(succeed("explain", ARM, "--q", TYPED, "--world", str(cell), "--json"))["poses"][0]
+    inside = strict_json(succeed("explain", ARM, "--q", TYPED, "--world", world, "--json"))["poses"][0]
     assert free["of_use"] == len(arm.ik(arm.fk(np.array(TYPED.split(","), float))).within_limits().collision_free())
     assert inside["of_use"] == 0 and "touches post" in inside["each"][0] and "in collision" in inside["why"]
     limits = strict_json(succeed("explain", "panda", "--json"))["poses"][0]

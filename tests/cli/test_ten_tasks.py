@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import call, succeed
+from command import succeed
 
 import urdf_ik
 from urdf_ik.model import catalogue
@@ -35,13 +35,3 @@ def test_every_line_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert "PASSED" in printed[LINES[8]]
     assert Path("plan.csv").stat().st_size and Path("path.png").read_bytes().startswith(b"\x89PNG")
     assert re.search(r"^ *0\.\d+ .* 3 ", printed[LINES[11]], re.MULTILINE)
-
-
-@pytest.mark.filterwarnings("default")
-def test_degrees_in_a_file_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without --degrees they are rad, many turns of them, and the command says so; with it, it does not."""
-    monkeypatch.chdir(tmp_path)
-    Path("seam.csv").write_text("x,y,z,roll,pitch,yaw\n0.4,-0.2,0.3,0,90,0\n")
-    told = "90 is 14.3 turns"
-    assert told in call("ik", "puma_560", "--poses", "seam.csv").stderr
-    assert told not in call("ik", "puma_560", "--poses", "seam.csv", "--degrees").stderr

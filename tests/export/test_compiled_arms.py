@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = json.loads((ROOT / "docs" / "_static" / "compiled-arm.schema.json").read_text())
-POSES = 40
 
 _MIMIC = '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
 _HASHES = """
@@ -54,17 +53,6 @@ def special_arms() -> list[tuple[str, urdf_ik.Arm]]:
 EVERY = [*core_arms.every_arm(), *special_arms()]
 
 
-def targets(arm: urdf_ik.Arm, seed: int) -> tuple[Array, Array | None]:
-    """Poses (m, 4, 4), random, round and singular, and values (m, p) of what they leave free."""
-    rng = np.random.default_rng(seed)
-    q = rng.uniform(-3.0, 3.0, (POSES, arm.dof))
-    q[:, [kind == "prismatic" for kind in arm.chain.joint_types]] *= 0.1
-    q[::4] = np.round(q[::4] / (np.pi / 4)) * (np.pi / 4)
-    q[0] = 0.0
-    T = arm.fk(q)
-    return T, None if arm.redundancy is None else np.asarray(arm.solver.redundant_member.value_of(q, T))
-
-
 @pytest.mark.parametrize(("name", "arm"), EVERY, ids=[name for name, _ in EVERY])
 def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: urdf_ik.Arm, tmp_path: Path) -> None:
     """The text fits the schema and reads back; both solve with the same bits as the arm, without allocating."""
@@ -73,9 +61,8 @@ def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: u
     jsonschema.validate(json.loads(text), SCHEMA)
     again = urdf_ik.load_compiled(file)
     assert urdf_ik.compile(again) == text == urdf_ik.compile(pickle.loads(pickle.dumps(again)))
-    T, values = targets(arm, 1)
-    free = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
-    expected, in_python = arm.ik(T, **free), again.ik(T, **free)
+    T, values = native_arms.targets(arm)
+    expected, in_python = native_arms.expected(arm, T, values), native_arms.expected(again, T, values)
     native = native_arms.solved(file, T, values)
     assert in_python.q.tobytes() == expected.q.tobytes()
     flags = native_arms.flags_of(expected)
@@ -85,7 +72,7 @@ def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: u
     assert valid.any(axis=-1).all()
     # The search for the solutions of joints that drive several axes takes its memory once a call.
     assert native.allocations == (0 if arm.chain.axes is arm.chain else 1)
-    row = expected.q[np.arange(POSES), valid.argmax(axis=-1)]
+    row = expected.q[np.arange(len(T)), valid.argmax(axis=-1)]
     assert native.pose.tobytes() == arm.fk(row).tobytes()
     assert np.abs(native.J - arm.jacobian(row)).max() < 1e-12
     if values is not None:
@@ -94,7 +81,7 @@ def test_python_and_cpp_solve_a_compiled_arm_as_the_arm_itself(name: str, arm: u
     near = expected.nearest(np.zeros(arm.dof), within_limits=True)
     assert (native.column >= 0).tolist() == near.valid[:, 0].tolist()
     assert np.array_equal(native.nearest, near.q[:, 0], equal_nan=True)
-    for i in range(0, POSES, 7):
+    for i in range(0, len(T), 7):
         turned = limits.turns(row[i : i + 1], arm.limits, arm.chain.image_turns)
         images = turned.q[turned.valid]
         assert native.count[i] == len(images)

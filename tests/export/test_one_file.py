@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from command import call
 from core_samples import fresh
-from native_arms import PROGRAMS, WARNINGS, compiler
+from native_arms import PROGRAMS, WARNINGS, compiler, expected, targets
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -46,8 +46,8 @@ ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos", "sincos", "remainder"}
 _EXPECTED = """
 import sys, native_arms, numpy as np, test_one_file
 for name, arm in test_one_file.CHOSEN:
-    T, values = test_one_file.targets(arm)
-    s = test_one_file.expected(arm, T, values)
+    T, values = native_arms.targets(arm, 5, 60)
+    s = native_arms.expected(arm, T, values)
     given = {} if values is None else {"values": values}
     place = f"{sys.argv[1]}/{test_one_file.place_of(name)}"
     np.savez(place, T=T, q=s.q, valid=s.valid, flags=native_arms.flags_of(s), **given)
@@ -66,23 +66,6 @@ class Answers(NamedTuple):
     q: Array
     flags: NDArray[np.uint8]
     zero: Array
-
-
-def targets(arm: urdf_ik.Arm) -> tuple[Array, Array | None]:
-    """Poses (60, 4, 4), random and round, and values (60, p) of what they leave free."""
-    rng = np.random.default_rng(5)
-    q = rng.uniform(-3.0, 3.0, (60, arm.dof))
-    q[:, [kind == "prismatic" for kind in arm.chain.joint_types]] *= 0.1
-    q[::4] = np.round(q[::4] / (np.pi / 4)) * (np.pi / 4)
-    T = arm.fk(q)
-    return T, None if arm.redundancy is None else np.asarray(arm.solver.redundant_member.value_of(q, T))
-
-
-def expected(arm: urdf_ik.Arm, T: Array, values: Array | None) -> urdf_ik.IKSolutions:
-    """Python's answer to targets."""
-    if values is None:
-        return arm.ik(T)
-    return arm.ik(T, redundancy=values[:, 0] if values.shape[1] == 1 else values)
 
 
 def place_of(name: str) -> str:
@@ -193,7 +176,7 @@ def test_arms_of_two_families_in_one_unit_give_the_same_bits(name: str, beside: 
     """With the library's flags answers are those of Python, and nothing is allocated."""
     arms = [urdf_ik.load(name), urdf_ik.load(beside)]
     unit = unit_of(arms, compiler("CXX"), (*FLAGS, *level_flags(_core.isa())), tmp_path)
-    asked = [targets(arm) for arm in arms]
+    asked = [targets(arm, 5, 60) for arm in arms]
     for arm, given, found in zip(arms, asked, answers(unit, arms, asked), strict=True):
         same_bits(found, expected(arm, *given))
 
@@ -204,7 +187,7 @@ def test_one_file_solves_as_python_does(name: str, tmp_path: Path) -> None:
     arm = urdf_ik.load(name)
     unit = unit_of([arm], compiler("CXX"), ("-O1", *FLAGS[1:], *FREESTANDING), tmp_path)
     assert needed_by(unit) <= ALLOWED
-    T = targets(arm)[0][:20]
+    T = targets(arm, 5, 20)[0]
     (found,) = answers(unit, [arm], [(T, None)])
     wanted = arm.ik(T)
     assert ((found.flags & 1).astype(bool) == wanted.valid).all()

@@ -19,14 +19,13 @@ pytestmark = web_arms.needs_node
 # Python's own answers at the level whose arithmetic WebAssembly has, and the files that both solve from.
 _EXPECTED = """
 import pathlib, sys
-import numpy as np, urdf_ik
-from test_compiled_arms import EVERY, targets
+import native_arms, numpy as np, urdf_ik
+from test_compiled_arms import EVERY
 for k, (name, arm) in enumerate(EVERY):
     place = pathlib.Path(sys.argv[1]) / str(k)
     place.with_suffix(".json").write_text(urdf_ik.compile(arm))
-    T, values = targets(arm, 1)
-    free = {} if values is None else {"redundancy": values[:, 0] if values.shape[1] == 1 else values}
-    s = arm.ik(T, **free)
+    T, values = native_arms.targets(arm)
+    s = native_arms.expected(arm, T, values)
     first = np.nan_to_num(s.q[np.arange(len(T)), s.valid.argmax(axis=-1)])
     np.savez(place, T=T, q=s.q, valid=s.valid, singular=s.singular != 0, status=s.status, branches=s.branches,
              pose=arm.fk(first), **({} if values is None else {"values": values}))

@@ -25,7 +25,6 @@ MAKERS: dict[str, Callable[[], DescribedArm]] = {
     "jaco": jaco_like,
     "irb140": irb140_like,
 }
-RANDOM = tuple(name for name in MAKERS if name.startswith("random"))
 STRUCTURED = ("crx", "hc10", "jaco", "irb140")
 ALL = tuple(MAKERS)
 

@@ -34,14 +34,6 @@ def test_the_fast_reference_is_pinocchio(million: Any) -> None:
         assert reference.sigma_min(Q[0]) == pytest.approx(np.linalg.svd(J, compute_uv=False)[-1], rel=1e-9)
 
 
-def test_zyyzyz_passes(million: Any) -> None:
-    """On the bundled arm no solution is lost, given twice or inexact, and every solution was measured."""
-    tally = million.measure(("z y y z y z", 3, 0, 50))
-    assert (tally.poses, tally.solutions, tally.lost, tally.duplicates) == (50, 400, [], 0)
-    assert 0.0 < max(tally.position, tally.rotation) < 1e-12
-    assert tally.passed
-
-
 def test_losses_duplicates_and_errors_are_counted(million: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pose without solutions, a solution given twice and one that is off by 1e-6 rad each count in their column."""
     sound = urdf_ik.load("zyyzyz_6r")

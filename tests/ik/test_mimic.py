@@ -2,6 +2,7 @@
 
 import math
 
+import chains
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -198,9 +199,8 @@ def test_limits_of_a_driver_and_its_followers() -> None:
 def test_a_driver_beside_the_chain(multiplier: float) -> None:
     """A joint that mimics one beside the chain is free in effect, by the other's name; an arm of six is then one."""
     plain = random_arm("wrist, 2||3", 2).urdf
-    crank = '<link name="crank"/><joint name="crank" type="revolute"><parent link="base"/><child link="crank"/>'
-    crank += '<axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>'
-    text = mimicking(plain, 2, "crank", multiplier, 0.3).replace("</robot>", crank)
+    crank = '<link name="crank"/>' + chains.joint("crank", "revolute", "base", "crank", axis="0 0 1")
+    text = mimicking(plain, 2, "crank", multiplier, 0.3).replace("</robot>", f"{crank}</robot>")
     arm, reference = urdf_ik.load(text, "base", "tool"), Reference(text, "base", "tool")
     assert arm.joint_names == ("joint_1", "crank", "joint_3", "joint_4", "joint_5", "joint_6") == reference.joint_names
     assert arm.structure.family == urdf_ik.load(plain, "base", "tool").structure.family

@@ -114,14 +114,6 @@ def test_screw_axes_are_pinocchios_zero_configuration() -> None:
     assert (chain.H.shape, chain.P.shape, chain.n) == ((5, 3), (6, 3), 5)
 
 
-def test_a_chain_does_not_change() -> None:
-    """Its arrays are read-only: fk and ik rest on the same numbers for as long as they are used."""
-    chain = from_urdf(urdf.read(serial("RRR")))
-    for array in (chain.H, chain.P, chain.R_tip, chain.limits):
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 0.0
-
-
 def test_base_and_tip_without_a_joint_between_them() -> None:
     """Rigidly joined links, or one link twice, make a chain of no joints whose pose is constant."""
     xml = robot(joint("f", "fixed", "a", "b", "1 2 3", "0.1 0.2 0.3"), joint("j", "revolute", "b", "c", axis="0 0 1"))

@@ -7,15 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arms import serial_urdf
+from command import succeed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from typer.testing import CliRunner
 
 import urdf_ik
 from urdf_ik import DHTable, pose
 from urdf_ik.cell.pinocchio_reference import Reference
-from urdf_ik.cli import app
 from urdf_ik.errors import UrdfError
 
 Array = NDArray[np.float64]
@@ -285,17 +284,6 @@ def test_links_can_be_seen_and_collided(name: str) -> None:
     assert not body.in_collision(np.array([0.0, -0.5, 0.8, 0.0, 0.7, 0.0]))
 
 
-def test_text_for_people() -> None:
-    """str() shows the rows, with each joint's variable where it acts, and base and tool where there are any."""
-    table = DHTable.from_array(
-        [(PI / 2, 0, 0.5, 0), (0, 0.2, 0.1, PI)], "modified", joint_types="RP", limits=[(-1, 1), (0, 0.5)],
-        tool=pose([0, 0, 0.3]),
-    )  # fmt: skip
-    text = str(table)
-    assert "modified" in text and "q1" in text and "q2 +0.1" in text and "0.5" in text
-    assert "tool: xyz 0, 0, 0.3 m" in text and "base:" not in text
-
-
 def test_names_are_written_as_xml() -> None:
     """Names with markup in them come back as they were, and names that clash are refused."""
     names = ['a<b>&"c"', "two--hyphens"]
@@ -312,24 +300,17 @@ def test_names_are_written_as_xml() -> None:
 # ---------------------------------------------------------------- the command
 
 
-def call(*words: str) -> str:
-    """What the command prints; it must end with status 0."""
-    result = CliRunner().invoke(app, ["dh", *words], env={"COLUMNS": "120"}, catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.stdout
-
-
 def test_command_there_and_back(tmp_path: Path) -> None:
     """URDF to CSV in degrees, to URDF: the arm stays the same, and the error is printed."""
     table, urdf = (str(tmp_path / name) for name in ("t.csv", "t.urdf"))
-    call("dh_6r", "--convention", "modified", "--degrees", "-o", table)
+    succeed("dh", "dh_6r", "--convention", "modified", "--degrees", "-o", table)
     assert "joint_3,revolute,0.0,0.5,0.0,90.0" in Path(table).read_text()
-    call(table, "-o", urdf)
+    succeed("dh", table, "-o", urdf)
     assert "q3 +90" in Path(urdf).read_text()
     for source in (urdf, "dh_6r"):
-        shown = call(source, "--convention", "modified", "--degrees")
+        shown = succeed("dh", source, "--convention", "modified", "--degrees")
         assert "q3 +90" in shown and "differ from the URDF's by" in shown
-    assert call(table, "--convention", "standard") != call(table)
+    assert succeed("dh", table, "--convention", "standard") != succeed("dh", table)
     ours, theirs = Reference(Path(urdf), "base_link", "tool0"), urdf_ik.load("dh_6r")
     for q in np.random.default_rng(0).uniform(-2, 2, (5, 6)):
         np.testing.assert_allclose(ours.pose(q), theirs.fk(q), atol=1e-12)

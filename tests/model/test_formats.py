@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pinocchio
 import pytest
+from chains import ReferenceModel, joint, robot
 from lxml import etree
 
 import urdf_ik
@@ -56,17 +56,14 @@ def test_a_xacro_is_what_it_expands_to(workspace: Path) -> None:
     for given, length in ((None, 0.3), ({"length": 0.75}, 0.75)):
         file = workspace / "share/arm/urdf/arm.urdf.xacro"
         arm = urdf_ik.load(file, mesh_roots=[workspace / "share"], xacro_args=given)
-        plain = "".join(
-            f'<link name="link_{k}"/><joint name="joint_{k}" type="revolute"><parent link="{parent}"/>'
-            f'<child link="link_{k}"/><origin xyz="0 0 {z}" rpy="{roll!r} 0 0"/><axis xyz="0 1 0"/>'
-            '<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>'
-            for k, parent, z, roll in ((1, "base", length, np.pi / 2), (2, "link_1", 0.4, 0.1))
+        reference = ReferenceModel(
+            robot(
+                joint("1", "revolute", "base", "link_1", f"0 0 {length}", f"{np.pi / 2!r} 0 0", "0 1 0"),
+                joint("2", "revolute", "link_1", "link_2", "0 0 0.4", "0.1 0 0", "0 1 0"),
+            )
         )
-        model = pinocchio.buildModelFromXML(f'<robot name="made"><link name="base"/>{plain}</robot>')
-        data = model.createData()
-        q = np.array([0.4, -0.7])
-        pinocchio.framesForwardKinematics(model, data, q)
-        np.testing.assert_allclose(arm.fk(q), data.oMf[model.getFrameId("link_2")].homogeneous, atol=1e-15)
+        reference.place({"1": 0.4, "2": -0.7})
+        np.testing.assert_allclose(arm.fk([0.4, -0.7]), reference.pose("base", "link_2"), atol=1e-15)
         assert arm.limits.tolist() == [[-2.0, 2.0]] * 2
 
 

@@ -9,6 +9,7 @@ import re
 
 import numpy as np
 import pytest
+from chains import joint, robot
 
 import urdf_ik
 from urdf_ik import UrdfIkError
@@ -16,17 +17,15 @@ from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.model import catalogue
 
 SEED, COUNT = map(int, os.environ.get("URDF_IK_MUTANTS", "7:240").split(":"))
-LINKED = "".join(
-    f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="0.1 0 0.1"/>'
-    f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/>{mimic}</joint>\n'
-    for k, (axis, mimic) in enumerate(
-        [("0 0 1", ""), ("0 1 0", ""), ("0 1 0", '<mimic joint="j1" multiplier="-1"/>'),
-         ("0 1 0", '<mimic joint="j2" multiplier="0.5"/>'), ("1 0 0", "")]
+FOLLOWS = {2: '<mimic joint="j1" multiplier="-1"/>', 3: '<mimic joint="j2" multiplier="0.5"/>'}
+LINKED = robot(
+    *(
+        joint(f"j{k}", "revolute", f"l{k}", f"l{k + 1}", "0.1 0 0.1", axis=axis, more=FOLLOWS.get(k, ""))
+        for k, axis in enumerate(("0 0 1", "0 1 0", "0 1 0", "0 1 0", "1 0 0"))
     )
-)  # fmt: skip
+)
 TEXTS = [catalogue.resolve(name).path.read_bytes() for name in ("planar_2r", "puma_560", "scara_rrpr", "srs_7r")]
-PARTS = "".join(f'<link name="l{k}"/>' for k in range(6))
-TEXTS.append(f'<robot name="m">{PARTS}{LINKED}</robot>'.encode())
+TEXTS.append(LINKED.encode())
 NUMBERS = (
     b"0", b"-0", b"1e-17", b"1e-9", b"1e9", b"1e16", b"1e155", b"1e308", b"1e999", b"nan", b"inf", b"", b"x", b"1_0"
 )  # fmt: skip

@@ -156,31 +156,6 @@ def test_the_wheel_can_be_published(installed: Installed) -> None:
     assert installed.wheel.stat().st_size <= 10_000_000
 
 
-def test_the_first_minute_of_a_fresh_environment(installed: Installed) -> None:
-    """Without a compiler on the path the doctor is well, and all solutions of a URDF of one's own are printed."""
-    done = installed.run("urdf-ik", "doctor")
-    assert done.returncode == 0 and "all is well" in done.stdout, done.stdout + done.stderr
-    (installed.elsewhere / "mine.urdf").write_bytes((ROOT / "urdf" / "puma_560.urdf").read_bytes())
-    done = installed.run("urdf-ik", "ik", "mine.urdf")
-    assert done.returncode == 0 and "8 solutions" in done.stdout, done.stdout + done.stderr
-
-
-def test_three_urdfs_are_held_to_their_locks(installed: Installed, tmp_path: Path) -> None:
-    """The plugin in a repository of three URDFs: an axis that is negated fails, and that arm alone."""
-    files = []
-    for name in ("planar_2r", "puma_560", "scara_rrpr"):
-        files += ["--urdf", f"{name}.urdf"]
-        (tmp_path / f"{name}.urdf").write_bytes((ROOT / "urdf" / f"{name}.urdf").read_bytes())
-    python = str(installed.environment / "bin" / "python")
-    line = (python, "-m", "pytest", "-q", "--tip", "tool0", "--urdf-poses", "5", *files)
-    assert [run(*line, *more, cwd=tmp_path).returncode for more in ((), ("--urdf-freeze",), ())] == [1, 0, 0]
-    arm = tmp_path / "scara_rrpr.urdf"
-    arm.write_text(arm.read_text().replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>', 1))
-    done = run(*line, cwd=tmp_path)
-    failed = [text for text in done.stdout.splitlines() if text.startswith("FAILED")]
-    assert done.returncode == 1 and failed and all("scara_rrpr" in text for text in failed), done.stdout
-
-
 @pytest.mark.skipif(
     CHROMIUM is None or not all((WEB / name).is_file() for name in ("urdf_ik.wasm", "page.bundle.js")),
     reason=f"{INSTALL}; make wasm page",
@@ -194,17 +169,6 @@ def test_the_wheel_writes_a_page_of_all_solutions(installed: Installed) -> None:
         page.goto((installed.elsewhere / "arm.html").as_uri())
         page.wait_for_function("document.documentElement.dataset.ready", timeout=1000.0 * PATIENCE)
         assert page.locator("#solutions li").count() == 8
-
-
-def test_the_first_notebook_runs_there(installed: Installed) -> None:
-    """Its cells, one after the other, without the repository."""
-    cells = json.loads((ROOT / "notebooks" / "01_all_branches.ipynb").read_text(encoding="utf-8"))["cells"]
-    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
-    (installed.elsewhere / "first.py").write_text(code, encoding="utf-8")
-    folder = str(installed.environment / "bin")
-    python = str(installed.environment / "bin" / "python")
-    done = run(python, "first.py", cwd=installed.elsewhere, PATH=folder, MPLBACKEND="agg")
-    assert done.returncode == 0, done.stderr
 
 
 def test_the_steps_of_the_page_about_ci_run_where_the_wheel_is_all_there_is(

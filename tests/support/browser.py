@@ -81,14 +81,6 @@ class ViewerPage:
         self.catch_up()
         self.wait_for_view()
 
-    @contextmanager
-    def away(self) -> Iterator[Any]:
-        """The page for something else: two at once would have to be drawn without a GPU."""
-        try:
-            yield self.page
-        finally:
-            self.enter()
-
     def wait(self, what: Callable[[], Any], why: str) -> None:
         """Let the page run until ``what()`` is true."""
         end = time.monotonic() + PATIENCE

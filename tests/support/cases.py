@@ -132,3 +132,9 @@ def assert_exact(case: Case, solutions: IKSolutions, target: Array) -> Array:
     assert (found <= np.pi).all()
     assert worst_error(case, found, target) <= RESIDUAL
     return found
+
+
+def vectors(arm: Any, count: int, seed: int = 0) -> Array:
+    """Joint vectors (count, n) inside the limits, without turns."""
+    lower, upper = np.clip(arm.limits, -np.pi, np.pi).T
+    return np.random.default_rng(seed).uniform(lower, upper, (count, arm.dof))

@@ -75,11 +75,17 @@ def joint(
     )
 
 
-def robot(*joints: str) -> str:
-    """URDF text with the links that the joints name."""
+def collision(shape: str, xyz: str = "0 0 0", rpy: str = "0 0 0") -> str:
+    """A collision element of a link."""
+    return f'<collision><origin xyz="{xyz}" rpy="{rpy}"/><geometry><{shape}/></geometry></collision>'
+
+
+def robot(*joints: str, **parts: str) -> str:
+    """URDF text with the links that the joints name, and what is in them."""
     text = "".join(joints)
-    links = dict.fromkeys(part.split('"')[0] for part in text.split(' link="')[1:])
-    return f'<robot name="r">{"".join(f"""<link name="{link}"/>""" for link in links)}{text}</robot>'
+    names = dict.fromkeys(part.split('"')[0] for part in text.split(' link="')[1:])
+    links = (f'<link name="{x}">{parts[x]}</link>' if x in parts else f'<link name="{x}"/>' for x in names)
+    return f'<robot name="r">{"".join(links)}{text}</robot>'
 
 
 def random_tree(seed: int, joints: int = 12) -> str:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -76,3 +77,11 @@ def vectors(text: str) -> Array:
 def comma(values: Sequence[float] | Array) -> str:
     """Numbers as they are typed."""
     return ",".join(repr(float(x)) for x in values)
+
+
+def cell(file: Path, shape: str, at: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> str:
+    """Write the URDF of a cell whose one link, the post, is a shape; its name as it is typed."""
+    place = " ".join(map(str, at))
+    collision = f'<collision><origin xyz="{place}"/><geometry><{shape}/></geometry></collision>'
+    file.write_text(f'<robot name="cell"><link name="post">{collision}</link></robot>')
+    return str(file)

@@ -12,6 +12,7 @@ import numpy as np
 from core_steps import FOLDER
 from numpy.typing import NDArray
 
+import urdf_ik
 from urdf_ik import IKSolutions, _core
 from urdf_ik.cmake import core
 
@@ -116,3 +117,21 @@ def flags_of(s: IKSolutions) -> NDArray[np.uint8]:
     status = {"complete": 0, "incomplete": 32, "clustered": 64, "continuum": 96}
     flags[:, 0] |= np.array([status[each] for each in s.status], np.uint8)
     return np.asarray(flags)
+
+
+def targets(arm: urdf_ik.Arm, seed: int = 1, count: int = 40) -> tuple[Array, Array | None]:
+    """Poses (m, 4, 4), random, round and singular, and values (m, p) of what they leave free."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-3.0, 3.0, (count, arm.dof))
+    q[:, [kind == "prismatic" for kind in arm.chain.joint_types]] *= 0.1
+    q[::4] = np.round(q[::4] / (np.pi / 4)) * (np.pi / 4)
+    q[0] = 0.0
+    T = arm.fk(q)
+    return T, None if arm.redundancy is None else np.asarray(arm.solver.redundant_member.value_of(q, T))
+
+
+def expected(arm: urdf_ik.Arm, T: Array, values: Array | None) -> urdf_ik.IKSolutions:
+    """Python's answer to targets."""
+    if values is None:
+        return arm.ik(T)
+    return arm.ik(T, redundancy=values[:, 0] if values.shape[1] == 1 else values)

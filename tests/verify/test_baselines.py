@@ -243,3 +243,21 @@ def test_the_commands_freeze_verify_and_update(tmp_path: Path, monkeypatch: pyte
     assert call("verify", "arm.urdf", "arm.lock.json", "--ignore", "axes").exit_code == 2
     assert "negated" in succeed("verify", "bad.urdf", "arm.lock.json", "--update")
     succeed("verify", "bad.urdf", "arm.lock.json")
+
+
+LOCKS = Path(__file__).parent.parent / "goldens" / "locks"
+
+
+@pytest.mark.parametrize("path", sorted(LOCKS.glob("*.lock.json")), ids=lambda path: path.name.partition(".")[0])
+def test_an_old_lock_verifies_and_is_written_the_same(path: Path) -> None:
+    """Every pose has the solutions of then, and the lock is written as the same text.
+
+    `urdf-ik freeze` of commit 889e87b wrote them, of every kind of family, some with the URDF beside.
+    """
+    name = path.name.removesuffix(".lock.json")
+    urdf = path.with_name(f"{name}.urdf")
+    lock = Lock.load(path)
+    found = lock.verify(urdf_ik.load(urdf if urdf.is_file() else name))
+    assert found.passed and found.poses == len(lock.poses), found
+    assert all(note.startswith("contacts were not checked: no collision shapes") for note in found.notes), found
+    assert lock.to_text() == path.read_text()

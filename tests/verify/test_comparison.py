@@ -5,10 +5,11 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+import chains
 import numpy as np
 import pytest
 from arms import industrial, ur_like
-from command import TWO_JOINTS, call, strict_json, succeed
+from command import TWO_JOINTS, call, cell, strict_json, succeed
 
 import urdf_ik
 from urdf_ik import Arm, Comparison, DHTable, UrdfIkError
@@ -245,18 +246,11 @@ def test_a_table_in_the_way_takes_the_lower_elbows() -> None:
 
 def test_the_command_compares_in_a_cell_and_draws_it(tmp_path: Path) -> None:
     """--world, --tool-cylinder and --tool-urdf take the branches that touch; -o FILE.svg is the picture."""
-    finger = '<collision><origin xyz="0 0 0.1"/><geometry><box size="0.02 0.02 0.2"/></geometry></collision>'
-    (tmp_path / "gripper.urdf").write_text(
-        f'<robot name="gripper"><link name="palm"/><link name="finger">{finger}</link><joint name="slide" '
-        'type="prismatic"><parent link="palm"/><child link="finger"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>'
-        '<limit lower="0" upper="0.03" effort="1" velocity="1"/></joint></robot>'
-    )
-    (tmp_path / "cell.urdf").write_text(
-        '<robot name="cell"><link name="table"><collision><origin xyz="0.6 0 -0.05"/>'
-        '<geometry><box size="0.8 1.2 0.1"/></geometry></collision></link></robot>'
-    )
+    slide = chains.joint("slide", "prismatic", "palm", "finger", "0 0 0.1", axis="0 1 0")
+    finger = chains.collision('box size="0.02 0.02 0.2"', "0 0 0.1")
+    (tmp_path / "gripper.urdf").write_text(chains.robot(slide, finger=finger))
     words = ["compare", "ur5", "ur5", "-n", "2", "--xyz", "0.35,0,0.12", "--rpy", "180,0,0", "--degrees"]
-    in_cell = [*words, "--world", str(tmp_path / "cell.urdf")]
+    in_cell = [*words, "--world", cell(tmp_path / "cell.urdf", 'box size="0.8 1.2 0.1"', (0.6, 0, -0.05))]
     gripper = ["--tool-urdf", str(tmp_path / "gripper.urdf")]
     for some, free in (
         (words, 8),

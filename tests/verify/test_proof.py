@@ -8,6 +8,7 @@ import pytest
 from arms_general import calibrated_ur, crx_like, irb140_like, jaco_like, upright_ur, ur_with_right_angles
 from cases import described, from_catalogue
 from flint import arb
+from searches import folds
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError, UnsupportedArm
@@ -91,29 +92,10 @@ def test_an_empty_answer_is_accepted_only_out_of_reach() -> None:
     assert verdict(Loop.of(arm.chain, T), none, None) is True
 
 
-def at_a_fold(arm: urdf_ik.Arm) -> np.ndarray:
-    """A joint vector at which the determinant of the Jacobian is zero, to rounding."""
-    q = Q.copy()
-    values = np.linspace(-np.pi, np.pi, 65)
-    dets = []
-    for value in values:
-        q[2] = value
-        dets.append(np.linalg.det(arm.jacobian(q)))
-    k = int(np.flatnonzero(np.diff(np.sign(dets)))[0])
-    low, high = values[k], values[k + 1]
-    for _ in range(60):
-        q[2] = (low + high) / 2
-        if np.sign(np.linalg.det(arm.jacobian(q))) == np.sign(dets[k]):
-            low = q[2]
-        else:
-            high = q[2]
-    return q
-
-
 def test_a_double_root_is_a_cluster_of_two() -> None:
     """At a fold two roots are nearer than rounding: no box holds one of them, and a polydisc holds exactly two."""
     arm = described(crx_like()).arm
-    q = at_a_fold(arm)
+    (q,) = folds(arm, 1, np.random.default_rng(0))
     loop = Loop.of(arm.chain, arm.fk(q))
     assert isinstance(single_root(loop, exact(q)), str)
     found = cluster(loop, q.astype(complex), 1, 1e-5, 1e-8)
@@ -125,7 +107,7 @@ def test_a_double_root_is_a_cluster_of_two() -> None:
 def test_an_answer_at_a_fold_is_accepted() -> None:
     """One of its solutions stands for a double root, or for two roots that rounding of the pose took off the reals."""
     arm = described(crx_like()).arm
-    q = at_a_fold(arm)
+    (q,) = folds(arm, 1, np.random.default_rng(0))
     T = arm.fk(q)
     s = arm.ik(T)
     solutions = s.q[s.valid]

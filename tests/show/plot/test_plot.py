@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from chains import joint, robot
 from command import call, succeed
 from pictures import is_png, stick_lines
 
@@ -35,23 +36,19 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
 
 def test_triangles_lie_on_the_shapes() -> None:
     """Box corners at half the edges, cylinder and sphere points at the radius, wherever the link is."""
-    # A link each, all carried by the only joint.
-    shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'
-    text = "".join(
-        f'<link name="{name}">{shape.format(inside)}</link>'
-        for name, inside in (
-            ("base", '<box size="1 2 3"/>'),
-            ("mid", '<cylinder radius="0.2" length="0.6"/>'),
-            ("tip", '<sphere radius="0.3"/>'),
+
+    def visual(inside: str) -> str:
+        return f'<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry><{inside}/></geometry></visual>'
+
+    arm = urdf_ik.load(
+        robot(
+            joint("a", "revolute", "base", "mid", "0 0 1", axis="0 1 0"),
+            joint("b", "fixed", "mid", "tip", "0 0 0.5"),
+            base=visual('box size="1 2 3"'),
+            mid=visual('cylinder radius="0.2" length="0.6"'),
+            tip=visual('sphere radius="0.3"'),
         )
     )
-    joints = (
-        '<joint name="a" type="revolute"><parent link="base"/><child link="mid"/><origin xyz="0 0 1"/>'
-        '<axis xyz="0 1 0"/>'
-        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
-        '<joint name="b" type="fixed"><parent link="mid"/><child link="tip"/><origin xyz="0 0 0.5"/></joint>'
-    )
-    arm = urdf_ik.load(f'<robot name="shapes">{text}{joints}</robot>', "base", "tip")
     q = np.array([0.7])
     poses = arm.link_poses(q)
     found = {}
@@ -66,17 +63,12 @@ def test_triangles_lie_on_the_shapes() -> None:
     np.testing.assert_allclose(np.abs(found["mid"][:, 2]), 0.3)
 
 
-MESHES = """<robot name="meshes"><link name="base">
-<visual><geometry><mesh filename="ball.stl" scale="2 2 2"/></geometry>
-</visual><visual><geometry><mesh filename="nowhere.stl"/></geometry></visual></link><link name="tip"/>
-<joint name="a" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/>
-<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
-
-
 def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) -> None:
     """A ball of 20480 faces is drawn with a few hundred, all near its surface; a mesh that is not there is reported."""
     trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
-    (tmp_path / "meshes.urdf").write_text(MESHES)
+    drawn = '<visual><geometry><mesh filename="{}.stl" scale="2 2 2"/></geometry></visual>'
+    turning = joint("a", "revolute", "base", "tip", "0 0 1", axis="0 1 0")
+    (tmp_path / "meshes.urdf").write_text(robot(turning, base=drawn.format("ball") + drawn.format("nowhere")))
     arm = urdf_ik.load(tmp_path / "meshes.urdf")
     ((_, ball),), missing = shapes.bodies(arm)
     assert 100 < len(ball) <= link_shapes.COARSE
@@ -258,6 +250,7 @@ def is_svg(data: bytes) -> bool:
         ("zyyzyz_6r", "branches", "--shapes", "--q", ",".join(map(str, Q))),
         ("dh_6r", "limits", "--xyz", "0.5,0.11,0.26", "--quat-xyzw", "0,0,0.8,0.6"),
         ("planar_2r", "workspace", "--q", "30,-40", "--degrees"),
+        ("srs_7r", "intervals", "--q", "0.3,0.5,-0.4,0.9,0.2,-0.6,0.1"),
     ],
 )
 def test_the_command_writes_every_picture(arguments: tuple[str, ...], tmp_path: Path) -> None:
@@ -277,3 +270,26 @@ def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
     assert result.exit_code == 2 and "outside the map" in result.stderr
     result = call("plot", "puma_560", "workspace", "--map", path, "-o", picture)
     assert result.exit_code == 2 and "zyyzyz_6r" in result.stderr
+
+
+def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
+    """Where ipywidgets is installed: sliders over the limits, which start within them and move the arm."""
+    ipywidgets = pytest.importorskip("ipywidgets")
+    arm = urdf_ik.load("planar_2r")
+    shown = plot.interact(arm, [0.2, -0.4])
+    controls = [child for child in shown.children if isinstance(child, ipywidgets.FloatSlider)]
+    assert [control.description for control in controls] == [f"{name} [°]" for name in arm.joint_names]
+    np.testing.assert_allclose([(control.min, control.max) for control in controls], np.degrees(arm.limits))
+    np.testing.assert_allclose([control.value for control in controls], np.degrees([0.2, -0.4]))
+    with pytest.raises(urdf_ik.ArgumentError, match=r"'joint_1' is at .* outside its limits .*: sliders begin"):
+        plot.interact(arm, [9.0, 0.0])
+    controls[1].value = -90.0
+    figure = shown.f(**{control.description.split(" ")[0]: control.value for control in controls})
+    (line,) = stick_lines(figure.axes[0])
+    tip = arm.solver.control.plane.coordinates(arm.fk([np.radians(controls[0].value), -0.5 * np.pi]))[:2]
+    np.testing.assert_allclose(np.array(line.get_data())[:, -1], tip, atol=1e-12)
+
+
+def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
+    """Without pyplot: they give their own PNG."""
+    assert is_png(plot.arm(arm, shapes=False)._repr_png_())

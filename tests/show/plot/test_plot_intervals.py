@@ -1,12 +1,8 @@
 """The picture of intervals: bars and ends where they are; never how it looks."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from command import succeed
 from matplotlib.collections import LineCollection
-from pictures import is_png
 
 import urdf_ik
 from urdf_ik.show import plot
@@ -53,10 +49,3 @@ def test_a_batch_and_a_pose_out_of_reach() -> None:
         plot.intervals(arm.intervals(arm.fk([Q, Q])))
     (axes,) = plot.intervals(arm.intervals(urdf_ik.pose([50.0, 0.0, 0.0]))).axes
     assert not axes.collections
-
-
-def test_command(tmp_path: Path) -> None:
-    """``urdf-ik plot ROBOT intervals`` writes it."""
-    picture = tmp_path / "intervals.png"
-    succeed("plot", "srs_7r", "intervals", "--q", ",".join(map(str, Q)), "-o", str(picture))
-    assert is_png(picture.read_bytes())

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import ARM, call
+from chains import joint, robot
+from command import ARM
 from seams import blocked_plan, seam
 from wire import PATIENCE, WirePage, wait
 
@@ -134,12 +135,6 @@ def test_obstacles_stand_where_the_world_puts_them(arm: Arm, blocked: Plan, tmp_
         assert list(viewer.obstacles.handles) == ["box"]
 
 
-def test_a_plan_of_another_arm_is_refused(plan: Plan) -> None:
-    """As its joint vectors mean nothing there."""
-    with pytest.raises(ArgumentError, match="one of zyyzyz_6r, not of the arm"):
-        Viewer(urdf_ik.load("dh_6r"), port=0, plan=plan)
-
-
 @pytest.mark.parametrize(
     ("shape", "size", "middle"),
     [
@@ -159,16 +154,7 @@ def test_shapes_are_drawn_in_their_size(shape: object, size: tuple[float, ...], 
 def test_a_links_capsule_is_centred_too() -> None:
     """As a URDF's capsule is, whatever trimesh takes for its origin."""
     shape = '<visual><geometry><capsule radius="0.5" length="3"/></geometry></visual>'
-    model = urdf_ik.load(
-        f'<robot name="c"><link name="a"/><link name="b">{shape}</link><joint name="j" type="continuous">'
-        '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>'
-    ).model
+    model = urdf_ik.load(robot(joint("j", "continuous", "a", "b", axis="0 0 1"), b=shape)).model
     for coarse in (True, False):
         (((_, mesh),), _) = link_shapes.read(model, coarse=coarse)
         assert np.allclose(mesh.bounds[:, 2], (-2.0, 2.0), atol=0.01)
-
-
-def test_files_that_are_not_there_are_named() -> None:
-    """As `path` says it."""
-    assert call("view", ARM, "-p", "no/seam.csv").exit_code == 2
-    assert call("view", ARM, "--world", "no/cell.urdf").exit_code == 3

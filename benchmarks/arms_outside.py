@@ -14,7 +14,7 @@ from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 GENERAL = str(ROOT / "benchmarks" / "urdf" / "kinova_j2n6s300.urdf")
 
 
