@@ -209,43 +209,12 @@ def _word(text: str) -> str:
 
 _CLOSED, _SINGLY = "solve_closed_form", "solve_singly"
 _FORMS = "families/closed_forms/"
-# Of each family of six joints: the header, and by variant the function and the class that it takes, as in the table of
-# the .cpp file beside the header.
-FAMILIES = {
-    "spherical wrist": (
-        f"{_FORMS}spherical_wrist.hpp",
-        {
-            "2||3": (_CLOSED, "SphericalWrist<Shoulder::parallel_23>"),
-            "1x2": (_CLOSED, "SphericalWrist<Shoulder::intersecting_12>"),
-            "1||2": (_CLOSED, "SphericalWrist<Shoulder::parallel_12>"),
-            "general": (_SINGLY, "SphericalWrist<Shoulder::general>"),
-        },
-    ),
-    "three parallel axes": (
-        f"{_FORMS}three_parallel.hpp",
-        {
-            "5x6": (_CLOSED, "ThreeParallel<Hand::intersecting_56>"),
-            "general": (_SINGLY, "ThreeParallel<Hand::general>"),
-        },
-    ),
-    "parallel shoulder": (
-        f"{_FORMS}parallel_shoulder.hpp",
-        {
-            "5x6": (_CLOSED, "ParallelShoulder<LastAxes::intersecting_56>"),
-            "5||6": (_CLOSED, "ParallelShoulder<LastAxes::parallel_56>"),
-            "4x5": (_CLOSED, "ParallelShoulder<LastAxes::intersecting_45>"),
-            "4||5": (_CLOSED, "ParallelShoulder<LastAxes::parallel_45>"),
-            "general": (_SINGLY, "ParallelShoulder<LastAxes::general>"),
-        },
-    ),
-    "spherical middle": (
-        f"{_FORMS}spherical_middle.hpp",
-        {
-            "5x6": (_CLOSED, "SphericalMiddle<LastPair::intersecting>"),
-            "5||6": (_CLOSED, "SphericalMiddle<LastPair::parallel>"),
-            "general": (_SINGLY, "SphericalMiddle<LastPair::general>"),
-        },
-    ),
+# Of each family of six joints its class; a variant says how two axes lie to each other, as '2||3' or '5x6'.
+_FAMILIES = {
+    "spherical wrist": "SphericalWrist<Shoulder::{relation}_{axes}>",
+    "three parallel axes": "ThreeParallel<Hand::{relation}_{axes}>",
+    "parallel shoulder": "ParallelShoulder<LastAxes::{relation}_{axes}>",
+    "spherical middle": "SphericalMiddle<LastPair::{relation}>",
 }
 _FEW = "families/few_joints/"
 _WRAPPED = "arms/wrapped.hpp"
@@ -307,13 +276,11 @@ def _size(inner: Node) -> str:
 
 def _own(arm: Any, kind: str, name: str) -> tuple[tuple[str, ...], str]:
     """Files and function of a solver that uses no other one."""
-    if kind in FAMILIES:
-        header, variants = FAMILIES[kind]
-        function, family = variants[arm.variant]
-        return (header,), f"{function}<{family}>"
+    if kind in _FAMILIES:
+        header, family = _of_six(arm)
+        return (header,), f"{_SINGLY if arm.variant == 'general' else _CLOSED}<{family}>"
     if kind == "imperfect":
-        header, variants = FAMILIES[arm.family.kind]
-        family = variants[arm.family.variant][1]
+        header, family = _of_six(arm.family)
         return ("families/imperfect/imperfect.hpp", header), f"{_SINGLY}<Imperfect<{family}>>"
     if kind == "elimination":
         return ("families/general/elimination.hpp",), f"{_SINGLY}<General6>"
@@ -331,6 +298,14 @@ def _own(arm: Any, kind: str, name: str) -> tuple[tuple[str, ...], str]:
     if kind == "hollow wrist":
         return ("families/mimics/hollow_wrist.hpp",), f"{_SINGLY}<HollowWrist>"
     raise UnsupportedArm(f"{name}: a solver of the kind {kind!r} is not exported to one file")
+
+
+def _of_six(arm: Any) -> tuple[str, str]:
+    """Header and class of a family of six joints."""
+    header, family = arm.kind.removesuffix(" axes").replace(" ", "_"), _FAMILIES[arm.kind]
+    relation = "parallel" if "||" in arm.variant else "intersecting"
+    family = family.format(relation=relation, axes=arm.variant[0] + arm.variant[-1])
+    return f"{_FORMS}{header}.hpp", re.sub("::.*", "::general>", family) if arm.variant == "general" else family
 
 
 def struct_of(node: Node) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.model.poses import pose, to_rpy
 from urdf_ik.support import files
-from urdf_ik.support.tables import csv_rows
+from urdf_ik.support.tables import csv_rows, number
 from urdf_ik.support.text import aligned
 from urdf_ik.typing import Array
 
@@ -150,14 +150,9 @@ def _joints(table: Any, degrees: bool) -> list[tuple[str, str, list[float], list
 def _number(joint: dict[str, str], key: str, row: int, default: float | None = None) -> float:
     if key not in joint and default is not None:
         return default
-    try:
-        if math.isfinite(number := float(joint[key])):
-            return number
-        problem = f"{joint[key]!r} is no finite number"
-    except KeyError:
-        problem = "the value is missing"
-    except ValueError:
-        problem = f"{joint[key]!r} is no finite number"
+    if math.isfinite(value := number(joint.get(key, ""))):
+        return value
+    problem = f"{joint[key]!r} is no finite number" if key in joint else "the value is missing"
     raise table_error(problem, row=row, column=key)
 
 

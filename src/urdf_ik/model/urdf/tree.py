@@ -120,20 +120,36 @@ def check_mimics(joints: list[Joint], written: Mapping[str, Written], defects: D
         if joint.mimic is not None and (error := _refused_driver(joint, by_name, written[name].place)) is not None:
             by_name[name] = replace(joint, mimic=None)
             defects.add("mimic", error, joints=[name])
-    sound: set[str] = set()  # joints whose mimics lead to a joint that moves by itself
-    for start in by_name:
-        name, walked = start, dict[str, None]()
-        while name not in sound and (mimic := by_name[name].mimic) is not None:
-            if name in walked:
-                circle = list(walked)[list(walked).index(name) :]
-                first = min(circle, key=list(by_name).index)
-                defects.add("mimic", _circle_error(by_name[first], by_name, written[first].place), joints=[first])
-                by_name[first] = replace(by_name[first], mimic=None)
-                break
-            walked[name] = None
-            name = mimic[0]
-        sound.update(walked)
+    for circle in _loops({name: joint.mimic[0] for name, joint in by_name.items() if joint.mimic is not None}):
+        k = circle.index(first := min(circle, key=list(by_name).index))
+        shown = _shown([*circle[k:], *circle[:k], first], " -> ")
+        problem = "it mimics itself" + (f", through {shown}" if len(circle) > 1 else "")
+        hint, place = "let one joint of the circle move by itself", written[first].place
+        error = place.error(problem, hint=hint, at=child(place.element, "mimic"))
+        defects.add("mimic", error, joints=[first])
+        by_name[first] = replace(by_name[first], mimic=None)
     return list(by_name.values())
+
+
+def _loops(after: Mapping[str, str]) -> list[list[str]]:
+    """Every circle of names, each of which the next one is ``after``."""
+    loops: list[list[str]] = []
+    known: set[str] = set()
+    for start in after:
+        walked: list[str] = []
+        name = start
+        while name in after and name not in known:
+            known.add(name)
+            walked.append(name)
+            name = after[name]
+        if name in walked:
+            loops.append(walked[walked.index(name) :])
+    return loops
+
+
+def _shown(circle: list[str], mark: str) -> str:
+    """A circle in words, its last name the first one again."""
+    return mark.join([*circle[:-1][:_SHOWN], *["..."] * (len(circle) > _SHOWN + 1), circle[-1]])
 
 
 def _below(root: str, parent_of: Mapping[str, Joint]) -> set[str]:
@@ -154,22 +170,11 @@ def _circles(
 ) -> list[tuple[UrdfError, set[str]]]:
     """For each circle of links its error, and the links in it and below it."""
     circles = []
-    sound: set[str] = set()
-    for start in links:
-        link, walked = start, dict[str, None]()
-        while link in parent_of and link not in sound:
-            if link in walked:
-                loop = list(walked)[list(walked).index(link) :]
-                shown = " <- ".join([*loop[:_SHOWN], *(["..."] if len(loop) > _SHOWN else []), link])
-                problem = f"the links form a cycle: {shown}"
-                hint = "remove the joint that closes the cycle, so that the links form a tree"
-                place = written[parent_of[link].name].place
-                circles.append((place.error(problem, hint=hint), _below(link, parent_of)))
-                sound.update(circles[-1][1])
-                break
-            walked[link] = None
-            link = parent_of[link].parent
-        sound.update(walked)
+    for loop in _loops({link: parent_of[link].parent for link in links if link in parent_of}):
+        problem = f"the links form a cycle: {_shown([*loop, loop[0]], ' <- ')}"
+        hint = "remove the joint that closes the cycle, so that the links form a tree"
+        place = written[parent_of[loop[0]].name].place
+        circles.append((place.error(problem, hint=hint), _below(loop[0], parent_of)))
     return circles
 
 
@@ -190,14 +195,3 @@ def _refused_driver(joint: Joint, joints: Mapping[str, Joint], place: Place) -> 
         problem = f"it mimics {driver!r}, a {kind} joint, which {why}"
         return place.error(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
     return None
-
-
-def _circle_error(joint: Joint, joints: Mapping[str, Joint], place: Place) -> UrdfError:
-    way, mimic = [joint.name], joint.mimic
-    while mimic is not None and mimic[0] != joint.name:
-        way.append(mimic[0])
-        mimic = joints[mimic[0]].mimic
-    shown = " -> ".join([*way[:_SHOWN], *(["..."] if len(way) > _SHOWN else [])])
-    problem = "it mimics itself" + (f", through {shown} -> {joint.name}" if len(way) > 1 else "")
-    element = child(place.element, "mimic")
-    return place.error(problem, hint="let one joint of the circle move by itself", at=element)
