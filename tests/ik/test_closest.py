@@ -145,6 +145,16 @@ def test_three_joints_reach_positions_at_folds(within_limits: bool) -> None:
     assert np.linalg.norm(reached[:, :3, 3] - T[:, :3, 3], axis=1).max() < 1e-9
 
 
+@pytest.mark.parametrize("within_limits", [False, True])
+def test_no_solution_of_the_position_is_lost(within_limits: bool) -> None:
+    """A position that a 3R arm reaches in two ways, which starts spread evenly do not find: both, exactly."""
+    case = few("3R any", 3)
+    T = urdf_ik.pose([0.573, -0.242, 0.184], rotvec=[-0.83, -2.01, -0.9])
+    s = case.arm.ik_closest(T, within_limits=within_limits)
+    assert len(s) == len(case.arm.ik(T[:3, 3], task="position")) == 2
+    assert max(np.linalg.norm(case.oracle.pose(one.q)[:3, 3] - T[:3, 3]) for one in s) < 1e-9
+
+
 @pytest.mark.parametrize("name", SPLIT)
 def test_minima_in_closed_form(name: str) -> None:
     """SLSQP finds no smaller angle, from random starts or from near each of the minima."""

@@ -12,7 +12,9 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.closed_minima import Beside, Placed, Planar, in_closed_form, prepare
 from urdf_ik.ik.descent import Wanted
 from urdf_ik.ik.minima import searched
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solutions.limits import nearest_image
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import POSE, Task
 from urdf_ik.model.poses import project_rotation
@@ -78,23 +80,26 @@ def closest(
     bounds = seen.limits if within_limits else np.where(seen.prismatic[:, None], seen.limits, [-np.inf, np.inf])
     stack = target.reshape(-1, 4, 4)
     wanted = Wanted(seen, stack[:, :3, 3], *asked.matrix(stack))
-    parts, open_ = [], np.arange(len(stack))
-    closed = None if within_limits or weights is not None or first != "position" else _closed(solver, asked)
-    if closed is not None:
-        proven = np.zeros(len(stack), dtype=np.bool_)
-        for at in _blocks(open_, _CLOSED_BLOCK):
-            exact, proven[at] = in_closed_form(closed, wanted[at])
-            parts.append((at[proven[at]], exact[proven[at]]))
-        open_ = np.flatnonzero(~proven)
-    parts.extend(
-        (at, searched(wanted[at], bounds, first, place, turn)[..., : solver.dof]) for at in _blocks(open_, _BLOCK)
-    )
+    closed = None if weights is not None or first != "position" else _closed(solver, asked)
+    exact = closed is None and asked == solver.asked == POSE and solver.member is not None and not solver.parameters
+    parts, proven = [], np.zeros(len(stack), dtype=np.bool_)
+    for block in _blocks(np.arange(len(stack)), _CLOSED_BLOCK):
+        known = solve(solver, stack[block]).q if exact else np.empty((len(block), 0, solver.dof))
+        if closed is not None:
+            known, proven[block] = in_closed_form(closed, wanted[block])
+        if within_limits:
+            known, inside = nearest_image(known, bounds, solver.chain.image_turns)
+            known[~inside], proven[block] = np.nan, False
+        parts.append((block[proven[block]], known[proven[block]]))
+        for part in _blocks(np.flatnonzero(~proven[block]), _BLOCK):
+            q = searched(wanted[block[part]], bounds, first, place, turn, known[part])
+            parts.append((block[part], q[..., : solver.dof]))
     count = max((each.shape[1] for _, each in parts), default=1)
     q = np.full((len(stack), count, solver.dof), np.nan)
     for at, each in parts:
         q[at, : each.shape[1]] = each
     info = (~np.isnan(q[..., 0])).astype(np.uint8)
-    info[slice(None) if isinstance(closed, Beside) else open_, 0] |= np.uint8(INCOMPLETE)
+    info[slice(None) if isinstance(closed, Beside) else ~proven, 0] |= np.uint8(INCOMPLETE)
     names = tuple("closest" if k == 1 else f"closest {k}" for k in range(1, count + 1))
     shape = target.shape[:-2]
     q, info = q.reshape(*shape, count, solver.dof), info.reshape(*shape, count)

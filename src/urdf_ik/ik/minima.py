@@ -25,8 +25,10 @@ _Keys = Callable[[Array, Array], tuple[Array, ...]]
 """What is missed of the place and of the angle, each (m,), to what minima are sorted by."""
 
 
-def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, turn: float) -> Array:
-    """(m, B, n) minima for targets (m), the best first, padded with NaN."""
+def searched(
+    wanted: Wanted, bounds: Array, first: str | None, place: float, turn: float, known: Array | None = None
+) -> Array:
+    """(m, B, n) minima for targets (m), the best first, padded with NaN; ``known`` (m, K, n): some of them, or NaN."""
     chain = wanted.chain
     m, n = len(wanted.place), chain.n
     low, high = np.clip(bounds.T, -np.pi * wanted.unit, np.pi * wanted.unit)
@@ -34,22 +36,25 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
     starts = low + spread_evenly(STARTS, n) * (high - low)
     q = np.tile(starts, (m, 1))
     owner = np.repeat(np.arange(m), STARTS)
+    which, column = np.nonzero(np.zeros((m, 0)) if known is None else ~np.isnan(known[..., 0]))
+    sure = np.empty((0, n)) if known is None else known[which, column]
     if first is None:
         q = descended(wanted[owner], q, bounds, place, turn, 60)
-        q, owner = distinct(wanted, q, owner)
+        q, owner = distinct(wanted, *_joined(sure, which, q, owner))
         return ranked(wanted, q, owner, bounds, lambda off, angle: (np.hypot(place * off, turn * angle),))
     for weight, rounds in _STAGES:
         pair = (weight, 1.0) if first == "position" else (1.0, weight)
         q = descended(wanted[owner], q, bounds, *pair, rounds)
         q, owner = distinct(wanted, q, owner)
-    part = 0 if first == "position" else 1
+    q, owner = distinct(wanted, *_joined(sure, which, q, owner))
+    part, hard = (0, (_HARD, 1.0)) if first == "position" else (1, (1.0, _HARD))
     exact, good = constrained(wanted[owner], q, bounds, first)
     q[good] = exact[good]
     minimal = good.copy()
     if not good.all():
         # Joints rest at their limits, the Jacobian is nearly singular there, or the first part is out of reach.
         rest = wanted[owner[~good]]
-        near = descended(rest, q[~good], bounds, *((_HARD, 1.0) if part == 0 else (1.0, _HARD)), 12)
+        near = descended(rest, q[~good], bounds, *hard, 12)
         again, settled = constrained(rest, near, bounds, first)
         onto = descended(rest, near, bounds, 1.0 - part, float(part), 40)
         onto = np.where((missed(rest, onto)[part] < EXACT)[:, None], onto, near)
@@ -64,8 +69,20 @@ def searched(wanted: Wanted, bounds: Array, first: str | None, place: float, tur
     np.minimum.at(least, owner[off & minimal], miss[1 - part][off & minimal])
     keep = off & (minimal | (miss[1 - part] < least[owner])) | ~reached[owner]
     q, owner = q[keep], owner[keep]
+    if not reached.all():
+        lost = np.repeat(np.flatnonzero(~reached), STARTS)
+        more = descended(wanted[lost], np.tile(starts, (m, 1))[: len(lost)], bounds, 1.0 - part, float(part), 40)
+        more = descended(wanted[lost], more, bounds, *hard, 12)
+        q, owner = _joined(q, owner, more, lost)
     q, owner = distinct(wanted, q, owner)
     return ranked(wanted, q, owner, bounds, lambda off, angle: (off, angle) if first == "position" else (angle, off))
+
+
+def _joined(q: Array, owner: NDArray[np.intp], more: Array, whose: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
+    """Joint vectors of two kinds, target by target, the first kind first."""
+    owner = np.concatenate([owner, whose])
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate([q, more])[order], owner[order]
 
 
 def distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
