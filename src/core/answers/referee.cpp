@@ -10,15 +10,15 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Axes moved by 1e-16, 115 digits decide every pose of 30 arms that was tried, and 77 nearly all.
 inline constexpr int FEW_LIMBS = 4, MANY_LIMBS = 6;
-// Where the chain is cut, and whether it is reversed; those that leave the fewest poses open come first. What two leave open with
-// few limbs nearly always wants digits.
+// Where the chain is cut, and whether it is reversed; those that leave the fewest poses open come first. Where two cuts fail with
+// few limbs, more limbs help more often than another cut.
 struct Cut {
     int first;
     bool back;
 };
 inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0, true}, {1, false}, {2, true}, {3, false}};
 inline constexpr int ALL_CUTS = 8, CUTS_WITH_FEW = 2;
-// A zero that no joint vector with an error below this belongs to is not resolved [rad, share of size].
+// The referee accepts a zero only if its joint vector misses the pose by less than this [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL.
 inline constexpr double AT_A_PAIR = 0.1;
@@ -179,10 +179,10 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
     const Certificate c =
         certify(at, f, Rounding{small, small * (1.0 + longest), 2.0 * UNIT * sqrt(longest)}, 0.9 * LARGEST_BALL / S);
     for (int l = 0; l < many; ++l) {
-        double q[6], moved = 0.0, from_zero = 0.0;
+        double q[6], from_zero = 0.0;
         for (int k = 0; k < 6; ++k) {
             q[k] = wrap(angle(Turn<double>{turn[l][k].c.leading(), turn[l][k].s.leading()}));
-            moved = max(moved, abs(wrap(q[k] - zero[l]->solution[k]))), from_zero = max(from_zero, abs(wrap(q[k] - zero[l]->q[k])));
+            from_zero = max(from_zero, abs(wrap(q[k] - zero[l]->q[k])));
         }
         zero[l]->certified = (bits(c.holds) >> l & 1) && from_zero + c.inner[l] < c.outer[l];
         if (!zero[l]->certified) continue;
@@ -250,9 +250,11 @@ STEP int free_column(const Columns<6>& columns, unsigned owned) {
 }
 
 // Whether all zeros that are not near real belong to regular complex solutions of the arm as written. Others may belong to a curve
-// of solutions: Newton's method from their real parts looks for one, which becomes a solution.
+// of solutions: what Newton's method finds from their real parts becomes a solution. status: clustered if there is one, incomplete
+// if no column is free for it.
 template <int L>
-PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns) {
+PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns,
+                      Status& status) {
     const Loop loop = loop_of(arm, goal);
     bool all = true;
     CBlock z[6];
@@ -272,8 +274,10 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
             all = false;
             for (int j = 0; j < 6; ++j) q[j] = wrap(atan2(start[j].im[l], start[j].re[l]));
             if (!(polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED)) continue;
+            if (!is_new(arm, goal, columns, q)) continue;
             const int b = free_column(columns, ~0u);
-            if (b >= 0 && is_new(arm, goal, columns, q) && is_on_curve(arm, goal, q)) keep(columns, b, q, OTHER);
+            if (b >= 0) keep(columns, b, q, singular_marks(arm, goal, q, 0));
+            status = b < 0 || status == Status::incomplete ? Status::incomplete : Status::clustered;
         }
         many = 0;
     };
@@ -328,23 +332,24 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         if (weakest_at(arm, goal, columns.row(b)).value > BESIDE_A_ZERO) return Status::incomplete;
         clustered = true;
     }
-    if (!clustered && are_regular(arm, goal, zeros, columns)) return Status::complete;
-    if (keep_curve(arm, goal, columns)) return Status::continuum;
-    return clustered ? Status::clustered : Status::complete;
+    Status status = clustered ? Status::clustered : Status::complete;
+    if (!clustered && are_regular(arm, goal, zeros, columns, status)) return Status::complete;
+    return keep_curve(arm, goal, columns) ? Status::continuum : status;
 }
 
 template <int L>
 PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts) {
     const WidePose<L> pose = wide_pose<L>(arm, goal), back = reversed(pose);
     CircleZeros<L> zeros;
-    const unsigned certified = certified_columns(loop_of(arm, goal), columns);
-    for (int i = 0; i < cuts; ++i) {
+    Status status = Status::incomplete;
+    for (int i = 0; i < cuts && status == Status::incomplete; ++i) {
+        const unsigned certified = certified_columns(loop_of(arm, goal), columns);
         if (!list_zeros(CUTS[i].back ? back : pose, CUTS[i], arm, goal, columns, certified, zeros)) continue;
         follow_zeros(arm, goal, zeros);
         certify_all_zeros(arm, goal, zeros);
-        return status_of_zeros(arm, goal, zeros, columns);
+        status = status_of_zeros(arm, goal, zeros, columns);
     }
-    return Status::incomplete;
+    return status;
 }
 
 Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {

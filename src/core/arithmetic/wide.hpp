@@ -68,9 +68,10 @@ template <int L> STEP void shift_right(const std::uint64_t (&m)[L], int bits, st
     }
 }
 
-// 2^exponent, for results that doubles can hold; 0 below.
+// 2^exponent, for results that doubles can hold; 0 below, infinity above.
 STEP double power_of_two(int exponent) {
     if (exponent < -1022) return 0.0;
+    if (exponent > 1023) return __builtin_inf();
     const std::uint64_t bits = std::uint64_t(exponent + 1023) << 52;
     double x;
     __builtin_memcpy(&x, &bits, sizeof x);

@@ -67,22 +67,6 @@ template <class M> STEP LoopOf<M> loop_of_steps(const M (&step)[7], const M& tar
             {step[4], step[5]}};
 }
 
-// The pose of frame 6 after its turn, in frame 1 before its turn.
-STEP Frame<double> inner_pose(const Written<6>& arm, const Frame<double>& goal) {
-    const auto &first = arm.step[0], &last = arm.step[6];
-    const auto rotated = [](const double (&R)[3][3], const Vec<double>& a) {  // by the transpose
-        return Vec<double>{R[0][0] * a.x + R[1][0] * a.y + R[2][0] * a.z, R[0][1] * a.x + R[1][1] * a.y + R[2][1] * a.z,
-                           R[0][2] * a.x + R[1][2] * a.y + R[2][2] * a.z};
-    };
-    const auto& L = last.R;
-    const auto& G = goal.R;
-    // The rotation of frame 6 is that of the goal times the last step's transpose.
-    const Rot<double> R = {combine(G, L[0][0], L[0][1], L[0][2]), combine(G, L[1][0], L[1][1], L[1][2]),
-                           combine(G, L[2][0], L[2][1], L[2][2])};
-    const Vec<double> p = goal.p - combine(R, last.t[0], last.t[1], last.t[2]) - vec<double>(first.t);
-    return {each(R, [&](const Vec<double>& a) { return rotated(first.R, a); }), rotated(first.R, p)};
-}
-
 PART Loop loop_of(const Written<6>& arm, const Frame<double>& goal) {
     const auto scaled = [&](Motion m) {
         for (double& x : m.t) x *= 1.0 / arm.size;

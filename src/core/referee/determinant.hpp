@@ -137,13 +137,12 @@ template <int L> PART bool half_tangent_polynomial(const WideEquations<L>& of, H
     return true;
 }
 
-// A root, and a disc that holds as many roots together with those that it meets as there are discs.
+// A root and its disc. Discs that meet form a group, which holds as many roots as it has discs.
 template <int L> struct WideRoot {
     WideComplex<L> x;
     double radius;
     int together;  // discs in its group
-    // Distances from the real axis, at the middle and at the nearest point of the disc, as imaginary parts of the angle.
-    double off, least;
+    double least;  // distance of the disc from the real axis, as an imaginary part of the angle
 };
 
 STEP double size_of(const Complex& a) { return sqrt(a.re * a.re + a.im * a.im); }
@@ -390,7 +389,6 @@ template <int L> PART void roots_of(const HalfTangent<L>& p, WideRoot<L> (&root)
     for (int i = 0; i < ROOTS; ++i) {
         root[i].together = 0;
         for (const int each : group) root[i].together += each == group[i];
-        root[i].off = imaginary_part(at[i], at[i].im);
         const bool wide = !(root[i].radius < 1.0);
         root[i].least = wide ? 0.0 : imaginary_part(at[i], max(abs(at[i].im) - root[i].radius, 0.0));
     }

@@ -152,8 +152,6 @@ template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<
 template <class V> STEP Plane<V> rest_across(const Plane<V>& o, const Plane<V>& f, const Turn<V>& psi) {
     return {o.x - (psi.c * f.x - psi.s * f.y), o.y - (psi.s * f.x + psi.c * f.y)};
 }
-// Wraps an angle that may be a few turns off to (-pi, pi].
-template <class V> STEP V wrap_far(const V& a) { return wrap(wrap(wrap(a))); }
 
 template <LastAxes kind> struct ParallelShoulder {
     using Arm = ParallelShoulderArm;

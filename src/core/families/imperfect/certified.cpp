@@ -3,10 +3,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Newton's steps from the centre of a box to where a root is certified. One more, with the same factors, gives the solution; what a
-// step leaves of a wide box fails to converge and waits for the next pass.
-inline constexpr int STEPS = 1;
-
 // How often boxes are made from smaller sets of displacements before a pose is left open, and the share of its width that a box
 // has to lose to be worth one more.
 inline constexpr int PASSES = 16;
@@ -109,7 +105,7 @@ PART bool narrow(const BothArms& arm, const Displacement& apart, const Goal<Bloc
 
 // A certified root from the middle of each box, for a block of boxes.
 struct Rooted {
-    Block q[6], radius;  // joint values; there is no other root within radius, which holds the box
+    Block q[6], radius;  // joint values; there is no other root within radius
     unsigned found;
 };
 // middle, half: of each box; only lanes in `wanted` are computed.
@@ -128,28 +124,25 @@ PART Rooted root_of(const Loop& loop, const Block (&middle)[6], const Block& hal
     Turn<Block> turn[6];
     Orthogonal<Block> factors;
     LoopAt<Block> at;
-    Block moved[6];
-    for (Block& each : moved) each = 0.0;
+    // One step leads to where a root is certified, and one more, with the same factors, to the solution. From a wide box that does
+    // not converge: the box waits for the next pass.
     const auto step = [&] {
         const Six<Block> x = newton_step(factors, at.error);
-        for (int j = 0; j < 6; ++j) q[j] = wrap(q[j] + x[j]), moved[j] = moved[j] + x[j];
+        Block longest = 0.0;
+        for (int j = 0; j < 6; ++j) q[j] = wrap(q[j] + x[j]), longest = max(longest, abs(x[j]));
+        return longest;
     };
-    for (int k = 0; k < STEPS; ++k) {
-        turns_of(q, turn);
-        at = loop_at(loop, turn);
-        make_orthogonal(at.twist, factors);
-        step();
-    }
-    Block far = 0.0;
-    for (int j = 0; j < 6; ++j) far = max(far, abs(moved[j]));
-    out.radius = INFLATED * (width + far);
     turns_of(q, turn);
     at = loop_at(loop, turn);
-    const Certificate root = certify(loop, at, factors, growth_of(q), out.radius);
-    step();
+    make_orthogonal(at.twist, factors);
+    const Block holding = INFLATED * (width + step());
+    turns_of(q, turn);
+    at = loop_at(loop, turn);
+    const Certificate root = certify(loop, at, factors, growth_of(q), holding);
+    out.radius = holding - step();
     turns_of(q, turn);
     const auto converged = largest(loop_at(loop, turn).error) <= Block(CONVERGED);
-    out.found = wanted & bits(root.holds & (root.outer >= out.radius) & converged);
+    out.found = wanted & bits(root.holds & (root.outer >= holding) & converged);
     return out;
 }
 

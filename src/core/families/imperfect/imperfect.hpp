@@ -8,7 +8,8 @@
 //
 // Up to an imperfection of BOXED the result is proven first, by boxes that hold all real solutions for every displacement
 // I(q) W(q)^-1: see certified.hpp. Where a box stays open, and on arms farther off, the solutions that Newton's method reaches from
-// the branches are certified one by one, and the zeros of a determinant counted (eliminant.hpp). Elimination looks for what lacks.
+// the branches are certified one by one, and the zeros of a determinant counted (eliminant.hpp). From an imperfection of CLOSE_BY
+// on, elimination searches for solutions that lack. What is still open, the referee decides.
 //
 // A solution is a branch's own if Newton's method, started at the branch, moved by less than half of the Jacobian's smallest
 // singular value: the Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so by Kantorovich's
@@ -22,8 +23,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Up to this imperfection the elimination alone finds too few solutions, since its equations agree with those of the ideal arm to
-// many digits. The closed form's careful path, one branch at a time, then finds the others.
+// Below this imperfection elimination finds too few solutions, since its equations agree with those of the ideal arm to many
+// digits: the zeros are counted, and the referee decides the rest.
 inline constexpr double CLOSE_BY = 1e-4;
 // Up to this imperfection boxes are tried.
 inline constexpr double BOXED = 1e-3;
@@ -33,14 +34,13 @@ inline constexpr double KEEPS_CURVES = 1e-9;
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
-    // Signs do not tell the branches of such a family apart: all poses go to its careful path and to the elimination.
+    // Signs do not tell the branches of such a family apart: every pose starts from the roots of the quartic.
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
         const auto& of = *static_cast<const typename Family::Arm*>(arm);
         const Branch<Block> at = branches_from<Family>(of, seen, first, of.ideal.signs);
         for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
-        store(at.arms, to.arms + first);
     }
 
     static PART void include_branches(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,

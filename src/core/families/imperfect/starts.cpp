@@ -39,9 +39,6 @@ Known follow_branches(const BothArms& arm, const Seen<double>& seen, const Ideal
         Turn<Block> turn[6];
         for (int j = 0; j < 6; ++j) turn[j] = {load<Block>(now.c[j] + first), load<Block>(now.s[j] + first)};
         family.answer(family.arm, corrected(arm, target, turn), first, now);
-        for (int b = first; b < first + BLOCK; ++b) {
-            if (known.open >> b & 1) known.least_arm = min(known.least_arm, now.arms[b]);
-        }
         follow(arm, target, now, first, known);
     }
     return known;

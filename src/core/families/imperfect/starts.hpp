@@ -6,15 +6,14 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The eight branches of one pose: joint angles as (cos, sin), offsets included, and the least squared lever arm.
+// The eight branches of one pose: joint angles as (cos, sin), offsets included.
 struct Answers {
-    double c[6][8], s[6][8], arms[8];
+    double c[6][8], s[6][8];
 };
 // The result, one bit per branch: neither empty nor found; its own solution found; Newton's method led from it to a solution.
 struct Known {
     unsigned open = 255, found = 0, reached = 0;
-    double least_arm = 1.0;  // squared, of the branches that were open [share of size^2]
-    double angle[6][8];      // of the solutions, offsets included
+    double angle[6][8];  // of the solutions, offsets included
 };
 // An ideal arm's closed form for a block of branches from `first` on.
 struct IdealAnswer {

@@ -175,7 +175,8 @@ template <int N> long solve_coupled(const CoupledArm<N>& arm, const Batch& batch
         project_rotation(T, proper);
         const Columns<N> columns = {batch.q + N * arm.columns * i, batch.flags + arm.columns * i, arm.columns};
         columns.clear();
-        const bool decided = search(arm, goal_of(proper), scratch, scratch + N * BOXES, columns);
+        bool decided = search(arm, goal_of(proper), scratch, scratch + N * BOXES, columns);
+        decided &= !columns.valid(arm.columns - 1);  // what found no free column was dropped
         finish(arm.written, columns);
         if (!decided) set_status(columns.flags[0], Status::incomplete);
     }
