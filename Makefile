@@ -30,7 +30,7 @@ SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test test-all lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep signals nightly bench million clean
+.PHONY: help run test test-all lint docs format stub wasm page wheel wheels sanitize arm64 m7 outside sweep nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -49,7 +49,6 @@ help:
 	@echo "make m7       arms as one file on an emulated Cortex-M7: sizes, counts, stack; ARGS='ur5 --poses 300' names others"
 	@echo "make outside  compiled arms in C++ and C against Python, 1,000 poses each; ARGS=--timed measures batches"
 	@echo "make sweep    every chain of every URDF of example-robot-data, 48 poses each; prints the counts"
-	@echo "make signals  Ctrl-C and SIGTERM at 210 moments of seven commands; prints the longest time to an end"
 	@echo "make nightly  make test, test-all, sweep, sanitize and million"
 	@echo "make bench    six joints beside other solvers: the first table of docs/speed.md; ARGS='--poses 20' is quick"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
@@ -118,11 +117,7 @@ m7: $(VENV)/.run-installed
 sweep: $(VENV)/.dev-installed
 	URDF_IK_SWEEP=all $(BIN)/python -m pytest -q tests/model/test_real_files.py $(ARGS)
 
-# A signal at 210 moments over start-up and work of seven commands.
-signals: $(VENV)/.dev-installed
-	URDF_IK_MOMENTS=210 $(BIN)/python -m pytest -q -s tests/cli/test_interrupts.py -k any_moment $(ARGS)
-
-nightly: test sweep signals sanitize million
+nightly: test test-all sweep sanitize million
 
 bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/bench.py $(ARGS)

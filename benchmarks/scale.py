@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A map in a store: poses a second of this process, of one worker and of two, beside the bare batch call; and memory.
 
-    python benchmarks/engine.py [--robot NAME] [--voxel M] [--orientations N] [--block POSES] [--workers N ...]
+    python benchmarks/scale.py [--robot NAME] [--voxel M] [--orientations N] [--block POSES] [--workers N ...]
                                [--repeats R] [--small] [--within]
 
 The bare batch call is ``arm.ik`` on blocks of the same poses, made beforehand, between the maps. What a chunk costs

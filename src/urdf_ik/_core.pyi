@@ -122,7 +122,7 @@ class Tracker:
 
 class PathGraph:
     """
-    Joint vectors along a path and the motions between them; see motion/graph.py.
+    Joint vectors along a path and the motions between them; see paths/planner/graph.py.
     """
 
     def __init__(

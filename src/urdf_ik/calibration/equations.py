@@ -134,7 +134,7 @@ def _places(T: Array, given: Measurements, *, base: bool, marker: bool) -> tuple
             if marker:
                 X[:3, 3] = (np.swapaxes(R, 1, 2) @ ((s - Z[:3, 3]) @ Z[:3, :3] - p)[..., None]).mean(axis=0)[:, 0]
         return Z, X
-    # s = Z (R x + p) + z: linear in x and z.
+    # s = R_Z (R x + p) + z: linear in the marker's shift x and the base's z.
     blocks = [np.broadcast_to(np.eye(3), R.shape)] * base + [Z[:3, :3] @ R] * marker
     if blocks:
         A = np.concatenate(blocks, axis=2).reshape(-1, 3 * len(blocks))
@@ -161,7 +161,7 @@ def _posed(R: Array) -> Array:
 
 
 def _left_inverse(phi: Array) -> Array:
-    """(m, 3, 3) inverse left Jacobian of rotation vectors: how log(R) follows a turn of R in the frame it is seen from.
+    """(m, 3, 3) inverse left Jacobian of rotation vectors: a small rotation on the left of R to the change of log(R).
 
     1 - [phi] / 2 + (1 / a^2 - (1 + cos a) / (2 a sin a)) [phi]^2 with a = |phi| (Barfoot, State Estimation for
     Robotics, equation 7.77).

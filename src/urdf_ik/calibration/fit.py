@@ -24,7 +24,7 @@ FITS = ("origins", "offsets", "everything")
 # Parameter directions with a singular value below this fraction of the largest are unobservable.
 _OBSERVABLE = 1e-7
 # A measurement is an outlier if its residual's norm exceeds the root of its number of components by this many standard
-# deviations; about one of ten million good ones does.
+# deviations; of good ones fewer than one in fifty million do.
 _OUTLYING = 4.5
 _FOLDS, _ROUNDS = 5, 3
 _LEAST = 1e-9  # m and rad: smaller residuals are rounding
@@ -209,7 +209,7 @@ def _directions(eq: Equations, given: Measurements, x: Array, scale: Array) -> t
 
 
 def _scales(r: Array, kind: str) -> Array:
-    """Standard deviations of the residuals by their median, one a column: of positions and of rotations."""
+    """1.4826 medians of the absolute residuals: one of all position columns, one of all rotation columns."""
     return _by_part(r, kind, lambda part: 1.4826 * np.median(np.abs(part)))
 
 

@@ -1,4 +1,4 @@
-"""Solutions with their checks, and their form as JSON, CSV, npz and text."""
+"""Checks of solutions, which run after the filters, and their form as JSON, CSV, npz and text."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

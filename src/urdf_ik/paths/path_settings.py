@@ -205,7 +205,7 @@ class CheckedSettings:
 
     @property
     def window(self) -> Array:
-        """(n,) largest step of an edge: half the distance between images, or ``max_step`` [rad or m]."""
+        """(n,) rad or m: the largest step between waypoints, ``max_step``, but at most half the distance of images."""
         half = np.where(self.joints.turn > 0.0, 0.5 * self.joints.turn, np.inf)
         return np.minimum(self.max_step, half) + 1e-12
 

@@ -26,8 +26,8 @@ class Change(NamedTuple):
         waypoint: number of the first waypoint after it.
         before: branch at the waypoint before.
         after: branch at ``waypoint``.
-        free: whether the straight joint motion from one to the other touches nothing; None without a check
-            for collisions.
+        free: whether the arm touches nothing on the straight joint motion from the waypoint before; None without a
+            check for collisions.
     """
 
     waypoint: int
@@ -37,11 +37,11 @@ class Change(NamedTuple):
 
 
 EVERY_BRANCH = "every branch"
-"""The branch of a ``Stop`` at which no branch gets past a waypoint."""
+"""``Stop.branch`` where the stop holds for all branches: none gets past the waypoint."""
 
 
 class Stop(NamedTuple):
-    """The end of all paths from one branch of the first waypoint.
+    """Where the paths from one branch of the first waypoint stop of the first waypoint.
 
     Attributes:
         branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
@@ -86,10 +86,10 @@ class Plan(Report):
         cost: the minimised measure, summed over the path; infinite where there is no plan.
         changes: reconfigurations.
         stops: where there is no plan, the reason for each branch of the first waypoint.
-        motion: (k, n) rad or m, the joint vectors with those added between waypoints. Moving linearly from one to the
-            next, the tip stays within the tolerance of the path.
+        motion: (k, n) rad or m, the joint vectors with those added between waypoints. While the joints
+            move linearly between them, the tip stays within the tolerance of the path.
         place: (k,) position of each of these along the path: 2.5 is half way from waypoint 2 to waypoint 3.
-        tolerance: (m, rad) from the straight segments within which every motion was proven to stay.
+        tolerance: (m, rad): every motion was proven to stay this near to the straight segments.
         obstacles: the bodies that the plan stays clear of; None where collisions are not checked.
         others: computes the ``alternatives`` when they are first used.
         unchecked: why contacts were not checked, such as '6 meshes missing' or 'not asked for'; '' where they were.

@@ -292,7 +292,7 @@ class Tracker:
 
 
 def _aim(solver: Solver) -> task.Aim:
-    """What the core tracks: the task, where the joints control it and nothing else of the tip; else whole poses."""
+    """The core tracks the task alone where the joints control exactly that, else whole poses."""
     control = solver.control
     if solver.targets is not None and control.plane is not None:
         return task.Aim(_KINDS[control.task], normal=control.plane.normal)

@@ -138,7 +138,7 @@ void spread(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<
 }  // namespace
 
 void bind_path_graph(nb::module_& m) {
-    nb::class_<PyPathGraph>(m, "PathGraph", "Joint vectors along a path and the motions between them; see motion/graph.py.")
+    nb::class_<PyPathGraph>(m, "PathGraph", "Joint vectors along a path and the motions between them; see paths/planner/graph.py.")
         .def(nb::init<const In<double, 1>&, const In<double, 1>&, const In<double, 1>&, const In<std::uint8_t, 1>&>(),
              nb::arg("lower"), nb::arg("upper"), nb::arg("turn"), nb::arg("counted"))
         .def("choose", &choose, nb::arg("q"), nb::arg("flags"), nb::arg("centres").none(), nb::arg("near"), nb::arg("outside"),

@@ -8,7 +8,7 @@ namespace urdf_ik {
 
 // One way to set the elimination up: the loop is cut so that joints a and a + 1 stand on one side and a + 3, a + 4, a + 5
 // on the other (cyclically), and applied to the axis of joint a + 2. See hidden_joint.hpp for the equations, and
-// families/general_6r.py for how the matrices are made. Axes and points are those of the chain, or of the reversed chain,
+// ik/families/parts/elimination.py for how the matrices are made. Axes and points are those of the chain, or of the reversed chain,
 // in the scaled frame: origin in the midst of the axes, mean distance one.
 struct EliminationVariant {
     int first;      // a, 0 to 3

@@ -93,7 +93,7 @@ class _Choice(options.Record):
         return wish
 
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
-        """The function that keeps the chosen solutions."""
+        """The function that filters solutions by these options, before errors and contacts are measured."""
         reference, wish, bounds = self.reference(arm, angles), self.wished(arm), None
         if (reference is not None) + (self.best is not None) + (self.wish is not None) > 1:
             raise console.usage("--best, --wish and --nearest each keep a solution; give one of them", "--best")

@@ -24,9 +24,9 @@ CAUSES = {
     "limit": "a joint's limit",
     "range": "end of the parameter's range",
 }
-"""Why an interval ends, and words for it. 'none': it is the whole circle, or a part of a curve that passes some values
-more than once; 'fold': two branches become one and end there; 'reach': the same, and beyond it no branch has a
-solution; 'singularity': the joints could not be followed further."""
+"""Why an interval ends, and words for it. 'none': nothing ends there; it is the whole circle, or its closed curve
+passes some values more than once and was cut at one; 'fold': two branches become one and end there; 'reach': the same,
+and beyond it no branch has a solution; 'singularity': the joints could not be followed further."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +57,12 @@ class Found:
         pose: (k,) number of the pose.
         low: (k,) rad or m.
         high: (k,) rad or m.
-        column: (k,) of the solver, in the middle.
+        column: (k,) the solver's column of the solution in the middle.
         ends: (k, 2) both ends of each, End.
         first: (k,) its first sample.
         count: (k,) its samples, of growing value.
         value: (s,) rad or m, of samples on the curves, the ends of every interval among them.
-        q: (s, n) rad or m.
+        q: (s, n) rad or m, joint vectors of the samples, row by row with ``value``.
         core: (s, 17) the samples as the compiled core has them.
     """
 
@@ -154,10 +154,10 @@ def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Ar
     """Where in the intervals of poses (m, 4, 4) a cost is least: values (m,) of the parameter, and the costs.
 
     The lowest of the samples along each interval are closed in upon between their neighbours by golden sections along
-    the curve, to 1e-8 of the way. Samples are at most 0.3 rad apart, less where the curve bends.
+    the curve, to 1e-8 of the way. Samples are at most 0.3 apart along the curve [rad, share of size].
 
     Returns:
-        NaN and infinity for a pose without an interval.
+        A pose without an interval gets NaN and an infinite cost.
     """
     m, k = len(T), len(found.low)
     value, lowest = np.full(m, np.nan), np.full(m, np.inf)

@@ -185,8 +185,8 @@ class Intervals:
     ) -> Array:
         """(...) values of the parameter at which poses come nearest to ``q_ref``; NaN for those without an interval.
 
-        Where nothing is near enough, or inside the limits, at those at which the best one is least far out. Arguments
-        as :meth:`nearest` has them; ``within_limits``: whether only images inside the limits count.
+        Where no solution is inside the limits and near enough, the value is the one that misses these bounds least.
+        Arguments as :meth:`nearest` has them; ``within_limits``: whether only images inside the limits count.
         """
         measure = distances.measure(self.solver, metric, weights, within)
         reference = distances.reference(q_ref, self.solver.joint_names, self.shape)

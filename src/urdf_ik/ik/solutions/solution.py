@@ -1,4 +1,4 @@
-"""The elements of a batch that a NumPy index names."""
+"""One solution, the arrays of all solutions of a batch, and the steps by which these were made."""
 
 from __future__ import annotations
 
@@ -329,7 +329,7 @@ class KeptSolutions(Answer):
 
     @property
     def filters(self) -> tuple[str, ...]:
-        """How they were chosen, in order: 'limits', 'turns', 'collision', 'within', 'nearest', 'best'."""
+        """How they were chosen, in order: 'limits', 'turns', 'collision', 'configuration', 'within', 'nearest', 'best'."""
         return () if self.step is None else (*self.step.parent.filters, self.step.how)
 
     @property

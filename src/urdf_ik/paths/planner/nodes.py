@@ -336,7 +336,7 @@ def _nearest_singular(solver: Solver, joints: Joints, T: Array, waypoint: int, r
 
 
 def in_narrow_windows(solver: Solver, joints: Joints, T: Array, everything: Nodes, grid: Array) -> Nodes:
-    """Nodes inside the joint limits between two values of the redundancy parameter that are both outside.
+    """Nodes inside the joint limits that lie between two grid values, at both of which the branch is outside.
 
     Along each branch the distance to the limits is a function of the parameter. A maximum between two grid values at
     which it is not positive is located by bisection, and kept where it is positive.

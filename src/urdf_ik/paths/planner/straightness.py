@@ -2,14 +2,15 @@
 
 Let e(s) be the difference between the tip's position while the joints move by s dq and the point on the segment at the
 share s. It vanishes at both ends, and its second derivative is that of the tip's position, at most
-sum over joints j <= k of (2 - [j = k]) |dq_j| |dq_k| r_k, where r_k is the greatest distance of the tip from axis k; 1
-where joint k slides, 0 where joint j does. A function that is at most E at the ends of a piece of length h and whose
-second derivative is at most M is at most E + M h^2 / 8 on it. The same holds for the matrix R_segment(s)^T R(s), whose
-second derivative is at most w^2 + w', w being the greatest difference of the two angular velocities and w' that of its
-rate; its distance from the identity is 2 sin(angle / 2).
+sum over joints j <= k of (2 - [j = k]) |dq_j| |dq_k| r_k, where r_k is the greatest distance of the tip from axis k,
+or 1 if joint k slides; the term is 0 if joint j slides. A function that is at most E at the ends of a piece of length h
+and whose second derivative is at most M is at most E + M h^2 / 8 on it. The same holds for the matrix
+R_segment(s)^T R(s), whose second derivative is at most w^2 + w', w being the greatest difference of the two angular
+velocities and w' that of its rate; its distance from the identity is 2 sin(angle / 2).
 
-With a free axis of the tip, only a point on it and its direction d count. The same bounds hold for the point, and for
-R_segment(s)^T R(s) d, whose distance from d is also 2 sin(angle / 2). A point that is not the tip's origin moves on a
+With a free axis of the tip, only a point on it and its direction d count. The bound of the position holds for the
+point, and that of the rotation for R_segment(s)^T R(s) d: its distance from d is 2 sin(angle / 2), with the angle
+between the two directions. A point that is not the tip's origin moves on a
 curve along the segment: its second derivative, at most its distance from the origin times the square of the segment's
 rotation, is added to the bound of the position.
 
@@ -135,7 +136,7 @@ def _samples_within(
     share = 1.0 - BETWEEN_SAMPLES
     if solver.free_axis is None:
         off = real[..., :3, 3] - ideal[..., :3, 3]
-        # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), which is sqrt(2) times the distance above.
+        # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), sqrt(2) times 2 sin(angle / 2).
         turned = np.sqrt(0.5) * (real[..., :3, :3] - ideal[..., :3, :3]).reshape(*off.shape[:-1], 9)
     else:
         off, turned = np.moveaxis((real - ideal)[..., :3, :] @ solver.free_axis.seen, -1, 0)

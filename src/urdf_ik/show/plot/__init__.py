@@ -1,4 +1,4 @@
-"""Pictures of an arm, its branches, limits, workspace and paths; matplotlib is imported in this room alone.
+"""Pictures of an arm, its branches, limits, workspace and paths, by matplotlib.
 
 >>> import urdf_ik
 >>> from urdf_ik.show import plot

@@ -1,4 +1,4 @@
-"""Pictures of an arm, its branches, limits and workspace; matplotlib is imported in this room alone."""
+"""Pictures of an arm, its branches, limits and workspace."""
 
 from __future__ import annotations
 
