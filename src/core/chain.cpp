@@ -1,7 +1,22 @@
 // Forward kinematics and Jacobian of chains of any number of joints, in blocks of joint vectors.
-#include "chain_frames.hpp"
+#include "answers/blocks.hpp"
+#include "chain_arm.hpp"
+#include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
+
+// Calls each(k, frame of joint k before it moves) for every joint of `many` consecutive joint vectors; the last one fills the
+// remaining lanes. Returns the frame of the tip.
+template <class Each> STEP Frame<Block> walk(const ChainArm& arm, const double* Q, int many, const Each& each) {
+    Frame<Block> at = constant_frame<Block>(arm.step[0]);
+    for (int k = 0; k < arm.joints; ++k) {
+        Block q;
+        for (int i = 0; i < BLOCK; ++i) q.set(i, Q[arm.joints * (i < many ? i : many - 1) + k]);
+        each(k, at);
+        at = beyond(arm.slides[k] ? Frame<Block>{at.R, at.p + q * at.R.z} : turned(at, cos_sin_of_any(q)), arm.step[k + 1]);
+    }
+    return at;
+}
 
 template <class Do> STEP void in_blocks(long m, const Do& block) {
     for (long from = 0; from < m; from += BLOCK) block(from, int(m - from < BLOCK ? m - from : BLOCK));

@@ -1,6 +1,7 @@
 // Least-squares inverses of the Jacobians of one to seven joints, in blocks of joint vectors.
+#include "answers/blocks.hpp"
 #include "arithmetic/least_squares.hpp"
-#include "chain_frames.hpp"
+#include "chain_arm.hpp"
 #include "families/seven_joints/swivel.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -36,20 +37,38 @@ struct Lanes {
     int many = 0;
 };
 
+// The joints' axes and their origins, and the tip's frame. All turns come first: they do not wait for each other.
+PART Frame<Block> axes_of(const ChainArm& arm, const Lanes& lanes, Frame<Block> (&joints)[7]) {
+    Block q[7];
+    Turn<Block> turn[7];
+#pragma GCC unroll 1
+    for (int k = 0; k < arm.joints; ++k) {
+        for (int i = 0; i < BLOCK; ++i) q[k].set(i, lanes.from[i][k]);
+        turn[k] = cos_sin_of_any(q[k]);
+    }
+    Frame<Block> at = constant_frame<Block>(arm.step[0]);
+#pragma GCC unroll 1
+    for (int k = 0; k < arm.joints; ++k) {
+        joints[k].p = at.p, joints[k].R.z = at.R.z;
+        at = beyond(arm.slides[k] ? Frame<Block>{at.R, at.p + q[k] * at.R.z} : turned(at, turn[k]), arm.step[k + 1]);
+    }
+    return at;
+}
+
 // M: how many columns are inverted. Seven joints have six of them where a joint is held, and seven with the swivel angle.
 template <int N, int M> PART void invert(const ChainArm& arm, const Lanes& lanes, const InverseScale& scale) {
     constexpr int rows = M == 7 ? 7 : 6, width = N == 7 ? 7 : 6;
     const double share = 1.0 / scale.size;
-    Frame<Block> joints[N];
-    const Frame<Block> tip = walk<N>(
-        arm, lanes.from, [&](auto k, const Frame<Block>& joint) IN_PLACE { joints[k].p = joint.p, joints[k].R.z = joint.R.z; });
+    Frame<Block> joints[7];
+    const Frame<Block> tip = axes_of(arm, lanes, joints);
     Rows<rows, Block> J[M];
     Six<Block> held;
     const auto free = [&](int k) IN_PLACE { return N == M || k < scale.held ? k : k + 1; };
-    in_turn<0, M>([&](auto k) IN_PLACE {
+#pragma GCC unroll 7
+    for (int k = 0; k < M; ++k) {
         const Six<Block> column = jacobian_column(joints[free(k)], arm.slides[free(k)], tip.p, share);
-        in_turn<0, 6>([&](auto r) IN_PLACE { J[k][r] = column[r]; });
-    });
+        for (int r = 0; r < 6; ++r) J[k][r] = column[r];
+    }
     if constexpr (M == 7) {
         const Rows<7, Block> slopes = swivel_slopes(scale.swivel, joints, tip);
         in_turn<0, 7>([&](auto k) IN_PLACE { J[k][6] = slopes[k]; });
@@ -58,34 +77,37 @@ template <int N, int M> PART void invert(const ChainArm& arm, const Lanes& lanes
     Block own[M * rows], x[N * width];
     const Block gain = select(inverse(J, own) > Block(scale.singular), Block(1.0), __builtin_nan(""));
     const auto unit = [&](int k) IN_PLACE { return arm.slides[k] ? scale.size : 1.0; };
-    in_turn<0, M>([&](auto k) IN_PLACE {
+#pragma GCC unroll 7
+    for (int k = 0; k < M; ++k) {
         Block* const row = x + width * free(k);
         const Block angular = unit(free(k)) * gain, linear = share * angular;
-        in_turn<0, rows>([&](auto c) IN_PLACE { row[c] = own[rows * k + c] * (c < 3 ? linear : angular); });
+        for (int c = 0; c < rows; ++c) row[c] = own[rows * k + c] * (c < 3 ? linear : angular);
         if constexpr (N != M) {
             Block sum = 0.0;
-            in_turn<0, 6>([&](auto c) IN_PLACE { sum -= own[6 * k + c] * held[c]; });
+            for (int c = 0; c < 6; ++c) sum -= own[6 * k + c] * held[c];
             row[6] = sum * (angular * (1.0 / unit(scale.held)));
         }
-    });
+    }
     if constexpr (N != M) {
-        in_turn<0, 7>([&](auto c) IN_PLACE { x[width * scale.held + c] = (c < 6 ? 0.0 : 1.0) * gain; });
+        for (int c = 0; c < 7; ++c) x[width * scale.held + c] = (c < 6 ? 0.0 : 1.0) * gain;
     }
     store_rows(x, lanes.to);
 }
 
 // Joint vectors that are NaN are left out, so that all lanes have work.
-template <int N, int M>
-static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
-    constexpr int numbers = N * (N == 7 ? 7 : 6);
-    double unread[numbers];
+static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
+    constexpr decltype(&invert<1, 1>) of[] = {invert<1, 1>, invert<2, 2>, invert<3, 3>, invert<4, 4>,
+                                              invert<5, 5>, invert<6, 6>, invert<7, 6>, invert<7, 7>};
+    const auto invert_lanes = of[arm.joints == 7 && scale.held < 0 ? 7 : arm.joints - 1];
+    const int numbers = arm.joints * (arm.joints == 7 ? 7 : 6);
+    double unread[7 * 7];
     Lanes lanes;
     const auto solve = [&] {
         for (int l = lanes.many; l < BLOCK; ++l) lanes.from[l] = lanes.from[0], lanes.to[l] = unread;
-        invert<N, M>(arm, lanes, scale);
+        invert_lanes(arm, lanes, scale);
         lanes.many = 0;
     };
-    for (long i = 0; i < m; ++i, Q += N, X += numbers) {
+    for (long i = 0; i < m; ++i, Q += arm.joints, X += numbers) {
         if (!(*Q == *Q)) {
             for (int k = 0; k < numbers; ++k) X[k] = __builtin_nan("");
             continue;
@@ -94,12 +116,6 @@ static void inverses_of(const ChainArm& arm, const double* Q, const InverseScale
         if (++lanes.many == BLOCK) solve();
     }
     if (lanes.many) solve();
-}
-
-static void inverses(const ChainArm& arm, const double* Q, const InverseScale& scale, long m, double* X) {
-    constexpr decltype(&inverses_of<1, 1>) of[] = {inverses_of<1, 1>, inverses_of<2, 2>, inverses_of<3, 3>, inverses_of<4, 4>,
-                                                   inverses_of<5, 5>, inverses_of<6, 6>, inverses_of<7, 6>, inverses_of<7, 7>};
-    of[arm.joints == 7 && scale.held < 0 ? 7 : arm.joints - 1](arm, Q, scale, m, X);
 }
 
 extern const InverseFunctions inverse_functions;

@@ -391,31 +391,7 @@ template <int L> STEP void transpose(typename Register<L>::type (&r)[L]) {
     }
 }
 
-// L consecutive numbers, or only the first N of them.
-template <int N, int L> STEP typename Register<L>::type first_of(const double* from) {
-    if constexpr (N == L) return *(const typename Register<L>::unaligned*)from;
-#if defined(__AVX512F__)
-    else if constexpr (L == 8) return (typename Register<L>::type)_mm512_maskz_loadu_pd((1 << N) - 1, from);
-#endif
-    else {
-        typename Register<L>::type out = {};
-        for (int i = 0; i < N; ++i) out[i] = from[i];
-        return out;
-    }
-}
-
-// N numbers from each lane's own place. Numbers that do not fill whole registers are loaded twice at the end.
-template <int N, int L> STEP void load_rows(const double* const (&from)[L], Pack<L, 1> (&to)[N]) {
-    constexpr int step = N < L ? N : L;
-    in_turn<0, (N + step - 1) / step>([&](auto part) IN_PLACE {
-        constexpr int first = step * part + step <= N ? step * part : N - step;
-        typename Register<L>::type r[L];
-        in_turn<0, L>([&](auto l) IN_PLACE { r[l] = first_of<step, L>(from[l] + first); });
-        transpose<L>(r);
-        in_turn<0, step>([&](auto i) IN_PLACE { to[first + i].r[0] = r[i]; });
-    });
-}
-// N numbers to each lane's own place, likewise.
+// N numbers to each lane's own place. Numbers that do not fill whole registers are stored twice at the end.
 template <int N, int L> STEP void store_rows(const Pack<L, 1> (&from)[N], double* const (&to)[L]) {
     if constexpr (N < L) {
         in_turn<0, N>([&](auto i) IN_PLACE {
