@@ -54,12 +54,6 @@ template <class Model> SHARED double missed_by(const Model& arm, const Goal<doub
     return error_at(arm, goal, q).size;
 }
 
-// The columns of the Jacobian at q.
-template <class Model> SHARED void derivatives_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
-                                                  Rows<Model::rows, double> (&J)[Model::joints]) {
-    error_and_jacobian(arm, goal, q, J);
-}
-
 // The smallest singular value of the Jacobian at q, and its direction.
 template <class Model>
 SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
@@ -182,7 +176,7 @@ extern template Polished<Block> polish_block<true>(const Written<6>&, const Goal
 extern template Polished<Block> polish_block<false>(const Written<6>&, const Goal<Block>&, Block (&)[6], const Course&,
                                                     const MaskOf<Block>&);
 extern template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
-extern template void derivatives_at(const Written<6>&, const Goal<double>&, const double (&)[6], Rows<6, double> (&)[6]);
+extern template Error<double> derivatives_at(const Written<6>&, const Goal<double>&, const double (&)[6], Rows<6, double> (&)[6]);
 extern template double missed_by(const Written<6>&, const Goal<double>&, const double (&)[6]);
 extern template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);
 extern template Weakest<6> weakest_at(const Written<6>&, const Goal<double>&, const double (&)[6]);

@@ -80,7 +80,7 @@ template <int N, class V> STEP Error<V> error_at(const Written<N>& arm, const Go
 
 // The columns of the task's Jacobian.
 template <int N, class V> STEP void jacobian_at(const Written<N>& arm, const Posture<N, V>& at, Six<V> (&J)[N]) {
-#pragma GCC unroll 8
+#pragma GCC unroll 1
     for (int k = 0; k < N; ++k) {
         J[k] = task_column(arm, at.tip, jacobian_column(at.joint[k], arm.slides[k], at.tip.p, 1.0 / arm.size));
     }
@@ -120,6 +120,23 @@ template <class V> struct Polished {
     V least;  // a lower bound on the Jacobian's smallest singular value, where the last step began
 };
 
+// The error and the columns of the Jacobian at q; and the damped least-squares solution of J x = e, whose J is overwritten: calls
+// for one joint vector, in place for a block.
+template <class Model>
+SHARED Error<double, Model::rows> derivatives_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                                                 Rows<Model::rows, double> (&J)[Model::joints]) {
+    return error_and_jacobian(arm, goal, q, J);
+}
+template <class Model, int L, int K>
+STEP auto derivatives_at(const Model& arm, const Goal<Pack<L, K>>& goal, const Pack<L, K> (&q)[Model::joints],
+                         Rows<Model::rows, Pack<L, K>> (&J)[Model::joints]) {
+    return error_and_jacobian(arm, goal, q, J);
+}
+template <int N, int rows> PART Solved<N, double> damped_step(Rows<rows, double> (&J)[N], const Rows<rows, double>& e,
+                                                              double damping) {
+    return least_squares<true>(J, e, damping);
+}
+
 // Newton's method from q, which is replaced by the best vector found. Steps are limited to half a radian.
 // Damped: the damping falls with the error, so that convergence is quadratic at regular solutions and steps stay bounded at
 // singular ones. Undamped: for starts near regular solutions, about a third faster.
@@ -147,7 +164,9 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         if (rests && round > 0) break;
         V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
         if constexpr (damped) damping = select(better | (e.size >= V(NEARLY)), damping, max(damping, V(HELD)));
-        const Solved<N, V> step = least_squares<damped>(J, e.twist, damping);
+        Solved<N, V> step;
+        if constexpr (damped && lanes_of<V> == 1 && N > 4) step = damped_step(J, e.twist, damping);
+        else step = least_squares<damped>(J, e.twist, damping);
         out.least = select(better & (moves | (V(double(round)) < V(0.5))), step.least, out.least);
         if (rests) break;
         V longest = TINY;

@@ -54,15 +54,12 @@ template <class V> STEP Frame<V> moved(const Frame<V>& at, bool slides, const V&
 }
 
 // q: angles in [-1.1 pi, 1.1 pi], lengths in m.
-template <int N, class V> STEP Posture<N, V> place(const Written<N>& arm, const V (&q)[N]) {
+template <int N, class V> PART Posture<N, V> place(const Written<N>& arm, const V (&q)[N]) {
     Posture<N, V> at;
     at.joint[0] = constant_frame<V>(arm.step[0]);
-#pragma GCC unroll 8
-    for (int k = 0; k < N; ++k) {
-        const Frame<V> next = beyond(moved(at.joint[k], arm.slides[k], q[k]), arm.step[k + 1]);
-        if (k + 1 < N) at.joint[k + 1] = next;
-        else at.tip = next;
-    }
+#pragma GCC unroll 1
+    for (int k = 0; k + 1 < N; ++k) at.joint[k + 1] = beyond(moved(at.joint[k], arm.slides[k], q[k]), arm.step[k + 1]);
+    at.tip = beyond(moved(at.joint[N - 1], arm.slides[N - 1], q[N - 1]), arm.step[N]);
     return at;
 }
 

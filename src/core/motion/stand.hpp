@@ -104,11 +104,6 @@ template <int N> struct BoundedStep {
     double least;           // a lower bound on the smallest singular value of J, with the damping
 };
 
-// The damped least-squares solution of J x = e.
-template <int N, int rows> PART Solved<N, double> damped(Rows<rows, double> (&J)[N], const Rows<rows, double>& e, double damping) {
-    return least_squares<true>(J, e, damping);
-}
-
 // The x between the bounds that approximately minimises |J x - e|. While a joint exceeds its bounds, the one that exceeds them
 // most is fixed at its bound, and the problem is solved again for the other joints.
 template <int N>
@@ -121,7 +116,7 @@ PART BoundedStep<N> bounded_step(const Six<double> (&J)[N], Six<double> e, doubl
             if ((out.below | out.above) >> k & 1) A[k] = {};
             else A[k] = J[k];
         }
-        const Solved<N, double> s = damped(A, e, damping);
+        const Solved<N, double> s = damped_step(A, e, damping);
         if (!(out.below | out.above)) out.least = s.least;
         int worst = -1;
         double most = 0.0;
@@ -150,13 +145,13 @@ template <int N> PART double least_gain(const Six<double> (&J)[N]) {
     if constexpr (N <= 6) {
         Six<double> A[N];
         for (int k = 0; k < N; ++k) A[k] = J[k];
-        return damped(A, Six<double>{}, FAINT).least;
+        return damped_step(A, Six<double>{}, FAINT).least;
     } else {
         Rows<N, double> A[6];
         for (int i = 0; i < 6; ++i) {
             for (int k = 0; k < N; ++k) A[i][k] = J[k][i];
         }
-        return damped(A, Rows<N, double>{}, FAINT).least;
+        return damped_step(A, Rows<N, double>{}, FAINT).least;
     }
 }
 
