@@ -329,7 +329,7 @@ class KeptSolutions(Answer):
 
     @property
     def filters(self) -> tuple[str, ...]:
-        """How they were chosen, in order: 'limits', 'turns', 'collision', 'configuration', 'within', 'nearest', 'best'."""
+        """How they were chosen: the ``how`` of each step, in order."""
         return () if self.step is None else (*self.step.parent.filters, self.step.how)
 
     @property
