@@ -74,7 +74,7 @@ def test_shapes_that_no_reader_takes_are_left_out_and_reported() -> None:
     pin_model = pinocchio.buildModelFromXML(model.xml.decode())
     geometry = pinocchio.buildGeomFromUrdfString(pin_model, model.xml.decode(), pinocchio.GeometryType.COLLISION)
     assert [type(each.geometry).__name__ for each in geometry.geometryObjects] == ["Sphere", "Capsule"]
-    assert [each.name for each in geometry.geometryObjects] == ["base_0", "base_1"]
+    assert [each.name for each in model.robot.link_map["base"].collisions] == ["ball"]
 
 
 AWKWARD = """\ufeff<?xml version="1.0" encoding="latin-1"?>

@@ -21,7 +21,7 @@ from urdf_ik.version import __version__
 
 _WIDTH, _LEAST_WORDS = 79, 12
 _SHORT = {"example-robot-data": "robot-data", "robot_descriptions": "descriptions"}
-NEEDED = ("numpy", "pin", "coal", "lxml", "trimesh", "scipy")
+NEEDED = ("numpy", "pin", "coal", "yourdfpy", "lxml", "trimesh", "scipy")
 _CHECKING = ("pin", "coal")
 """What only checks need; solving and drawing do without."""
 _ARMS = ("zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "srs_7r")
@@ -112,7 +112,7 @@ def examine() -> dict[str, Any]:
     versions |= {name: _version(name) for name in NEEDED}
     begun = time.perf_counter()
     checks = ("urdf_ik.cell.pinocchio_reference",) if missing_pinocchio.installed() else ()
-    for package in (*checks, "urdf_ik.arm"):
+    for package in (*checks, "urdf_ik.arm", "yourdfpy"):
         import_module(package)
     loaded = time.perf_counter()
     tests = [_test(name) for name in _ARMS]

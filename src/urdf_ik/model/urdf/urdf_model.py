@@ -1,9 +1,13 @@
 """UrdfModel: a URDF that was read and checked, its kinematic tree and its clean XML."""
 
+import io
 import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
+
+from lxml import etree
 
 from urdf_ik.errors import ChainError
 from urdf_ik.model import meshes
@@ -29,6 +33,7 @@ class UrdfModel:
         warnings: defects in parts that a chain need not use, and how they were read. ``xml`` is without these
             defects, so Pinocchio and yourdfpy read what is read here.
         sha256: SHA-256 of the text that was read, tools apart; of a xacro or MJCF, of the URDF made from it.
+        robot: yourdfpy's model of ``xml``, without meshes and without a scene.
 
     Example:
         >>> import urdf_ik
@@ -47,6 +52,16 @@ class UrdfModel:
     mesh_roots: tuple[Path, ...] = ()
     warnings: tuple[UrdfWarning, ...] = field(repr=False, default=())
     sha256: str = field(repr=False, default="")
+
+    @cached_property
+    def robot(self) -> Any:
+        """The yourdfpy.URDF of ``xml``, without meshes, scene and capsules, which yourdfpy refuses."""
+        import yourdfpy  # brings trimesh, SciPy and NetworkX: 0.5 s that loading an arm need not pay
+
+        tree = etree.fromstring(self.xml)
+        for body in [shape.getparent().getparent() for shape in tree.iter("capsule")]:
+            body.getparent().remove(body)
+        return yourdfpy.URDF.load(io.BytesIO(etree.tostring(tree)), build_scene_graph=False, load_meshes=False)
 
     @property
     def package_dirs(self) -> tuple[str, ...]:
