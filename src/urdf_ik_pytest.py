@@ -8,8 +8,6 @@ fails, unless ``--urdf-no-lock`` says so. Tests of your own get the arms and the
 ``arm_lock``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import cached_property, partial
 from pathlib import Path
@@ -75,19 +73,19 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 @pytest.fixture(scope="session")
-def _urdf_ik_given(request: pytest.FixtureRequest) -> _Given:
+def _urdf_ik_given(request: pytest.FixtureRequest) -> "_Given":
     given: _Given = request.param
     return given
 
 
 @pytest.fixture(scope="session")
-def arm(_urdf_ik_given: _Given) -> Arm:
+def arm(_urdf_ik_given: "_Given") -> "Arm":
     """The arm of ``--urdf``, each of them in turn."""
     return _urdf_ik_given.arm
 
 
 @pytest.fixture(scope="session")
-def arm_lock(_urdf_ik_given: _Given) -> Lock:
+def arm_lock(_urdf_ik_given: "_Given") -> "Lock":
     """The lock of the arm of ``--urdf``; with ``--urdf-no-lock`` a test is skipped where there is none."""
     lock = _urdf_ik_given.lock
     if lock is None:
@@ -125,7 +123,7 @@ class _Given:
         self._may_lack = config.getoption("--urdf-no-lock")
 
     @cached_property
-    def arm(self) -> Arm:
+    def arm(self) -> "Arm":
         """The arm: base, tip and held joints as given, else those of the lock."""
         import urdf_ik
 
@@ -138,7 +136,7 @@ class _Given:
         return urdf_ik.load(self._source, base=base, tip=tip, locked=locked)
 
     @cached_property
-    def lock(self) -> Lock | None:
+    def lock(self) -> "Lock | None":
         """The lock, written first where it is missing and ``--urdf-freeze`` was given; None with ``--urdf-no-lock``."""
         import urdf_ik
 
@@ -154,11 +152,11 @@ class _Given:
         )
 
     @cached_property
-    def verification(self) -> Verification | None:
+    def verification(self) -> "Verification | None":
         """What of the lock holds; None without a lock."""
         return None if self.lock is None else self.lock.verify(self.arm)
 
-    def _read(self) -> Lock:
+    def _read(self) -> "Lock":
         from urdf_ik.verify.baselines import Lock
 
         return Lock.load(self.lock_path)
@@ -173,7 +171,7 @@ class _CheckedArm(pytest.Collector):
         self._reported_by = ""
         self.add_marker(MARK)
 
-    def collect(self) -> Iterator[_Test]:
+    def collect(self) -> "Iterator[_Test]":
         """One test a property of the cross-check and of the lock, and one for reading the file."""
         from urdf_ik.verify.crosscheck import PROPERTIES
 
@@ -184,7 +182,7 @@ class _CheckedArm(pytest.Collector):
             yield _Test.from_parent(self, name=name, check=partial(self._require_unchanged, name, kind))
 
     @cached_property
-    def _report(self) -> CrossCheck | Exception:
+    def _report(self) -> "CrossCheck | Exception":
         """The cross-check's report, or why there is none."""
         import urdf_ik
         from urdf_ik.verify import crosscheck

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import ArgumentError, Box, Capsule, Cylinder, HalfSpace, Mesh, PoseError, Sphere
-from urdf_ik.cell import CollisionModel
 from urdf_ik.cell.coal_shapes import geometry
 from urdf_ik.cell.pinocchio_reference import Reference
 
@@ -147,10 +146,9 @@ def test_what_the_arm_had_stays(tmp_path: Path) -> None:
     target = longer.solver.control.target_of(longer.fk([0.3, -0.9]))
     assert longer.ik(target).count == 2
 
-    ur = urdf_ik.load("ur5")
     srdf = '<robot name="ur5"><disable_collisions link1="forearm_link" link2="base_link"/></robot>'
-    model = CollisionModel(ur.model, ur.base, ur.tip, srdf=srdf.encode()).allow("upper_arm_link", "wrist_1_link")
-    ur = ur.with_cell(ur.cell.with_collisions(model))
+    ur = urdf_ik.load("ur5", srdf=srdf)
+    ur = ur.with_cell(ur.cell.allow("upper_arm_link", "wrist_1_link"))
     kept = ur.with_tool(np.eye(4), Box(0.05)).cell.collisions.table().allowed
     assert kept["base_link", "forearm_link"] == "srdf"
     assert kept["upper_arm_link", "wrist_1_link"] == "allowed"

@@ -197,9 +197,9 @@ def test_a_robot_whose_repository_moved_is_said_with_both_commits(
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("", "no lock file"),
-        ("[]", "no lock file"),
-        ("[" * 100_000, "no lock file"),
+        ("", "no lock"),
+        ("[]", "no lock"),
+        ("[" * 100_000, "no lock"),
         ('{"format": "urdf-ik lock", "version": 99}', "version 99"),
         ('{"format": "urdf-ik lock", "version": 1}', "damaged"),
     ],

@@ -1,5 +1,6 @@
 """Two arms compared: what must be zero is zero, and a change of known size is found at its size."""
 
+import json
 import math
 import re
 from pathlib import Path
@@ -209,7 +210,7 @@ def test_many_arms_answer_the_same_poses() -> None:
     free = sum(row.contact is False for row in old)
     assert free == sum(not hit for row, hit in zip(old, arm.cell.collisions.in_collision(s.q[s.valid]), strict=True))
     assert ElementTree.fromstring(found.svg()).tag.endswith("svg") and "<svg" in found._repr_html_()
-    assert ManyArms.from_json(found.to_json()).poses == 12
+    assert ManyArms.from_dict(json.loads(found.to_json())).poses == 12
     frame = found.to_frame()
     assert list(frame.columns) == [
         "arm", "pose", "branch", "reachable", "in_limits", "limit_margin", "manipulability", "contact"

@@ -4,7 +4,6 @@ The text holds what the compiled solver is made from, the chain, its limits and 
 chain uses. ``docs/_static/compiled-arm.schema.json`` describes it, and ``urdf_ik.export`` writes it.
 """
 
-import json
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -68,19 +67,7 @@ def document_of(text: str, source: str) -> dict[str, Any]:
     Raises:
         UrdfError: it is no JSON, no compiled arm, or one of another version.
     """
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise UrdfError(f"no compiled arm: {printable(error, 200)}", source=source, hint=_AGAIN) from None
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise UrdfError(f'no compiled arm: it has no "format": "{FORMAT}"', source=source, hint=_AGAIN)
-    if data.get("version") != VERSION:
-        raise UrdfError(
-            f"a compiled arm of version {data.get('version')!r}; this release reads version {VERSION}",
-            source=source,
-            hint=f"{_AGAIN} anew",
-        )
-    return data
+    return files.document(text, FORMAT, VERSION, lambda problem: UrdfError(problem, source=source, hint=_AGAIN))
 
 
 def _arm_of(data: dict[str, Any], source: str) -> Arm:

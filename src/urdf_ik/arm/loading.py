@@ -85,7 +85,7 @@ def load(
         if (defects := defects_of(srdf, model.links)) and strict:
             raise together([each.error for each in defects])
         model = replace(model, warnings=(*model.warnings, *defects))
-        disabled = disabled_pairs(srdf, model.links, strict=False)
+        disabled = disabled_pairs(srdf, model.links)
     ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
     joints = from_urdf(model, *ends).lock({} if locked is None else locked)
     chosen = (redundancy,) if isinstance(redundancy, str) else redundancy

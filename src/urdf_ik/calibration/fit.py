@@ -283,7 +283,7 @@ def _require_enough(given: Measurements, eq: Equations) -> None:
 
 
 def _require_order(arm: Arm, given: Measurements, base: bool, marker: bool) -> None:
-    """That no common other order of the joints explains the measurements far better than the URDF's."""
+    """Refuse measurements that another common order of the joints explains far better than the URDF's."""
     if arm.dof < 2:
         return
 

@@ -9,8 +9,6 @@ Shapes and worlds need neither Pinocchio nor coal; the modules that do are impor
 names.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from urdf_ik.support.lazy import attributes

@@ -1,6 +1,5 @@
 """CollisionModel: the collision shapes of an arm and of a world, and the pairs that must not touch."""
 
-import os
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
@@ -16,7 +15,6 @@ from urdf_ik.cell.swept_motions import Motions
 from urdf_ik.cell.world import World
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError
 from urdf_ik.kinematics.chain import Chain, from_urdf
-from urdf_ik.model import srdf as srdf_reader
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
@@ -81,7 +79,6 @@ class CollisionModel:
         base: str | None = None,
         tip: str | None = None,
         *,
-        srdf: str | os.PathLike[str] | bytes | None = None,
         disabled: Collection[Pair] = (),
         locked: Mapping[str, float] | None = None,
         allowed: Mapping[Pair, str] | None = None,
@@ -92,14 +89,12 @@ class CollisionModel:
             model: the URDF as it was read; meshes come from its ``package_dirs`` only.
             base: base link; default: the root.
             tip: tip link; default: the end of the only movable chain.
-            srdf: path or text of an SRDF whose ``disable_collisions`` are allowed pairs.
-            disabled: pairs of an SRDF that was read already.
+            disabled: pairs of an SRDF.
             locked: fixed values of joints outside the joint vector [rad or m].
             allowed: pairs that may touch, to the reason; default: those of the URDF and the SRDF, and those that touch
                 in nearly all of ``SAMPLES`` joint vectors.
 
         Raises:
-            UrdfError: the SRDF is broken, or names a link that the URDF does not have.
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint with more than one degree of freedom.
         """
@@ -114,7 +109,6 @@ class CollisionModel:
         self._kept: list[ShapePair] | None = None
         # The last result of ``in_world``, as most callers use one world again and again.
         self._last: CollisionModel | None = None
-        disabled = (*disabled, *(() if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)))
         try:
             geometry, solids = coal_shapes.build(model, self.reference.pin_model)
         except UrdfError as error:

@@ -6,8 +6,6 @@ shrinks by at most the sum, over the joints between them, of how far each joint 
 piece is halved. Nothing is sampled: even the thinnest wall between two joint vectors is found.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -69,7 +67,7 @@ class Motions:
             raise ArgumentError(f"{self.free.size} motions have a pair each: see pairs")
         return self.pairs[0]
 
-    def spread(self, places: NDArray[np.bool_]) -> Motions:
+    def spread(self, places: NDArray[np.bool_]) -> "Motions":
         """These motions at ``places`` (k,), and between them motions that are not free."""
         free, share = np.zeros(len(places), dtype=np.bool_), np.full(len(places), np.nan)
         free[places], share[places] = self.free, self.share
@@ -108,7 +106,7 @@ class _Pieces(NamedTuple):
     piece: NDArray[np.intp]
     pair: NDArray[np.intp]
 
-    def some(self, which: NDArray[np.bool_]) -> _Pieces:
+    def some(self, which: NDArray[np.bool_]) -> "_Pieces":
         """The pieces ``which`` (m,)."""
         number = np.cumsum(which) - 1
         kept = which[self.piece]
@@ -131,7 +129,7 @@ def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
         )
 
 
-def motions(check: CoalCheck, q0: Array, q1: Array, margin: float) -> Motions:
+def motions(check: "CoalCheck", q0: Array, q1: Array, margin: float) -> Motions:
     """Which of the motions from q0 (k, n) to q1 (k, n) are free; see :class:`Motions`."""
     k = len(q0)
     first, pair = np.full(k, np.inf), np.full(k, -1, dtype=np.intp)
@@ -147,7 +145,7 @@ def motions(check: CoalCheck, q0: Array, q1: Array, margin: float) -> Motions:
 
 
 def _halved(
-    check: CoalCheck, q0: Array, q1: Array, margin: float, pieces: _Pieces, first: Array, pair: NDArray[np.intp]
+    check: "CoalCheck", q0: Array, q1: Array, margin: float, pieces: _Pieces, first: Array, pair: NDArray[np.intp]
 ) -> _Pieces:
     """Check the middle of each piece; return the halves left to prove, write contacts to ``first`` and ``pair``."""
     pieces = pieces.some(pieces.start < first[pieces.motion])
@@ -208,7 +206,7 @@ class _Contact(NamedTuple):
 
 
 def _contact(
-    check: CoalCheck,
+    check: "CoalCheck",
     q: Array,
     margin: float,
     links: NDArray[np.bool_],

@@ -84,11 +84,6 @@ class _CheckedSolutions:
             out |= {"position_error": self.errors[0], "rotation_error": self.angles.angle(self.errors[1])}
         return out if self.distance is None else out | {"distance": self.distance}
 
-    def explanation(self, pose: int) -> str:
-        """Why a pose has no solution."""
-        one: IKSolutions = self.solutions[pose]
-        return one.explain()
-
     def from_reference(self, q_ref: Array, metric: str) -> Self:
         """These with their distances from a joint vector."""
         apart, turning, angles = self.solutions.difference(q_ref), self.angles.turning, self.angles
@@ -114,7 +109,7 @@ class _CheckedSolutions:
                     **({} if values is None else {"redundancy": values[i]}),
                     "count": self.counts[i],
                     "solutions": [self._solution(i, b) for b in np.flatnonzero(self.solutions.valid[i]).tolist()],
-                    **({} if self.counts[i] else {"explanation": self.explanation(i)}),
+                    **({} if self.counts[i] else {"explanation": self.solutions[i].explain()}),
                 }
                 for i, pose in enumerate(self.poses)
             ],
@@ -253,7 +248,7 @@ def _solutions(answer: _CheckedSolutions, pose: int) -> list[str]:
     angles, names = answer.angles, answer.solutions.names[pose]
     places = np.flatnonzero(answer.solutions.valid[pose]).tolist()
     if not places:
-        return ["", answer.explanation(pose)]
+        return ["", answer.solutions[pose].explain()]
     q, branches = angles.vectors(answer.solutions.q[pose]), _branch_columns([names[b] for b in places])
     digits = 2 if angles.degrees else 4
     values = [
@@ -309,7 +304,7 @@ def _summary(answer: _CheckedSolutions) -> list[str]:
         lines.append(f"farthest from --nearest ({metric}): {np.nanmax(far):.4g} {unit}, pose {where}")
     if solved < len(counts):
         first = int(np.flatnonzero(counts == 0)[0])
-        lines.append(f"first pose without a solution: {first}: {answer.explanation(first)}")
+        lines.append(f"first pose without a solution: {first}: {answer.solutions[first].explain()}")
     numbers, poses = np.unique(counts, return_counts=True)
     shown = (40 * poses / poses.max()).round().astype(int).clip(min=1)
     rows = [{"solutions": c, "poses": p, "share": "#" * k} for c, p, k in zip(numbers, poses, shown, strict=True)]

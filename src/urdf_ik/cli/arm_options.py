@@ -5,7 +5,7 @@ import math
 import re
 import string
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Self, get_args, get_origin, get_type_hints
@@ -99,10 +99,7 @@ class ArmOptions(Record):
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
             name = next(name for name in names if name not in arm.model.links)
             arm = arm.with_tool(tool, self._tool_shapes(), name=name)
-        for typed in self.allow or ():
-            first, comma, second = (part.strip() for part in typed.partition(","))
-            if not (first and comma and second):
-                raise usage(f"{typed!r} is not LINK,LINK", "--allow")
+        for first, second in _pairs(self.allow, ",", "--allow", "LINK,LINK"):
             arm = arm.with_cell(arm.cell.allow(first, second))
         if self.free_axis is None:
             if self.free_at is not None:
@@ -149,27 +146,18 @@ class ArmOptions(Record):
 
     def _locked(self) -> dict[str, float]:
         """Joint names and values [rad or m] of ``NAME=VALUE``; a value that ends in ``deg`` is in degrees."""
-        out = {}
-        for text in self.lock or ():
-            name, _, value = (part.strip() for part in text.rpartition("="))
+        out, form = {}, "NAME=VALUE, such as joint_7=0.5 or joint_7=30deg"
+        for name, value in _pairs(self.lock, "=", "--lock", form):
             number = value.removesuffix("deg")
             try:
                 out[name] = math.radians(float(number)) if number != value else float(number)
             except ValueError:
-                name = ""
-            if not name:
-                raise usage(f"{text!r} is not NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", "--lock")
+                raise usage(f"{name}={value} holds no number; give {form}", "--lock") from None
         return out
 
     def _xacro_args(self) -> dict[str, str] | None:
         """Arguments of a xacro; None where there are none, so that only a xacro is read as one."""
-        out = {}
-        for text in self.xacro_arg or ():
-            name, sign, value = text.partition(":=")
-            if not (name and sign):
-                raise usage(f"{text!r} is not NAME:=VALUE", "--xacro-arg")
-            out[name] = value
-        return out or None
+        return dict(_pairs(self.xacro_arg, ":=", "--xacro-arg", "NAME:=VALUE")) or None
 
     def _say_which(self, arm: Arm) -> None:
         """Say on standard error which chain was chosen of several, or which tip of several links at its end."""
@@ -223,6 +211,15 @@ class ArmOptions(Record):
         if self.robot == "-" and "-" in (typed.poses, *(typed.q or ())):
             option = "--poses" if typed.poses == "-" else "--q"
             raise usage("the robot is read from standard input already", option)
+
+
+def _pairs(texts: list[str] | None, sign: str, option: str, form: str) -> Iterator[tuple[str, str]]:
+    """What stands before the last sign and after it in each of the texts of an option."""
+    for text in texts or ():
+        first, found, second = (part.strip() for part in text.rpartition(sign))
+        if not (first and found):
+            raise usage(f"{text!r} is not {form}", option)
+        yield first, second
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Target poses: typed, of a joint vector, from a file, random, or the arm's example."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,21 +10,18 @@ from urdf_ik.arm import Arm
 from urdf_ik.arm import example as examples
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
-from urdf_ik.cli.options import PartOfPose, PoseOptions
+from urdf_ik.cli.options import PartOfPose, PoseOptions, texts
+from urdf_ik.model.poses import ORIENTATIONS as NOTATIONS
+from urdf_ik.model.poses import pose
 from urdf_ik.support import files
 from urdf_ik.typing import Array
 
-ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
-    "--rpy": ("roll", "pitch", "yaw"),
-    "--quat-xyzw": ("x", "y", "z", "w"),
-    "--quat-wxyz": ("w", "x", "y", "z"),
-    "--rotvec": ("rx", "ry", "rz"),
-    "--abb": ("q1", "q2", "q3", "q4"),
-    "--fanuc": ("w", "p", "r"),
-    "--kuka": ("a", "b", "c"),
-    "--motoman": ("rx", "ry", "rz"),
-    "--staubli": ("rx", "ry", "rz"),
+ORIENTATIONS = {
+    f"--{name.replace('_', '-')}": text.metavar.lower().split(",")
+    for name, text in texts(PoseOptions).items()
+    if name in NOTATIONS and text.metavar
 }
+"""The options that are orientations, and what their numbers are called."""
 EXACT = 1e-9
 """Distance from a planar arm's plane up to which a point lies in it [m]."""
 SHORTEST = 4
@@ -143,8 +140,6 @@ def _typed_as(typed: PoseOptions, option: str) -> Sequence[str]:
 
 
 def _typed(arm: Arm, typed: PoseOptions, oriented: Sequence[str], angles: Angles, task: str) -> Target:
-    from urdf_ik.model.poses import pose
-
     count = len(typed.xyz or ())
     if not typed.xyz:
         raise console.usage(f"{oriented[0]} needs a position with it: --xyz x,y,z", "--xyz")

@@ -82,16 +82,8 @@ def _scene(arm: Arm, q: Any, faces: int) -> dict[str, Any]:
     """What the page draws: the tree of joints, shapes, colours of the branches, and where the arm stands."""
     chain = arm.chain
     tree = [
-        {
-            "parent": joint.parent,
-            "child": joint.child,
-            "origin": joint.origin.ravel().tolist(),
-            "axis": joint.axis.tolist(),
-            "prismatic": joint.prismatic,
-            "column": joint.column,
-            "multiplier": joint.multiplier,
-            "offset": joint.offset,
-        }
+        {name: getattr(joint, name) for name in ("parent", "child", "prismatic", "column", "multiplier", "offset")}
+        | {"origin": joint.origin.ravel().tolist(), "axis": joint.axis.tolist()}
         for joint in chain.tree
     ]
     moving: set[str] = set()

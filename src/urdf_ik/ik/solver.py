@@ -1,6 +1,6 @@
 """``Solver``: a chain with its family and compiled solver, how one is prepared, and why an arm has none."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, islice
@@ -230,14 +230,6 @@ def fixed_tip(solver: Solver) -> str:
         f"{solver.name}: {solver.free_axis} is free, and a tool would move the tip away from it; mount the tool first, "
         "then say which of its axes is free: arm.with_tool(...).with_free_axis(...)"
     )
-
-
-def with_locked(solver: Solver, values: Mapping[str, float]) -> Solver:
-    """The solver of the other joints, some joints of the chain being held at values [rad or m]."""
-    chain = solver.chain.lock(values)
-    kept = [name in chain.joint_names for name in solver.joint_names]
-    chosen = tuple(name for name in solver.chosen if name in chain.joint_names)
-    return solver.again(chain=chain, velocity_limits=solver.velocity_limits[kept], chosen=chosen)
 
 
 def _checked_choice(name: str, chain: Chain, chosen: Sequence[str]) -> tuple[str, ...]:

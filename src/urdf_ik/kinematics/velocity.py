@@ -35,13 +35,9 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
         >>> float(manipulability(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).round(4)) > 0.0
         True
     """
-    J = chain.jacobian(q)[..., _rows(part), :]
+    J = chain.jacobian(q)[..., PARTS[inputs.choice(part, "part", tuple(PARTS))], :]
     if chain.n == 0:
         return np.zeros(J.shape[:-2])
     gone = np.asarray(np.isnan(J).any(axis=(-2, -1)))
     volume = np.linalg.svd(np.where(gone[..., None, None], 0.0, J), compute_uv=False).prod(axis=-1)
     return np.where(gone, np.nan, volume)
-
-
-def _rows(part: str) -> slice:
-    return PARTS[inputs.choice(part, "part", tuple(PARTS))]

@@ -21,7 +21,7 @@ from urdf_ik.cell import World
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.maps.grid import Grid, checked_bounds
 from urdf_ik.maps.store import Progress, Variable, about_arm, digest, require_memory
-from urdf_ik.maps.workspaces.solution_counts import Counting
+from urdf_ik.maps.workspaces.creation import Counting
 from urdf_ik.model.poses import as_pose_array, pose
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN

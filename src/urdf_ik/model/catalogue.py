@@ -72,7 +72,6 @@ class Entry:
     """An arm of the catalogue.
 
     Attributes:
-        name: the requested name.
         path: its URDF or xacro.
         base: base link of the arm; None: that of the default chain.
         tip: tip link of the arm; None: that of the default chain.
@@ -80,7 +79,6 @@ class Entry:
         xacro_args: arguments of the xacro, None for a URDF.
     """
 
-    name: str
     path: Path
     base: str | None
     tip: str | None
@@ -179,14 +177,14 @@ def resolve(name: str) -> Entry:
         'tool0'
     """
     if name in BUNDLED:
-        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"))
+        return Entry(_bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"))
     if name in EXAMPLE_ROBOT_DATA:
         return _from_example_robot_data(name)
     if stem := _of_example_robot_data(name):
         return _from_example_robot_data(stem)
     if model := downloads.model_of(name):
         path, folders, arguments = downloads.fetch(model, _near_and_here(name))
-        return Entry(name, path, None, None, folders, arguments)
+        return Entry(path, None, None, folders, arguments)
     raise ArgumentError(f"no arm is called {name!r}; {_alternatives(name)}")
 
 
@@ -209,7 +207,7 @@ def _from_example_robot_data(name: str) -> Entry:
         raise ArgumentError(
             f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: {extras.command('robots')} --upgrade"
         )
-    return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
+    return Entry(path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
 
 
 def _robot_file(share: Path, name: str) -> Path:

@@ -25,28 +25,21 @@ _LINKS = ("link1", "link2", "base_link", "tip_link", "parent_link", "child_link"
 """Attributes that name links."""
 
 
-def disabled_pairs(
-    source: str | os.PathLike[str] | bytes, links: Collection[str], *, strict: bool = True
-) -> tuple[tuple[str, str], ...]:
-    """Read the ``<disable_collisions>`` elements of an SRDF and ignore the others; see :func:`defects_of`.
+def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[tuple[str, str], ...]:
+    """Pairs of links, in the file's order, of the ``<disable_collisions>`` elements of an SRDF.
+
+    Those of other links are left out: an SRDF often serves a robot with and without its hand. See :func:`defects_of`.
 
     Args:
         source: a path, or XML text.
         links: names of the URDF's links.
-        strict: whether a link that the URDF does not have is an error; else its pairs are left out, as an SRDF often
-            serves a robot with and without its hand.
-
-    Returns:
-        Pairs of link names, in the file's order.
 
     Raises:
-        UrdfError: the SRDF cannot be read, or names a link that the URDF does not have.
+        UrdfError: the SRDF cannot be read.
     """
-    root, name = _opened(source)
-    found = children(root, "disable_collisions")
-    if not strict:
-        found = (each for each in found if each.get("link1") in links and each.get("link2") in links)
-    return tuple(_two_links(each, "link1", "link2", links, name) for each in found)
+    found = children(_opened(source)[0], "disable_collisions")
+    pairs = [(each.get("link1"), each.get("link2")) for each in found]
+    return tuple((first, second) for first, second in pairs if first in links and second in links)
 
 
 def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[UrdfWarning, ...]:

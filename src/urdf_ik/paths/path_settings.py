@@ -1,7 +1,5 @@
 """The declaration of the settings of a path, and the check of values per joint."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from dataclasses import Field, dataclass, field, fields
@@ -49,7 +47,7 @@ class PathSettings:
         None, "joint vector", "Joint vector at the first waypoint; by default the best one.", "rad or m"
     )
     end: Any = _setting(None, "joint vector", "Joint vector at the last waypoint; by default the best one.", "rad or m")
-    world: World | None = _setting(None, "world", "Obstacles.")
+    world: "World | None" = _setting(None, "world", "Obstacles.")
     margin: float = _setting(0.0, "number", "Distance that bodies must keep from each other and from obstacles.", "m")
     collisions: bool | str = _setting(
         True,
@@ -150,7 +148,7 @@ class Obstacles(NamedTuple):
         margin: distance to keep [m].
     """
 
-    model: CollisionModel
+    model: "CollisionModel"
     margin: float
 
     def free(self, q: Array) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from urdf_ik.arm import Arm
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Shape, Sphere
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions.tables import stick
+from urdf_ik.kinematics.dh.frames import any_normal, frame
 from urdf_ik.model import link_shapes
 from urdf_ik.typing import Array
 
@@ -78,13 +79,8 @@ def triangles(shape: Shape, size: float) -> Any:
         case HalfSpace():
             plate = trimesh.creation.box((4.0 * size, 4.0 * size, _PLANE))
             normal = np.array(shape.normal)
-            # Any two directions across the normal will do.
-            across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-            across /= np.linalg.norm(across)
-            T = np.eye(4)
-            T[:3, :3] = np.stack([across, np.cross(normal, across), normal], axis=1)
-            T[:3, 3] = normal * (shape.offset - 0.5 * _PLANE)
-            return plate.apply_transform(T)
+            middle = normal * (shape.offset - 0.5 * _PLANE)
+            return plate.apply_transform(frame(normal, any_normal(normal), middle))
         case Mesh():
             # As coal has read it, since that is what is asked about contacts.
             from urdf_ik.cell.coal_shapes import geometry

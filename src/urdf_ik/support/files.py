@@ -1,5 +1,6 @@
 """Reading and writing of files, with errors of this package; a file is replaced when the new one is whole."""
 
+import json
 import os
 import secrets
 import shutil
@@ -30,6 +31,20 @@ def read(source: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> by
     except (OSError, ValueError) as failure:  # ValueError: null bytes in the name, a closed file, no UTF-8
         raise error(f"cannot read {name_of(source)}: {getattr(failure, 'strerror', None) or failure}") from None
     return data.encode(errors="surrogatepass") if isinstance(data, str) else bytes(data)
+
+
+def document(text: str, what: str, version: int, error: Callable[[str], UrdfIkError]) -> dict[str, Any]:
+    """The object of a JSON text whose 'format' is ``what``, of a version; ``error`` is raised for any other text."""
+    kind = what.removeprefix("urdf-ik ")
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as failure:
+        raise error(f"no {kind}: {printable(failure, _QUOTED)}") from None
+    if not isinstance(data, dict) or data.get("format") != what:
+        raise error(f'no {kind}: it has no "format": "{what}"')
+    if data.get("version") != version:
+        raise error(f"a {kind} of version {data.get('version')!r}; this release reads version {version}")
+    return data
 
 
 def writable(path: str | os.PathLike[str]) -> Path:

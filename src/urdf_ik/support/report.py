@@ -1,7 +1,6 @@
 """Report: the result of a check as text, JSON and HTML, and the way back from JSON."""
 
 import io
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from html import escape
@@ -74,15 +73,6 @@ class Report:
         except (KeyError, TypeError, ValueError) as error:
             raise ArgumentError(f"this is no {cls.__name__} that to_dict() wrote: {error}") from None
         return report
-
-    @classmethod
-    def from_json(cls, text: str) -> Self:
-        """The report that :meth:`to_json` wrote."""
-        try:
-            data = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise ArgumentError(f"this is no JSON: {error}") from None
-        return cls.from_dict(data)
 
     def __str__(self) -> str:
         tables = [str(section) if section.title else f"\n{str(section).strip()}" for section in self.sections()]

@@ -280,16 +280,8 @@ class Lock:
         Raises:
             ArgumentError: it is not the text of a lock file; the message calls it ``name``.
         """
-        hint = "; urdf-ik freeze writes one"
-        try:
-            data = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise ArgumentError(f"{name} is no lock file: {error}{hint}") from None
-        if not isinstance(data, dict) or data.get("format") != FORMAT:
-            raise ArgumentError(f'{name} is no lock file: it has no "format": "{FORMAT}"{hint}')
-        if data.get("version") != VERSION:
-            version = f"version {data.get('version')!r}; this release reads {VERSION}"
-            raise ArgumentError(f"{name} is a lock file of {version}{hint} anew")
+        hint = "urdf-ik freeze writes one"
+        data = files.document(text, FORMAT, VERSION, lambda problem: ArgumentError(f"{name} is {problem}; {hint}"))
         try:
             arm = from_dict(data["arm"])
             poses = [{**pose, "answers": pose["solutions"]} for pose in data["poses"]]
@@ -306,7 +298,7 @@ class Lock:
             baseline._require_complete()
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"{type(error).__name__} {error}"
-            raise ArgumentError(f"{name} is a damaged lock file: {reason}{hint} anew") from None
+            raise ArgumentError(f"{name} is a damaged lock file: {reason}; {hint} anew") from None
         return baseline
 
     def _require_complete(self) -> None:

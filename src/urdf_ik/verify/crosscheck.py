@@ -1,7 +1,5 @@
 """Cross-checks of an arm with Pinocchio, over random poses and every branch."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -79,7 +77,7 @@ def check(
     *,
     time_limit: float | None = None,
     progress: Progress | None = None,
-) -> CrossCheck:
+) -> "CrossCheck":
     """Compare an arm against Pinocchio's own model of the same URDF.
 
     Joint vectors are drawn within the limits, Pinocchio makes the poses, the arm solves them. Compared are: joints and
@@ -362,7 +360,7 @@ class _Tallies:
             self._skip([name], name, reason)
         return True
 
-    def shapes(self, wanted: bool | None) -> CollisionModel | None:
+    def shapes(self, wanted: bool | None) -> "CollisionModel | None":
         """The shapes whose collision is compared; None where it is skipped."""
         from urdf_ik.cell import CollisionModel
 
@@ -440,7 +438,7 @@ class _Tallies:
         return [q[i, valid[i]] for i in range(len(indices))]
 
     def collisions(
-        self, indices: Sequence[int], Q: Array, solutions: Sequence[Array], shapes: CollisionModel, most: int
+        self, indices: Sequence[int], Q: Array, solutions: Sequence[Array], shapes: "CollisionModel", most: int
     ) -> int:
         """Coal's shapes placed with the arm's link poses, against the same shapes placed by Pinocchio."""
         verdict, distance = (self.of[name] for name in _COLLISION)

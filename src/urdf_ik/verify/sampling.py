@@ -1,7 +1,5 @@
 """Joint vectors that the checks draw, and an arm's answers to poses: solutions, redundancy parameters, contacts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -112,7 +110,7 @@ def solutions_of(arm: Arm, T: Array, redundancy: Array | None = None) -> IKSolut
     return arm.ik(T) if redundancy is None else arm.ik(T, redundancy=redundancy)
 
 
-def answered(arm: Arm, kind: str, T: Array, values: Array | None, shapes: CollisionModel | None) -> list[Pose]:
+def answered(arm: Arm, kind: str, T: Array, values: Array | None, shapes: "CollisionModel | None") -> list[Pose]:
     """Poses (m, 4, 4) with every solution at values (m,) or (m, k) of the redundancy parameters."""
     if not len(T):
         return []
@@ -139,7 +137,7 @@ def rounded(q: Array) -> tuple[Row, ...]:
     return tuple(tuple(float(value) + 0.0 for value in row) for row in np.round(q, 12))
 
 
-def contacts(shapes: CollisionModel | None, q: Array) -> Sequence[bool | None]:
+def contacts(shapes: "CollisionModel | None", q: Array) -> Sequence[bool | None]:
     """Whether each of the joint vectors (k, n) touches something; None where that is not known."""
     if shapes is None or not len(q):
         return [None] * len(q)

@@ -17,12 +17,10 @@ from urdf_ik.cli.console import Angles, Progress, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
-from urdf_ik.ik.solutions.distances import Wish, check_quality
+from urdf_ik.ik.solutions.distances import Metric, Quality, Wish, check_quality
 from urdf_ik.ik.task import POSE, Task
 from urdf_ik.typing import Array
 
-Metric = Literal["l2", "max", "time"]
-Quality = Literal["limits", "manipulability", "clearance"]
 First = Literal["position", "orientation"]
 
 

@@ -23,7 +23,6 @@ from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.paths.timing import Timed
 from urdf_ik.support import files
 from urdf_ik.support.text import counted
-from urdf_ik.typing import Array
 
 SUFFIXES = (".csv", ".json")
 _KINDS = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
@@ -203,7 +202,7 @@ def _text(found: _Followed, angles: Angles, in_time: Timed | None, data: dict[st
         "cost": f"{_cost(found, plan, angles):.6g} ({_KINDS[found.cost]})",
         "reconfigurations": len(plan.changes),
         "tolerance": f"{strays} from the straight segments, proven",
-        "least clearance [m]": _clearance(plan),
+        "least clearance [m]": float(np.fmin.reduce(plan.margins.clearance)),
         "manipulability": f"at least {margins.manipulability.min():.4g}",
         "time": "" if in_time is None else f"{in_time.duration:.3f} s ({in_time.method})",
         "found": f"in {found.seconds:.2f} s",
@@ -217,18 +216,6 @@ def _cost(found: _Followed, plan: Plan, angles: Angles) -> float:
     if found.cost == "time" or not angles.turning.all():
         return plan.cost
     return float(angles.angle(angles.angle(plan.cost) if found.cost == "l2" else plan.cost))
-
-
-def _room(plan: Plan) -> Array:
-    """Distance (m, n) of each joint from its nearer limit [rad or m]."""
-    low, high = plan.solver.limits.T
-    return np.asarray(np.minimum(plan.q - low, high - plan.q))
-
-
-def _clearance(plan: Plan) -> float:
-    """The least clearance at the waypoints [m], NaN where there is none."""
-    clearance = plan.margins.clearance
-    return np.nan if np.isnan(clearance).all() else float(np.nanmin(clearance))
 
 
 def _data(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> dict[str, Any]:
@@ -250,7 +237,8 @@ def _data(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
     }
     if plan.found:
         margins = {name: getattr(plan.margins, name) for name in ("limits", "clearance", "manipulability")}
-        room = _room(plan)
+        low, high = plan.solver.limits.T
+        room = np.minimum(plan.q - low, high - plan.q)
         least = np.argmin(room, axis=1)[:, None]
         data |= {
             "cost": _cost(found, plan, angles),

@@ -1,7 +1,5 @@
 """The commands ``plot`` and ``view``, which draw an arm."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
@@ -102,7 +100,7 @@ def plot(
 
 def _of_pose(
     arm: Arm, target: targets.Target, picture: Picture, shapes: bool, degrees: bool, world: World | None
-) -> Figure:
+) -> "Figure":
     """A picture of a pose's solutions."""
     from urdf_ik.show import plot
 
@@ -114,7 +112,7 @@ def _of_pose(
     return plot.branches(solutions, shapes=shapes, world=world)
 
 
-def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> Figure:
+def _workspace(arm: Arm, q: Array | None, layer: _Layer) -> "Figure":
     from urdf_ik.maps import workspaces
     from urdf_ik.show import plot
     from urdf_ik.show.plot.axes import is_two_links

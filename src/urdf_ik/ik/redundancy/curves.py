@@ -101,8 +101,7 @@ Cost = Callable[[Array, Columns], Array]
 # Share of the way between two samples at which the search for a minimum ends.
 _FINEST = 1e-8
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
-# What a solution outside the limits costs more than any distance inside them, and one that is too far from the
-# reference more than one that is near enough.
+# Costs of solutions outside the limits, and of those that are too far from the reference: more than any distance.
 _OUTSIDE, _BEYOND = 1e7, 1e5
 
 
@@ -216,7 +215,7 @@ def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Ar
 def distance(solver: Solver, q: Array, q_ref: Array, bounds: Array, measure: Measure) -> Array:
     """(k,) of solutions (k, n): the distance of the nearest image inside the bounds from (k, n), infinite for NaN rows.
 
-    Where no image is inside, or none is near enough, by how much, above ``_OUTSIDE`` or ``_BEYOND``.
+    If no image is inside, ``_OUTSIDE`` plus the excess; if none is near enough, ``_BEYOND`` plus the excess.
     """
     turning = ~solver.chain.prismatic
     image, inside = limits.image_near(q, q_ref, bounds, turning)

@@ -286,7 +286,7 @@ def _union(low: Array, high: Array, is_round: bool) -> Array:
     if is_round:
         if any(b - a >= TURN for a, b in merged):
             return np.array([[-np.pi, np.pi]])
-        # What passes half a turn may reach the first ones again.
+        # An interval that passes half a turn may overlap the first ones.
         while len(merged) > 1 and merged[-1][1] - TURN >= merged[0][0]:
             merged[-1][1] = max(merged[-1][1], merged.pop(0)[1] + TURN)
         if merged[0][1] - merged[0][0] >= TURN or (len(merged) == 1 and merged[0][1] - TURN >= merged[0][0]):

@@ -1,12 +1,10 @@
 """One solution, the arrays of all solutions of a batch, and the steps by which these were made."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntFlag
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +52,6 @@ Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
 # A pose's status stands in two bits of its first column's flags; the lower one says that solutions may be missing.
 _STATUS, _UNCERTAIN = np.uint8(5), np.uint8(32)
 _WORDS = np.array([WORDS[32 * k] for k in range(4)])
-
-_Number = TypeVar("_Number", bound=np.generic)
 
 
 class Singular(IntFlag):
@@ -134,7 +130,7 @@ class Step(NamedTuple):
     """
 
     how: str
-    parent: KeptSolutions
+    parent: "KeptSolutions"
     columns: Columns | None = None
     amount: float = 0.0
     apart: Array | None = None

@@ -1,4 +1,4 @@
-"""What a task leaves free of a chain: its redundancy parameters, and the rank of its Jacobian."""
+"""The redundancy parameters of a chain, and the rank of its Jacobian."""
 
 import math
 from collections.abc import Sequence

@@ -14,8 +14,9 @@ from urdf_ik.support import inputs
 from urdf_ik.support.read_only import Frozen
 from urdf_ik.typing import Array
 
-# Steps between the axes that are what rounding left: beside the way to the first axis, a share; of an arm whose slides
-# travel a metre or so, in m for each: poses of a smaller arm are rounded to more than its tolerances.
+# Steps between the axes are rounding errors if they are below this share of the distance to the first axis, or below
+# this length [m] for each slide: slides travel about a metre, and poses at that distance are rounded to 1e-16 m, which
+# is more than the tolerances of so small an arm.
 _NO_STEP = 1e-9
 _NO_STEP_OF_SLIDES = 1e-5
 
@@ -177,7 +178,7 @@ class Chain(Frozen):
     def size(self) -> float:
         """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip.
 
-        Where these are what rounding left, it is how far away the first axis stands, and 1 m for each slide.
+        If these are only rounding errors, it is the distance to the first axis, plus 1 m for each slide.
         """
         between, base = float(np.linalg.norm(self.P[1:], axis=1).sum()), float(np.linalg.norm(self.P[0]))
         slides = int(self.prismatic.sum())

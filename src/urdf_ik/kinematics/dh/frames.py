@@ -140,7 +140,7 @@ def frame(z: Array, x: Array, origin: Array) -> Array:
 
 
 def any_normal(u: Array) -> Array:
-    """A unit vector across ``u``."""
+    """A vector across ``u``, of any length."""
     return cross(u, np.eye(3)[np.argmin(np.abs(u))])
 
 
@@ -152,15 +152,11 @@ MOST_SNAP = 0.5
 """Greatest ``snap`` [rad, share of the arm's size]: axes farther apart are neither parallel nor meet."""
 
 
-def _as_written(snap: float | None) -> tuple[float, float]:
-    """Angle [rad] and distance [share of size] below which axes are parallel or meet."""
-    return (np.sqrt(np.finfo(np.float64).eps), _ROUNDING_OF_STEP) if snap is None else (snap, snap)
-
-
 def frames_of(chain: Chain, snap: float | None) -> DHFrames:
     """Craig's frames on the axes of the chain."""
-    snap = None if snap is None else inputs.number(snap, "snap", UrdfError, low=0.0, high=MOST_SNAP)
-    near_angle, near_distance = _as_written(snap)
+    near_angle, near_distance = float(np.sqrt(np.finfo(np.float64).eps)), _ROUNDING_OF_STEP
+    if snap is not None:
+        near_angle = near_distance = inputs.number(snap, "snap", UrdfError, low=0.0, high=MOST_SNAP)
     # Measured from the first axis: how far from its base the arm is mounted has no part in its table.
     mount = chain.P[0]
     points = chain.points - mount

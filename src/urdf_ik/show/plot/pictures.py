@@ -1,7 +1,5 @@
 """Pictures of an arm, its branches, limits and workspace."""
 
-from __future__ import annotations
-
 import math
 import os
 import textwrap
@@ -37,7 +35,7 @@ _COLUMNS = 4
 _DPI = 110
 
 
-def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
+def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> "Figure":
     """The arm at ``q`` (n,) rad or m, as a stick figure and with the shapes of its links, meshes among them.
 
     Default: zero, or the nearest to it within the limits.
@@ -64,7 +62,7 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
     return figure
 
 
-def branches(solutions: IKSolutions, *, shapes: bool = False, world: World | None = None) -> Figure:
+def branches(solutions: IKSolutions, *, shapes: bool = False, world: World | None = None) -> "Figure":
     """All solutions of a single pose, side by side, each in the colour of its branch, with its name.
 
     The obstacles of ``world`` are drawn, too; where links touch each other or an obstacle, the name says 'collision'
@@ -113,7 +111,7 @@ def branches(solutions: IKSolutions, *, shapes: bool = False, world: World | Non
     return figure
 
 
-def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
+def limits(solutions: IKSolutions, *, degrees: bool = True) -> "Figure":
     """The joints' limits as bars, with all turns of all solutions of a single pose; a cross where no turn is inside.
 
     Joints that slide are drawn in m, below those that turn.
@@ -165,7 +163,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     return figure
 
 
-def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
+def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> "Figure":
     """One layer of a workspace map; see :meth:`urdf_ik.maps.workspaces.WorkspaceMap.slice`.
 
     Raises:
@@ -192,7 +190,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     return figure
 
 
-def placements(found: PlacementMap, what: str = "reached") -> Figure:
+def placements(found: PlacementMap, what: str = "reached") -> "Figure":
     """The best layer: base positions, each with its best heading; a cross on the best, dots on the targets.
 
     Args:
@@ -233,7 +231,7 @@ def placements(found: PlacementMap, what: str = "reached") -> Figure:
     return figure
 
 
-def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Figure:
+def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> "Figure":
     """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad.
 
     Example:
@@ -253,7 +251,7 @@ def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Fig
     return figure
 
 
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+def save(figure: "Figure", path: str | os.PathLike[str]) -> None:
     """Write a PNG, SVG or PDF file, by the path's ending.
 
     Raises:
@@ -275,7 +273,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     files.write(target, lambda file: figure.savefig(file, format=kind, dpi=_DPI, metadata=metadata))
 
 
-def _bodies(figure: Figure, owner: Arm, wanted: bool) -> tuple[looks.Body, ...]:
+def _bodies(figure: "Figure", owner: Arm, wanted: bool) -> tuple[looks.Body, ...]:
     """What the links look like, if that is wanted; the picture says how many shapes it lacks, and why the first one."""
     if not wanted:
         return ()
@@ -314,7 +312,7 @@ _COLOURS = {
 }
 
 
-def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
+def intervals(found: Intervals, *, degrees: bool = True) -> "Figure":
     """The intervals of one pose: the parameter across, branches down.
 
     A bar is an interval; it is dark where the joints are far from their limits, light where they are near. A line at
