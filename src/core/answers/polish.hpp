@@ -108,7 +108,7 @@ struct Course {
     int rounds;             // greatest number of rounds
     double enough;          // stop below this error
     int patience;           // stop after this many rounds in which the error has not fallen by a third
-    double least_damping = LEAST_DAMPING;
+    double least_damping = VANISHING;
 };
 
 // At a singular solution, and in a valley: without the damping HELD rounding would move the arm along its singular direction.
@@ -163,7 +163,7 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         const bool rests = round == course.rounds || !any(moves);
         if (rests && round > 0) break;
         V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
-        if constexpr (damped) damping = select(better | (e.size >= V(NEARLY)), damping, max(damping, V(HELD)));
+        if constexpr (damped) damping = select(better | (e.size >= V(HALF_OF_THE_DIGITS)), damping, max(damping, V(HELD)));
         Solved<N, V> step;
         if constexpr (damped && lanes_of<V> == 1 && N > 4) step = damped_step(J, e.twist, damping);
         else step = least_squares<damped>(J, e.twist, damping);

@@ -8,8 +8,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 using Complex = Complexes<double>;
 
-// A polynomial's value below this share of the sum of its terms' sizes is rounding.
-inline constexpr double LOST = 4e-16;
+// Horner's rule in complex numbers loses at most this share of the sum of its terms' sizes a step: four units of roundoff. A value
+// below it is rounding.
+inline constexpr double HORNER = 4.8e-16;
 
 // A root has converged when it moves by less than this, relative to its size (squared). Convergence is cubic. Only multiple roots
 // converge linearly, and they are accurate to half of their digits anyway.
@@ -30,7 +31,7 @@ STEP void slope_over_value(const Complex (&c)[N + 1], const V& x, const V& y, Ma
         const V pn = p * zx - q * zy + c[j].re, qn = p * zy + q * zx + c[j].im;
         u = un, v = vn, p = pn, q = qn, bound = bound * size + (abs(c[j].re) + abs(c[j].im));
     }
-    const V value = p * p + q * q, lost = LOST * bound, w = 1.0 / (value + TINY);
+    const V value = p * p + q * q, lost = HORNER * bound, w = 1.0 / (value + TINY);
     moves = moves & (value > lost * lost);
     const V re = (u * p + v * q) * w, im = (v * p - u * q) * w;
     const V ix = x * inverse, iy = -(y * inverse), i2 = ix * ix - iy * iy, j2 = 2.0 * ix * iy;
@@ -65,10 +66,8 @@ template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Compl
 }
 
 // Radii of discs about numbers z, of which every group of k that meet holds k roots of any polynomial whose coefficients are within
-// `error` of these: N |p(z_i)| / |c_N prod (z_i - z_j)| (Smith 1970, from Gershgorin's theorem). Horner's rule in complex numbers
-// loses at most four units of roundoff of the sum of the terms' sizes a step; a product of distances less than
-// SLACK_OF_SUMS.
-inline constexpr double HORNER = 4.0 * 1.2e-16;
+// `error` of these: N |p(z_i)| / |c_N prod (z_i - z_j)| (Smith 1970, from Gershgorin's theorem). A product of
+// distances loses less than SLACK_OF_SUMS.
 template <int N> PART void root_discs(const Complex (&c)[N + 1], const Complex (&z)[N], double error, double (&radius)[N]) {
     for (int i = 0; i < N; ++i) {
         const double size = sqrt(z[i].re * z[i].re + z[i].im * z[i].im);

@@ -22,8 +22,6 @@ struct TrigonometricPolynomial {
     double constant, cosine, sine, cosine2, sine2;
 };
 
-// A complex pair this close to the unit circle (in its logarithm) may be a double real root that rounding has split.
-inline constexpr double NEAR_UNIT_CIRCLE = 1e-3;
 // A second harmonic below this share of the largest coefficient is zero to rounding.
 inline constexpr double NO_HARMONIC = 1e-14;
 
@@ -39,7 +37,7 @@ template <int N> STEP void collect_real(const Complex (&c)[N + 1], double error,
     double open = 0.0;
     for (int i = 0; i < N; ++i) {
         const double size = sqrt(z[i].re * z[i].re + z[i].im * z[i].im), off = abs(size - 1.0);
-        if (!(size > 0.0 && abs(logarithm(size)) < NEAR_UNIT_CIRCLE)) {
+        if (!(size > 0.0 && abs(logarithm(size)) < NEAR)) {
             out.whole = out.whole && radius[i] < 0.5 * off;
             for (int j = 0; j < N; ++j) {
                 const double x = z[i].re - z[j].re, y = z[i].im - z[j].im;

@@ -4,12 +4,13 @@
 
 #include <cstdint>
 
+#include "arithmetic/angles.hpp"
 #include "arithmetic/simd.hpp"
 #include "arithmetic/thresholds.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-inline constexpr double PI = 3.141592653589793, TINY = 1e-300;
+inline constexpr double TINY = 1e-300;
 
 // An angle as its cosine and sine.
 template <class V> struct Turn {
@@ -47,13 +48,6 @@ template <class V> STEP V angle(const Turn<V>& t) { return atan2(t.s, t.c); }
 template <class V> STEP V wrap(V a) {
     a = select(a > V(PI), a - 6.283185307179586, a);
     return select(a <= V(-PI), a + 6.283185307179586, a);
-}
-
-// The angle a in (-pi, pi], for any a. An angle inside is unchanged.
-STEP double on_circle(double a) {
-    if (abs(a) < PI) return a;
-    const double rest = __builtin_remainder(a, 6.283185307179586);
-    return rest <= -PI ? PI : min(rest, PI);
 }
 
 // The angle half a turn away; both are in (-pi, pi].

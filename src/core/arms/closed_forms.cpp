@@ -1,6 +1,7 @@
 // Closed forms of arms with six joints, and arms near their families, from named values.
 #include <cmath>
 
+#include "arithmetic/thresholds.hpp"
 #include "arms/elimination.hpp"
 #include "arms/solver.hpp"
 
@@ -25,7 +26,7 @@ template <int count> int variant_of(const Values& v, const char* const (&names)[
 // follows from the derivatives of each step for vectors no longer than the arm's size: 4 for a swing, 8 for the law of cosines, 10
 // for a wrist that three turns precede; doubled, for terms of second order.
 static double together(double first, double links, double wrist) {
-    const double error = TARGET_ROUNDING * (8.0 * first) * (16.0 * links) * (20.0 * wrist);
+    const double error = ROUNDING * (8.0 * first) * (16.0 * links) * (20.0 * wrist);
     return error * error;
 }
 

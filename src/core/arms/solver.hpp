@@ -8,6 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "arithmetic/angles.hpp"
 #include "arms/common.hpp"
 #include "certificate/proof.hpp"
 #include "levels.hpp"
@@ -37,12 +38,7 @@ public:
 };
 
 // A redundancy parameter's value: an angle in (-pi, pi]; one that is there already keeps its digits.
-inline double parameter_value(double value, bool turns) {
-    constexpr double pi = 3.141592653589793, turn = 6.283185307179586;
-    if (!turns || std::fabs(value) < pi) return value;
-    const double past = std::fmod(pi - value, turn);
-    return pi - (past < 0.0 ? past + turn : past);
-}
+inline double parameter_value(double value, bool turns) { return turns ? principal_angle(value) : value; }
 
 using SolverPointer = std::shared_ptr<const Solver>;
 

@@ -49,10 +49,6 @@ struct Displacement {
     double turn[7], shift[7], length[7];
 };
 
-// Rounding of a closed form's targets [rad, share of size]: twelve operations on each number in to_frame_1(), and seven rotations
-// whose cosines and sines are rounded, two each; 26 times 2^-52.
-inline constexpr double TARGET_ROUNDING = 6e-15;
-
 // The nearest arm that has its family's structure exactly, by Craig's Denavit-Hartenberg parameters:
 // T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
 struct IdealFrames : Ends {

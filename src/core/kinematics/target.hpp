@@ -46,7 +46,7 @@ struct Slack {
 };
 STEP Slack slack_of(const IdealFrames& arm, const Seen<double>& seen) {
     const double far = arm.size + sqrt(dot(seen.p, seen.p));
-    return {arm.displacement.turn[0] + TARGET_ROUNDING, arm.displacement.shift[0] + TARGET_ROUNDING * far};
+    return {arm.displacement.turn[0] + ROUNDING, arm.displacement.shift[0] + ROUNDING * far};
 }
 
 // T with its rotation replaced by the nearest one: Newton's iteration for the polar factor (Higham 1986).

@@ -21,10 +21,9 @@ constexpr const char* FORMAT = "urdf-ik compiled arm";
 constexpr int VERSION = 1;
 // Axes of a chain, and rows of its parts.
 constexpr int MOST_AXES_OF_A_CHAIN = 64;
-// How far a value may lie beyond a limit [rad, m]: the error that the contract grants to a solution.
-constexpr double LIMIT_TOLERANCE = 1e-9;
-// How far the tip may be from the poses that the file gives, as a share of its distance from the base, or of 1 m.
-constexpr double SAME_POSE = 1e-9;
+// The error that the contract grants to a solution: how far a value may lie beyond a limit [rad, m], and the tip from the poses
+// that the file gives, as a share of its distance from the base, or of 1 m.
+constexpr double TOLERANCE = 1e-9;
 
 // The product of exponentials of all axes; joints may drive several axes each.
 class Kinematics {
@@ -100,7 +99,7 @@ struct Arm::Data {
             joints.push_back({each.word("name"), each.word("type"), each.number("lower"), each.number("upper"),
                               each.number("velocity"), each.number("turn")});
             const Joint& joint = joints.back();
-            limits.emplace_back(joint.lower - LIMIT_TOLERANCE, joint.upper + LIMIT_TOLERANCE, joint.turn);
+            limits.emplace_back(joint.lower - TOLERANCE, joint.upper + TOLERANCE, joint.turn);
         }
         for (const JsonValues& each : v.groups("parameters")) {
             parameters.push_back({each.word("kind"), each.word("name"), each.word("unit"), each.number("lower"),
@@ -128,7 +127,7 @@ struct Arm::Data {
         double size = 1.0;
         for (const double each : wanted) size = std::max(size, std::fabs(each));
         for (int i = 0; i < 16; ++i) {
-            if (!(std::fabs(T[i] - wanted[i]) <= SAME_POSE * size)) throw v.error("T", "the chain leads elsewhere");
+            if (!(std::fabs(T[i] - wanted[i]) <= TOLERANCE * size)) throw v.error("T", "the chain leads elsewhere");
         }
     }
 };

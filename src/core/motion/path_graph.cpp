@@ -5,8 +5,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-static constexpr double INFINITE = __builtin_inf();
-
 // The lowest image of a joint's value inside its limits. Returns the number of images.
 STEP std::uint8_t lowest_image(const GraphJoints& arm, int k, double q, double* lowest) {
     const double turn = arm.turn[k], low = arm.lower[k], high = arm.upper[k];
@@ -191,7 +189,7 @@ static constexpr std::int32_t NO_WAY = 1 << 30;
 
 // The stored value of a state.
 STEP Best best_of(const GraphValues& values, std::int64_t at) {
-    if (values.value[at] == INFINITE) return {NO_WAY, INFINITE};
+    if (values.value[at] == __builtin_inf()) return {NO_WAY, __builtin_inf()};
     return {values.changes ? values.changes[at] : 0, values.value[at]};
 }
 
@@ -205,7 +203,7 @@ static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const Gr
     const long states = images.states;
     for (long i = layers.waypoints - 1; i >= 0 && !stop.asked(); --i) {
         const bool last = i + 1 == layers.waypoints;
-        Best jump = {NO_WAY, INFINITE};
+        Best jump = {NO_WAY, __builtin_inf()};
         if (!last && values.changes) {
             values.jump[i] = -1;
             for (std::int64_t at = layers.first[i + 1] * states; at < layers.first[i + 2] * states; ++at) {
@@ -214,12 +212,12 @@ static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const Gr
             ++jump.changes;
         }
         for (std::int64_t a = layers.first[i]; a < layers.first[i + 1]; ++a) {
-            for (long s = 0; s < states; ++s) keep(values, a * states + s, {NO_WAY, INFINITE}, -1);
+            for (long s = 0; s < states; ++s) keep(values, a * states + s, {NO_WAY, __builtin_inf()}, -1);
             each_state(images, arm.joints, a,
                        [&](long s) { keep(values, a * states + s, last ? Best{0, 0.0} : jump, last ? -1 : -2); });
             for (std::int64_t e = edges.first[a]; e < edges.first[a + 1]; ++e) {
                 const double cost = edges.cost[e];
-                if (cost == INFINITE) continue;
+                if (cost == __builtin_inf()) continue;
                 const std::int64_t b = edges.end[e];
                 each_passage(arm, layers.q, images, a, b, [&](long from, long to) {
                     Best way = best_of(values, b * states + to);
@@ -251,10 +249,10 @@ static void spread(const GraphJoints& arm, const GraphLayers& layers, const Grap
     for (long i = 0; i + 1 < layers.waypoints && !stop.asked(); ++i) {
         for (std::int64_t a = layers.first[i]; a < layers.first[i + 1]; ++a) {
             for (std::int64_t e = edges.first[a]; e < edges.first[a + 1]; ++e) {
-                if (edges.cost[e] == INFINITE) continue;
+                if (edges.cost[e] == __builtin_inf()) continue;
                 const std::int64_t b = edges.end[e];
                 each_passage(arm, layers.q, images, a, b, [&](long from, long to) {
-                    if (node[b * states + to] != INFINITE) marks[b * states + to] |= marks[a * states + from];
+                    if (node[b * states + to] != __builtin_inf()) marks[b * states + to] |= marks[a * states + from];
                 });
             }
         }

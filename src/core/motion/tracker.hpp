@@ -16,11 +16,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double PIECE = 0.05;
 inline constexpr int PIECES = 64;
 // Most steps of Newton's method on a piece, refused ones included. A step is refused if it achieves less than ENOUGH_GAIN of the
-// predicted reduction; the next one may go a quarter as far. Below LEAST_TRUST [rad, share of size] the method stops.
+// predicted reduction; the next one may go a quarter as far. Below FAINT [rad, share of size] the method stops.
 inline constexpr int TRIALS = 14;
-inline constexpr double ENOUGH_GAIN = 0.1, LEAST_TRUST = 1e-9;
-// An arm that moves less than this [rad, share of size] and is not at its target counts as held.
-inline constexpr double STILL = 1e-6;
+inline constexpr double ENOUGH_GAIN = 0.1;
 // At a singularity, the change of the smallest singular value per rad along the self-motion direction, measured PIECE to
 // either side. Above PASSABLE the singularity is a fold, beyond which lies another branch. Below (the wrist,
 // the shoulder) the singularity persists along this motion, and the arm may pass to the other side. The derivative at the
@@ -62,7 +60,7 @@ PART Went approach(const Written<N>& arm, const Goal<double>& goal, const Box<N>
     if constexpr (N > 6) went.least = least_gain(s.J);
     double trust = __builtin_inf();
     bool first = N > 6;
-    for (int trial = 0; trial < TRIALS && s.size > CONVERGED && trust > LEAST_TRUST; ++trial) {
+    for (int trial = 0; trial < TRIALS && s.size > CONVERGED && trust > FAINT; ++trial) {
         double low[N], high[N], own[N] = {};
         Six<double> e = s.twist;
         for (int k = 0; k < N; ++k) {
@@ -289,7 +287,7 @@ PART bool push(const Written<N>& arm, const Goal<double>& goal, const Box<N>& bo
         for (int k = 0; k < N; ++k) next.q[k] += share * unit_of(arm, k) * side * idle.direction[k];
         place_at(arm, next);
         approach(arm, goal, box, drift, next);
-        if (next.square < s.square * (1.0 - STILL)) s = next;
+        if (next.square < s.square * (1.0 - SAME)) s = next;
     }
     return s.square < before.square;
 }
@@ -407,7 +405,7 @@ template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state,
         if (far || share < 1.0) s = start, went = march(arm.written, goal, start.twist, share, box, drift, s);
         hurried = share < 1.0 || too_fast(went);
     }
-    if (s.size > t.reach && !hurried && apart(arm.written, start, s) < STILL) push(arm.written, goal, box, drift, s);
+    if (s.size > t.reach && !hurried && apart(arm.written, start, s) < SAME) push(arm.written, goal, box, drift, s);
     Because why = Because::nothing;
     if (s.size > t.reach) {
         why = against_limits(arm, s) ? Because::limit : hurried ? Because::velocity : because_of(arm.written, s, went);
@@ -424,7 +422,7 @@ template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state,
     }
     Tracked out = {true, Tracking::ok, why, 0.0, 0.0, 0.0, 0.0};
     if (s.size > t.reach) {
-        bool still = why != Because::velocity && why != Because::acceleration && apart(arm.written, start, s) < STILL;
+        bool still = why != Because::velocity && why != Because::acceleration && apart(arm.written, start, s) < SAME;
         for (int k = 0; k < N; ++k) still &= abs(state.v[k]) <= arm.acceleration[k] * arm.dt;
         if (still) s = start;
         out.status = still ? Tracking::held : Tracking::limited;

@@ -13,10 +13,10 @@ double Follower::off_line(const CurveSample& a, const CurveSample& b, double& ar
         if (std::abs(way[j]) > BRIDGE) return INFINITY;
         square += way[j] * way[j], same += a.along[j] * b.along[j];
     }
-    if (same < 0.5) return INFINITY;  // a turn of more than BRIDGE_TURN
+    if (same < 0.5) return INFINITY;  // a turn of more than twice TOO_MUCH
     turned = std::acos(std::min(same, 1.0));
     arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
-    if (!(arc <= BRIDGE && turned <= BRIDGE_TURN)) return INFINITY;
+    if (!(arc <= BRIDGE && turned <= 2.0 * TOO_MUCH)) return INFINITY;
     double off = 0.0;
     for (int j = 0; j < 7; ++j) off += std::pow(way[j] - 0.5 * arc * (a.along[j] + b.along[j]), 2);
     return std::sqrt(off) / (arc + 1e-300);
@@ -56,7 +56,7 @@ const OnCurve* Follower::put_middles(Bridge& bridge, const OnCurve* next) const 
         if (before.halved >> k & 1) {
             const OnCurve& point = *next++;
             CurveSample middle = oriented(point, a.along, a.value);
-            if (!(point.left <= ON_THE_WAY && point.moved <= BRIDGE_ASIDE * b.arc && middle.rate > 0.0 && middle.value > a.value &&
+            if (!(point.left <= ON_THE_WAY && point.moved <= 0.25 * ASIDE * b.arc && middle.rate > 0.0 && middle.value > a.value &&
                   middle.value < b.value))
                 bridge.good = false;
             bridge.way[bridge.count++] = middle;

@@ -42,6 +42,9 @@ struct OnCurve {
     int sense;
 };
 
+// Error at which a search for points of the curve stops.
+inline constexpr double NEARLY_EXACT = 1e-9;
+
 struct SelfMotionFunctions {
     // The points on the curve near starts (count), by Newton's method with minimum-norm steps; a pin adds an equation. They are
     // computed side by side.

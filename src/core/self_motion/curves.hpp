@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "arithmetic/angles.hpp"
 #include "self_motion/curve_arm.hpp"
 
 namespace urdf_ik {
@@ -57,19 +58,9 @@ struct GridOfSolutions {
     int count;
 };
 
-namespace self_motion {
-inline constexpr double PI = 3.141592653589793, TURN = 2.0 * PI;
-
-inline double wrapped(double a) {
-    if (a > PI) a -= TURN * std::ceil((a - PI) / TURN);
-    else if (a <= -PI) a += TURN * std::ceil((-PI - a) / TURN + (a == -PI ? 1.0 : 0.0));
-    return a;
-}
-}  // namespace self_motion
-
 // Joint value `to` minus `from`, angles the shorter way round [rad, shares of size].
 inline double gap_of(const FreeArm& arm, int joint, double to, double from) {
-    return arm.written.slides[joint] ? (to - from) / arm.unit[joint] : self_motion::wrapped(to - from);
+    return arm.written.slides[joint] ? (to - from) / arm.unit[joint] : principal_angle(to - from);
 }
 
 // The cubic Hermite interpolant of two neighbouring samples at a share of the way: a joint vector near the curve and, unless

@@ -181,7 +181,7 @@ void Follower::mark_reach(std::vector<Piece>& pieces) const {
                 const double low = other.samples.front().value, high = other.samples.back().value;
                 any |= other.closed || (beyond >= low && beyond <= high);
                 if (turns_ && given_.round) {
-                    const double there = low + (wrapped(beyond - low - PI) + PI);
+                    const double there = low + (principal_angle(beyond - low - PI) + PI);
                     any |= there <= high;
                 }
             }

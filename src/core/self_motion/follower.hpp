@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "arithmetic/thresholds.hpp"
 #include "self_motion/curves.hpp"
 
 namespace urdf_ik::self_motion {
@@ -16,18 +17,18 @@ namespace urdf_ik::self_motion {
 // than ASIDE times its length. A curve that would need steps below SHORTEST has reached a singularity.
 inline constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12, SHORTEST = 1e-7;
 // Two solutions at neighbouring values of the grid are joined without following if their arc is at most BRIDGE [rad, shares of
-// size], the tangent turns by at most BRIDGE_TURN [rad], the chord differs from the mean of the tangents by at most BRIDGE_OFF of
-// the arc, and this difference is BRIDGE_CLEAR times larger for every other solution. The cubic between them is halved at most
-// MOST_HALVED times; Newton's method may correct each midpoint by at most BRIDGE_ASIDE of the arc.
-inline constexpr double BRIDGE = 1.0, BRIDGE_TURN = 0.9, BRIDGE_OFF = 0.2, BRIDGE_CLEAR = 3.0, BRIDGE_ASIDE = 0.03;
+// size], the tangent turns by at most twice TOO_MUCH, the chord differs from the mean of the tangents by at most BRIDGE_OFF of the
+// arc, and this difference is BRIDGE_CLEAR times larger for every other solution. The cubic between them is halved at most
+// MOST_HALVED times; Newton's method may correct each midpoint by at most a quarter of ASIDE of the arc.
+inline constexpr double BRIDGE = 1.0, BRIDGE_OFF = 0.2, BRIDGE_CLEAR = 3.0;
 inline constexpr int MOST_HALVED = 3;
 // Errors at which Newton's method stops. Samples of steps of WIDE_STEP or longer need ON_THE_WAY; for shorter steps, as next to
 // singularities, this falls with the square of the step. Folds, crossings and grid values need EXACT. A point with an error of
 // at most SETTLED is accepted even if Newton's method did not reach EXACT.
-inline constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, NEARLY_EXACT = 1e-9, EXACT = 3e-15, SETTLED = 1e-11;
+inline constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, EXACT = 3e-15, SETTLED = 1e-11;
 inline constexpr int FEW_ROUNDS = 4, MANY_ROUNDS = 12;
 // Two joint vectors closer than SAME in every joint are equal. Points interpolated between samples are less accurate: NEARLY_SAME.
-inline constexpr double SAME = 1e-6, NEARLY_SAME = 3e-3;
+inline constexpr double NEARLY_SAME = 3e-3;
 // Below this rate the parameter counts as stationary along the tangent: at a fold, or where the other joints move at one value.
 inline constexpr double STANDS = 1e-9;
 // If a joint turns back this close [rad, m] to a limit between two samples, a sample is added there.
@@ -175,7 +176,7 @@ private:
         }
         return true;
     }
-    double value_near(double value, double before) const { return turns_ ? before + wrapped(value - before) : value; }
+    double value_near(double value, double before) const { return turns_ ? before + principal_angle(value - before) : value; }
 
     CurveSample sample_of(const OnCurve& point, double before) const {
         CurveSample out;
@@ -280,10 +281,10 @@ private:
         return long(nodes_[k].size()) - 1;
     }
     double low_of(long cell) const { return given_.grid[cell]; }
-    double high_of(long cell) const { return cell + 1 < given_.values ? given_.grid[cell + 1] : given_.grid[0] + TURN; }
+    double high_of(long cell) const { return cell + 1 < given_.values ? given_.grid[cell + 1] : given_.grid[0] + 2.0 * PI; }
     // A value of a periodic grid, in the turn from its first value.
     double value_from_first(double value) const {
-        return turns_ && given_.round ? given_.grid[0] + (wrapped(value - given_.grid[0] - PI) + PI) : value;
+        return turns_ && given_.round ? given_.grid[0] + (principal_angle(value - given_.grid[0] - PI) + PI) : value;
     }
     long cell_of(double value) const {
         const double* end = given_.grid + given_.values;
@@ -327,7 +328,7 @@ private:
         bool upper, wide;
     };
     bool limited(int j) const { return std::isfinite(given_.lower[j]) || std::isfinite(given_.upper[j]); }
-    bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= TURN; }
+    bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= 2.0 * PI; }
     double room(int j, double q) const;
     bool inside(const double* q) const;
     bool outside(const CurveSample& a, const CurveSample& b) const;

@@ -7,9 +7,9 @@ namespace urdf_ik::self_motion {
 double Follower::room(int j, double q) const {
     const double low = given_.lower[j], high = given_.upper[j];
     if (arm_.written.slides[j]) return std::min(q - low, high - q);
-    if (!std::isfinite(high - low) || high - low >= TURN) return PI;  // some image is inside
+    if (!std::isfinite(high - low) || high - low >= 2.0 * PI) return PI;  // some image is inside
     const double middle = 0.5 * (low + high);
-    return 0.5 * (high - low) - std::abs(wrapped(q - middle));
+    return 0.5 * (high - low) - std::abs(principal_angle(q - middle));
 }
 bool Follower::inside(const double* q) const {
     for (int j = 0; j < 7; ++j) {
@@ -37,7 +37,7 @@ bool Follower::all_inside(const CurveSample& a, const CurveSample& b) const {
 }
 // Whether a joint whose range is a turn or more is farther from its limits.
 bool Follower::off_limits(int j, double q, double far) const {
-    return std::abs(wrapped(q - given_.lower[j])) > far && std::abs(wrapped(q - given_.upper[j])) > far;
+    return std::abs(principal_angle(q - given_.lower[j])) > far && std::abs(principal_angle(q - given_.upper[j])) > far;
 }
 
 // Append `b`, after samples between `a` and `b` at which a joint turns back near a limit.
@@ -86,7 +86,7 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
             c.wide = wide(j);
             Start& near = starts.emplace_back(start(MANY_ROUNDS, EXACT));
             between(a, b, c.share, near.q);
-            near.pin = {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)};
+            near.pin = {Pin::joint, j, arm_.written.slides[j] ? limit : principal_angle(limit)};
         }
     }
 }
@@ -222,7 +222,7 @@ void Follower::keep_inside(const Piece& piece, const Cut& cut, long pose, Interv
 // A run; if it covers more than one turn of the value, it is cut where it passes the first value of the grid.
 std::vector<Follower::Run> Follower::by_turns(Run&& run) const {
     std::vector<Run> out;
-    if (!given_.round || run.samples.back().value - run.samples.front().value <= TURN + NEARLY_EXACT) {
+    if (!given_.round || run.samples.back().value - run.samples.front().value <= 2.0 * PI + NEARLY_EXACT) {
         out.push_back(std::move(run));
         return out;
     }
@@ -231,7 +231,7 @@ std::vector<Follower::Run> Follower::by_turns(Run&& run) const {
     for (const CurveSample& each : run.samples) {
         out.back().samples.push_back(each);
         const bool inside = &each != &run.samples.front() && &each != &run.samples.back();
-        if (!inside || std::abs(wrapped(each.value - given_.grid[0])) > NEARLY_EXACT) continue;
+        if (!inside || std::abs(principal_angle(each.value - given_.grid[0])) > NEARLY_EXACT) continue;
         Run next = run;
         next.samples.assign(1, each);
         next.samples.front().arc = 0.0;

@@ -16,9 +16,9 @@ void Follower::places_near(const CurveSample& at, const std::vector<std::vector<
 void Follower::places_on(const Part& part, const CurveSample& at, std::vector<Start>& to) const {
     {
         const double low = part.samples.front().value, high = part.samples.back().value;
-        const double value = turns_ ? low + (wrapped(at.value - low - PI) + PI) : at.value;
+        const double value = turns_ ? low + (principal_angle(at.value - low - PI) + PI) : at.value;
         // A value just below the beginning is wrapped to the far end, so it is tried one turn lower too.
-        for (const double there : {value, turns_ ? value - TURN : value}) {
+        for (const double there : {value, turns_ ? value - 2.0 * PI : value}) {
             if (there < low - NEARLY_SAME || there > high + NEARLY_SAME) continue;
             for (std::size_t i = 1; i < part.samples.size(); ++i) {
                 const CurveSample &a = part.samples[i - 1], &b = part.samples[i];

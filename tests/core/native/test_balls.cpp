@@ -6,6 +6,7 @@
 #include "facts.hpp"
 #include "kinematics/subproblems.hpp"
 
+using namespace urdf_ik;
 using namespace urdf_ik::URDF_IK_LEVEL;
 
 namespace {

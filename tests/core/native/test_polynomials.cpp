@@ -3,6 +3,7 @@
 
 #include "facts.hpp"
 
+using namespace urdf_ik;
 using namespace urdf_ik::URDF_IK_LEVEL;
 
 // (cos d1 - cos(t - m1)) (cos d2 - cos(t - m2)), whose roots are m1 +- d1 and m2 +- d2.

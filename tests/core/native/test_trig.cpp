@@ -3,6 +3,7 @@
 
 #include "facts.hpp"
 
+using namespace urdf_ik;
 using namespace urdf_ik::URDF_IK_LEVEL;
 
 // Half a unit in the last place of 1 is 1.1e-16.
@@ -61,9 +62,9 @@ static void exact_functions_are_right_to_the_last_digit() {
 }
 
 static void angles_come_to_one_circle() {
-    HOLDS(on_circle(PI) == PI);
-    HOLDS(on_circle(-PI) == PI);
-    HOLDS(near(on_circle(7.0), 7.0 - 2.0 * PI, ULPS));
+    HOLDS(principal_angle(PI) == PI);
+    HOLDS(principal_angle(-PI) == PI);
+    HOLDS(near(principal_angle(7.0), 7.0 - 2.0 * PI, ULPS));
     HOLDS(near(wrap(4.0), 4.0 - 2.0 * PI, ULPS));
     for (const double a : {3.0, -3.0, 1e-300, -1e-300, 0.0, PI}) {
         const double b = half_turn_from(a);

@@ -6,6 +6,7 @@
 
 #include <nanobind/stl/optional.h>
 
+#include "arithmetic/thresholds.hpp"
 #include "arms/common.hpp"
 #include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
@@ -20,9 +21,8 @@ namespace {
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu>;
 
-// Points are settled in at most ROUNDS rounds of Newton's method, to an error of ENOUGH; with more than FOUND there is none.
+// Points are settled in at most this many rounds of Newton's method.
 constexpr int ROUNDS = 20;
-constexpr double ENOUGH = 1e-14, FOUND = 1e-10;
 
 constexpr std::size_t SAMPLE = 17;  // numbers: value, rate, arc, seven joints, seven of the tangent
 
@@ -123,7 +123,7 @@ struct PySelfMotion {
         std::vector<double> out(8 * m);
         {
             nb::gil_scoped_release release;
-            std::vector<Start> starts(m, {nullptr, {}, {Pin::nothing, 0, 0.0}, ROUNDS, ENOUGH});
+            std::vector<Start> starts(m, {nullptr, {}, {Pin::nothing, 0, 0.0}, ROUNDS, CONVERGED});
             for (std::size_t i = 0; i < m; ++i) {
                 starts[i].T = T.data() + 16 * i;
                 interpolate(arm, sample(before.data() + SAMPLE * i), sample(after.data() + SAMPLE * i), shares.data()[i],
@@ -131,7 +131,7 @@ struct PySelfMotion {
             }
             const std::vector<OnCurve> points = settled(starts);
             for (std::size_t i = 0; i < m; ++i) {
-                const bool found = points[i].left <= FOUND;
+                const bool found = points[i].left <= arm.written.tolerances.reach;
                 out[8 * i] = found ? points[i].value : __builtin_nan("");
                 for (int j = 0; j < 7; ++j) out[8 * i + 1 + j] = found ? points[i].q[j] : __builtin_nan("");
             }
@@ -172,14 +172,15 @@ struct PySelfMotion {
         std::vector<double> out(7 * m);
         {
             nb::gil_scoped_release release;
-            std::vector<Start> starts(m, {nullptr, {}, {}, ROUNDS, ENOUGH});
+            std::vector<Start> starts(m, {nullptr, {}, {}, ROUNDS, CONVERGED});
             for (std::size_t i = 0; i < m; ++i) {
                 starts[i].T = T.data() + 16 * i, starts[i].pin = {Pin::parameter, 0, values.data()[i]};
                 std::memcpy(starts[i].q, q.data() + 7 * i, sizeof starts[i].q);
             }
             const std::vector<OnCurve> points = settled(starts);
             for (std::size_t i = 0; i < m; ++i) {
-                for (int j = 0; j < 7; ++j) out[7 * i + j] = points[i].left <= FOUND ? points[i].q[j] : __builtin_nan("");
+                for (int j = 0; j < 7; ++j)
+                    out[7 * i + j] = points[i].left <= arm.written.tolerances.reach ? points[i].q[j] : __builtin_nan("");
             }
         }
         return array_of(out, 7);

@@ -19,8 +19,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // If the squared distance from a joint's axis is below this, the joint may be free or badly determined: it is tried at values
 // around the circle.
 inline constexpr double ALL_BUT_FREE = 1e-10;
-// If an unknown's coefficient is below this, the equation is also solved without it.
-inline constexpr double WEAK_TERM = 1e-3;
 // A slide further out than this share of the size is a root at infinity.
 inline constexpr double FARTHEST_SLIDE = 1e6;
 
@@ -156,7 +154,7 @@ private:
     STEP bool bound_square(const double (&f)[5], Roots& r) const {
         if (f[2] == 0.0) {
             for (int i = 0; i < r.count; ++i) r.off[i] = equation_error * (1.0 + abs(r.at[i])) / abs(f[1]);
-            return r.count == 1 && abs(f[1]) > WEAK_TERM;
+            return r.count == 1 && abs(f[1]) > NEAR;
         }
         const double square = f[1] * f[1] - 4.0 * f[0] * f[2],
                      error = 4.0 * equation_error * (abs(f[0]) + abs(f[1]) + abs(f[2]) + 1.0);
@@ -164,7 +162,7 @@ private:
             const double x = abs(r.at[i]);
             r.off[i] = 4.0 * equation_error * (1.0 + x + x * x) / sqrt(max(square, TINY));
         }
-        return abs(f[2]) > WEAK_TERM && (square > 4.0 * error ? r.count == 2 : square < -error && r.count == 0);
+        return abs(f[2]) > NEAR && (square > 4.0 * error ? r.count == 2 : square < -error && r.count == 0);
     }
     // Real roots q3. If the equation vanishes, to `scale`, every q3 is a root and the reference is returned. linear: it has no
     // harmonic but the first.
@@ -282,11 +280,11 @@ private:
             }
         }
         for (int k = 0; k < 2; ++k) {
-            if (m[k] <= WEAK_TERM * WEAK_TERM && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
+            if (m[k] <= NEAR * NEAR && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
         }
         // Either both rows or one.
         const double least = min(m[0], m[1]), most = max(m[0], m[1]);
-        out.whole = out.whole && most > WEAK_TERM * WEAK_TERM && (least > WEAK_TERM * WEAK_TERM || least <= VANISHING * VANISHING);
+        out.whole = out.whole && most > NEAR * NEAR && (least > NEAR * NEAR || least <= VANISHING * VANISHING);
     }
     // Row k is weak: its right side alone gives q3, and the other row gives the component of w along it.
     STEP void by_other_row(const Third& t, const Rows& r, int k, double m, double span) {
@@ -299,7 +297,7 @@ private:
             Off off = off_of(t, found.off[i]);
             const double of_foot = slope(r.b[1 - k], found.at[i]) * off.q3 + equation_error;
             const double of_rest = 4.0 * (sqrt(dot(y, y)) * off.point + abs(foot) * of_foot);
-            if (rest < -WEAK_TERM * span) continue;
+            if (rest < -NEAR * span) continue;
             const double height = sqrt(max(rest, 0.0));
             // Where `rest` may be zero the root is at most that of twice its error.
             off.w = of_foot / sqrt(m) + (rest > of_rest ? of_rest / height : 2.5 * sqrt(of_rest));
@@ -335,12 +333,12 @@ private:
                 finish(q2, found.at[i], 0, p1 + point(t, found.at[i]) + q2 * h2);
             }
         }
-        if (abs(slope) >= WEAK_TERM) return;
+        if (abs(slope) >= NEAR) return;
         const Roots found = roots(alone(height), span);
         for (int i = 0; i < found.count; ++i) {
             const Vec<double> z = point(t, found.at[i]);
             const double half = dot(h2, z), rest = half * half - dot(z, z) + square;
-            if (rest < -WEAK_TERM * span) continue;
+            if (rest < -NEAR * span) continue;
             const double root = sqrt(max(rest, 0.0));
             finish(root - half, found.at[i], 0, p1 + z + (root - half) * h2);
             if (rest > 0.0) finish(-root - half, found.at[i], 0, p1 + z - (root + half) * h2);

@@ -114,7 +114,7 @@ PART bool by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
             if (arm.written.slides[j] && k < 3) q[j] = slid.x[k++];
         }
         const double sigma = polish_and_keep(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
-        proven = proven && off < WEAK_TERM && sigma > WEAK_TERM && sigma < __builtin_inf();
+        proven = proven && off < NEAR && sigma > NEAR && sigma < __builtin_inf();
     }
     return proven;
 }

@@ -154,7 +154,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         return proven;
     }
     // If no candidate converged, the best may be a double root.
-    if (columns.count() == 0 && search.error < NEARLY) {
+    if (columns.count() == 0 && search.error < HALF_OF_THE_DIGITS) {
         if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
             keep(columns, 0, search.best, OTHER);
         }

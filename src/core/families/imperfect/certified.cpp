@@ -8,7 +8,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr int PASSES = 16;
 inline constexpr double WORTH_A_PASS = 0.1;
 // Both arms' tips follow from seven frames each: twice as many operations as a target takes.
-inline constexpr double CORRECTION_ROUNDING = 4.0 * TARGET_ROUNDING;
+inline constexpr double CORRECTION_ROUNDING = 4.0 * ROUNDING;
 
 // A block of boxes: half the width of its widest arc [rad], infinite for a whole circle, and its centre as joint values.
 struct Middle {
@@ -186,8 +186,8 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
         for (int first = 0; first < 8; first += BLOCK) {
             if (!(known.open >> first & ((1u << BLOCK) - 1))) continue;
             if (pass == 1) {
-                family.include(family.arm, {target.R, target.p}, apart.turn[0] + TARGET_ROUNDING,
-                               apart.shift[0] + TARGET_ROUNDING * far, first, boxes);
+                family.include(family.arm, {target.R, target.p}, apart.turn[0] + ROUNDING, apart.shift[0] + ROUNDING * far, first,
+                               boxes);
                 known.open &= ~boxes.empty;
             } else {
                 narrows |= narrow(both, apart, target, family, first, boxes, known.open);

@@ -34,7 +34,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
 }
 
 // The value wrapped to (-pi, pi]; a value already in this range keeps its digits.
-static STEP double as_joint_value(const GivenJoint& given, double value) { return given.turns ? on_circle(value) : value; }
+static STEP double as_joint_value(const GivenJoint& given, double value) { return given.turns ? principal_angle(value) : value; }
 
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
     for (long i = 0; i < part.m; i += BLOCK) {

@@ -46,7 +46,7 @@ template <class Family, SolveArm<SrsArm> solve> long solve_srs(const SrsArm& arm
 // The swivel angle of a joint vector.
 double swivel_of(const SrsArm& arm, const double (&q)[7]) {
     double wrapped[7];
-    for (int j = 0; j < 7; ++j) wrapped[j] = on_circle(q[j]);
+    for (int j = 0; j < 7; ++j) wrapped[j] = principal_angle(q[j]);
     const Posture<7, double> at = place(arm.written, wrapped);
     const Line<double> line = line_to_wrist(to_frame_1(at.tip, arm.ideal).p);
     const Vec<double> axis = times(arm.ideal.base_rotation, at.joint[3].R.z);

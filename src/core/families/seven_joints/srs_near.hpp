@@ -13,12 +13,12 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // error over the product of the twists' sines, and that of a stretched elbow by size^2 / (2 upper fore) times the
 // error. The margin changes by twice as much: 16 times the error if each link is a quarter of the size. The other
 // triple adds its own. So a start is safe if m exceeds UNSURE times the error. Otherwise further starts are tried, at a
-// margin BESIDE_UNSURE times the error above the ideal one: from a larger x, Newton's method descends to the root,
+// margin of a tenth of UNSURE times the error above the ideal one: from a larger x, Newton's method descends to the root,
 // however small it is.
 // Measured on the four nearly S-R-S arms of a corpus (errors 2e-6 to 2e-3), 1500 poses each at 16 columns, half of them
 // 1e-1 to 1e-7 rad from a singularity. UNSURE = 10 loses two more of 46,459 solutions; 160 loses no fewer, at two to
-// four times the time. BESIDE_UNSURE = 1 loses 47 more; 16 finds as many as 4.
-inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
+// four times the time. A fortieth loses 47 more.
+inline constexpr double UNSURE = 40.0;
 // Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
 inline constexpr double SHORT_LINE = 0.3;
 // Where axes nearly align, a bend is tried in this many directions.
@@ -82,7 +82,7 @@ struct SrsNear {
                 if (!flat) continue;
                 // Move the wrist a little towards the middle of the reach, so that the elbow bends.
                 const double far = elbow.bend.c > 0.0 ? -1.0 : 1.0;
-                elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_UNSURE * search.error);
+                elbow = upper_arm(arm, line, at, up, 1.0 + far * 0.1 * UNSURE * search.error);
             }
             const Turn<double> t4 = fourth_turn(arm, elbow);
             const double q4 = wrap(angle(t4));
@@ -115,7 +115,7 @@ struct SrsNear {
         add_way(bend.turn, false, 0.0), add_way({bend.turn.c, -bend.turn.s}, false, 0.0);
         out.doubtful = min(bend.margin, turns.fixed) < UNSURE * error;
         if (!search.wide || !out.doubtful) return out;
-        const double s = sqrt(max(bend.margin, 0.0) + BESIDE_UNSURE * error);
+        const double s = sqrt(max(bend.margin, 0.0) + 0.1 * UNSURE * error);
         const Turn<double> more = unit(bend.turn.c, s);
         add_way(more, false, 0.0), add_way({more.c, -more.s}, false, 0.0);
         if (turns.fixed >= UNSURE * error) return out;

@@ -1,0 +1,15 @@
+// Angles, for every instruction set and for code of none.
+#pragma once
+
+namespace urdf_ik {
+
+inline constexpr double PI = 3.141592653589793;
+
+// The angle a in (-pi, pi], for any a. An angle inside is unchanged.
+inline __attribute__((always_inline)) double principal_angle(double a) {
+    if (__builtin_fabs(a) < PI) return a;
+    const double rest = __builtin_remainder(a, 2.0 * PI);
+    return rest <= -PI ? PI : rest;
+}
+
+}  // namespace urdf_ik
