@@ -1,6 +1,8 @@
 // A tracked arm, its state between two cycles, and the result of a cycle.
 #pragma once
 
+#include <tuple>
+
 #include "kinematics/arm.hpp"
 
 namespace urdf_ik {
@@ -31,23 +33,7 @@ struct Tracked {
 };
 
 template <int N> using Track = Tracked (*)(const TrackedArm<N>&, TrackedState<N>&, const double* T);
-struct TrackerFunctions {
-    Track<1> one;
-    Track<2> two;
-    Track<3> three;
-    Track<4> four;
-    Track<5> five;
-    Track<6> six;
-    Track<7> seven;
-    template <int N> Track<N> of() const {
-        if constexpr (N == 1) return one;
-        else if constexpr (N == 2) return two;
-        else if constexpr (N == 3) return three;
-        else if constexpr (N == 4) return four;
-        else if constexpr (N == 5) return five;
-        else if constexpr (N == 6) return six;
-        else return seven;
-    }
-};
+// For one to seven joints.
+using TrackerFunctions = std::tuple<Track<1>, Track<2>, Track<3>, Track<4>, Track<5>, Track<6>, Track<7>>;
 
 }  // namespace urdf_ik

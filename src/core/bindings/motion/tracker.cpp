@@ -44,7 +44,7 @@ public:
 
     bool step(const double* T, Cycle& to) override {
         before_ = state_;
-        last_ = level().tracker->of<N>()(arm, state_, T);
+        last_ = std::get<N - 1>(*level().tracker)(arm, state_, T);
         to.tracked = last_;
         write(to);
         return last_.is_pose;
