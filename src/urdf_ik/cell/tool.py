@@ -23,12 +23,7 @@ Shapes = Sequence[Shape | tuple[Shape, Any]] | Shape
 def with_tool(model: UrdfModel, mount: str, pose: Any, shapes: Shapes, name: str) -> UrdfModel:
     """A URDF with a tool at the link ``mount``; see :meth:`urdf_ik.Arm.with_tool`."""
     centre = _one_pose(pose, "the tool's centre point")
-    several = [shapes] if isinstance(shapes, Shape) else shapes
-    return _written(model, mount, name, centre, [_placed(shape) for shape in several])
-
-
-def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: list[tuple[Shape, Array]]) -> UrdfModel:
-    """The URDF with a link ``name`` fixed to the link ``mount``, and shapes placed in the frame of ``mount``."""
+    bodies = [_placed(shape) for shape in ([shapes] if isinstance(shapes, Shape) else shapes)]
     require_name(name, "the tool's link")
     if name in model.links:
         raise ArgumentError(f"the URDF has a link {quoted(name)} already; give the tool another name=...")

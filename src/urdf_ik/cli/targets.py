@@ -195,11 +195,6 @@ def _of_less(arm: Arm) -> str:
     return own if arm.dof < 3 or arm.task.startswith("planar") else f"{own}; any orientation: --task position"
 
 
-def own_redundancy(arm: Arm, q: Array) -> Array | None:
-    """Redundancy parameters of joint vectors (N, n); None for an arm without one."""
-    return None if arm.redundancy is None else arm.redundancy_of(q)
-
-
 def _of_vectors(arm: Arm, q: Array, note: str) -> Target:
     """The poses of joint vectors (N, n), with the redundancy parameters of these joint vectors."""
-    return Target(arm.fk(q), note, own_redundancy(arm, q))
+    return Target(arm.fk(q), note, None if arm.redundancy is None else arm.redundancy_of(q))

@@ -327,13 +327,9 @@ def sample_coordinates(about: Mapping[str, Any], samples: Array) -> dict[str, Co
 
 def require_memory(grid: Grid, samples: int, needed: int) -> None:
     """Refuse a map of ``needed`` bytes that does not fit in memory, by an ArgumentError, before any work."""
-    store.require_memory(needed, size_words(grid, samples), HINT)
-
-
-def size_words(grid: Grid, samples: int) -> str:
-    """The numbers of voxels and orientations of a map, in words."""
     voxels = f"{' x '.join(map(str, grid.shape))} voxels of {grid.voxel:g} m"
-    return f"{voxels} x {samples} orientations = {grid.count * samples:.4g} poses"
+    poses = f"{voxels} x {samples} orientations = {grid.count * samples:.4g} poses"
+    store.require_memory(needed, poses, HINT)
 
 
 def require_map_of(about: Mapping[str, Any], arm: Arm) -> None:

@@ -24,6 +24,7 @@ from urdf_ik.show.plot.pictures import (
     SUFFIXES,
     arm,
     branches,
+    interact,
     intervals,
     limits,
     placements,
@@ -31,7 +32,6 @@ from urdf_ik.show.plot.pictures import (
     save,
     workspace_slice,
 )
-from urdf_ik.show.plot.sliders import interact
 from urdf_ik.show.plot.waypoints import path
 
 __all__ = [
