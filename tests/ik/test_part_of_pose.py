@@ -156,6 +156,32 @@ def test_a_region_of_five_joints() -> None:
     assert np.abs(moved[0].q - q).max() < 0.1
 
 
+@pytest.mark.parametrize("task", ["position", "level", "orientation", "axis"])
+@pytest.mark.parametrize("name", ["hobby", "puma_560", "srs_7r"])
+def test_the_nearest_of_what_is_asked(name: str, task: str) -> None:
+    """A joint vector that does what is asked is nearest to itself; beside it SLSQP finds none that is nearer."""
+    from scipy.optimize import minimize
+
+    arm, axis = arm_of(name), np.array([1.0, 0.0, 0.0])
+    q = np.linspace(-0.6, 0.7, arm.arm.dof)
+    T, asked = arm.oracle.pose(q), urdf_ik.Task.read(task, "x" if task == "axis" else None)
+    target = T[:3, 3] if task == "position" else T
+    assert np.abs(arm.arm.ik_nearest(target, q, task=asked, within_limits=False).difference(q)).max() < 1e-6
+    near = q + np.random.default_rng(2).uniform(-0.4, 0.4, arm.arm.dof)
+    found = arm.arm.ik_nearest(target, near, task=asked, within_limits=False)[0].q
+    assert missed(task, axis, T, arm.oracle.pose(found)) < 1e-9
+    for start in (near, q):
+        answer = minimize(
+            lambda x: 0.5 * float((x - near) @ (x - near)),
+            start,
+            method="SLSQP",
+            constraints={"type": "eq", "fun": lambda x: missed(task, axis, T, arm.oracle.pose(x))},
+            options={"maxiter": 300, "ftol": 1e-12},
+        )
+        if missed(task, axis, T, arm.oracle.pose(answer.x)) < 1e-7:
+            assert np.linalg.norm(found - near) < np.linalg.norm(answer.x - near) + 1e-5
+
+
 @pytest.mark.parametrize("task", ["pose", "level", "position"])
 def test_teleoperation(task: str) -> None:
     """The tip is pushed 60 mm aside, 1 mm a cycle: it comes along to 1e-6 m, and says what it misses."""

@@ -13,6 +13,7 @@ from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions import IKSolutions, distances
 from urdf_ik.ik.solutions.distances import Metric
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import NUMBERS, POSE
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.typing import Array, Threads
@@ -32,7 +33,7 @@ def _along_parameter(
     """See :meth:`urdf_ik.Arm.ik_nearest`."""
     parameter = solver.redundant_member.parameters[0]
     threads = inputs.threads(threads)
-    target = as_pose_array(T)
+    target = as_pose_array(T) if solver.asked == POSE else solver.asked.read_targets(T)
     shape = target.shape[:-2]
     measure = distances.measure(solver, metric, weights, within)
     reference = distances.reference(q_ref, solver.joint_names, shape)
@@ -101,7 +102,9 @@ def nearest(
         UnsupportedArm: no solver takes this arm.
     """
     options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
-    if region is not None or len(solver.parameters) > 1:
+    asked = solver.asked
+    searched = not solver.parameters and asked.components != "look at" and NUMBERS[asked.components] < solver.dof
+    if region is not None or len(solver.parameters) > 1 or (searched and asked != POSE):
         solver.require_member()
         if solver.targets is not None:
             raise ArgumentError(f"{solver.name}: a region is one of poses, not of the task {solver.task!r}")

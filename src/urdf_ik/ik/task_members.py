@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.descent import Wanted
+from urdf_ik.ik.descent import Wanted, descended
 from urdf_ik.ik.families import FamilyMember, axis_added, few_joints, of_six
 from urdf_ik.ik.families.joint_given import PythonSolver, prepare_middle
 from urdf_ik.ik.families.parts.family import Family, columns
@@ -102,11 +102,14 @@ def _nearest(chain: Chain, asked: Task, T: Array) -> str:
     return f"the nearest posture that was found misses the {asked} by {off:.3g} m and {angle:.3g} rad"
 
 
-def _minima(chain: Chain, asked: Task, T: Array) -> Array:
-    seen = asked.chain(chain)
+def _minima(chain: Chain, asked: Task, T: Array, q_ref: Array | None = None) -> Array:
+    seen, parts = asked.chain(chain), (float(asked.has_place), float(asked.has_turn))
     free = np.where(seen.prismatic[:, None], seen.limits, [-np.inf, np.inf])
     wanted = Wanted(seen, T[:, :3, 3], *asked.matrix(T))
-    return searched(wanted, free, None, float(asked.has_place), float(asked.has_turn))[..., : chain.n]
+    known = None
+    if q_ref is not None and seen is chain:
+        known = descended(wanted, np.tile(q_ref, (len(T), 1)), free, *parts, 60)[:, None]
+    return searched(wanted, free, None, *parts, known)[..., : chain.n]
 
 
 class _Search(PythonSolver):
@@ -121,7 +124,7 @@ class _Search(PythonSolver):
         stack = project_rotation(T)
         q[...] = np.nan
         for k in range(0, len(stack), 64):
-            found = _minima(self._chain, self._asked, stack[k : k + 64])[:, :COLUMNS]
+            found = _minima(self._chain, self._asked, stack[k : k + 64], q_ref)[:, :COLUMNS]
             q[k : k + 64, : found.shape[1]] = found
         off, angle = self._asked.errors(stack[:, None], self._chain.fk(q))
         missed = ~((off <= _REACHED * self._chain.size) & (angle <= _REACHED))

@@ -18,6 +18,7 @@ from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions.distances import Metric, Quality, Wish, check_quality
+from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.ik.task import POSE, Task
 from urdf_ik.typing import Array
 
@@ -142,16 +143,24 @@ class Nearest(options.Record):
         return self.closest or self.first is not None
 
     def solve(
-        self, arm: Arm, target: Target, angles: Angles, task: tuple[str, Any], *, within_limits: bool
+        self,
+        arm: Arm,
+        target: Target,
+        angles: Angles,
+        task: tuple[str, Any],
+        near: Array | None,
+        *,
+        within_limits: bool,
     ) -> tuple[IKSolutions, str]:
-        """The solutions of poses, or the nearest postures, and a note on what they miss."""
+        """The solutions of poses, or the nearest postures, and a note on what they miss; searches try ``near``, too."""
         if self.asked:
             asked = Task.read(*task)
             found = arm.ik_closest(target.poses, first=self.first, task=asked, within_limits=within_limits)
             how = "" if found.certain.all() else " that a search found"
             return found, f"the nearest postures{how}, the best first"
         wanted = targets.of_task(arm, target.poses)
-        found, tolerance = arm.ik(wanted, redundancy=target.redundancy), target.tolerance
+        near = None if arm.solver.asked == POSE or arm.solver.parameters else near
+        found, tolerance = arm.ik(wanted, near, redundancy=target.redundancy), target.tolerance
         if arm.solver.parameters and target.redundancy is None:
             return at_other_values(arm, found)
         if self.tolerance is not None:
@@ -247,11 +256,17 @@ def ik(
         target = targets.target(arm, typed, random, seed, angles, asked)
         target = targets.spread(arm, target, redundancy, angles)
         target = choice.at_the_nearest(arm, target, angles)
-        wanted = (asked, direction)
-        solved, note = nearest_posture.solve(arm, target, angles, wanted, within_limits=choice.within_limits)
+        wanted, near = (asked, direction), choice.reference(arm, angles)
+        solved, note = nearest_posture.solve(arm, target, angles, wanted, near, within_limits=choice.within_limits)
         task_words = "" if solved.solver.asked == POSE else f"task: {solved.solver.asked}"
         searched = task_words and not note and not solved.certain.all()
-        parts = (target.note, task_words, note, "found by search, so that there may be others" if searched else "")
+        past = 0.0 if near is None else np.maximum(arm.limits[:, 0] - near, near - arm.limits[:, 1])
+        beyond = [
+            name for name, far in zip(arm.joint_names, past * np.ones(arm.dof), strict=True) if far > LIMIT_TOLERANCE
+        ]
+        outside = f"--nearest is outside the limits of {', '.join(beyond)}; turns inside come first" if beyond else ""
+        others = "found by search, so that there may be others" if searched else ""
+        parts = (target.note, task_words, note, others, outside)
         target = replace(target, note="; ".join(part for part in parts if part))
         answer = answers.checked(
             whole if arm.solver.targets is not None else arm,

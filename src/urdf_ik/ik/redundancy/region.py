@@ -16,6 +16,7 @@ from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions import IKSolutions, distances, limits
 from urdf_ik.ik.solver import Solver
+from urdf_ik.ik.task import POSE
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
@@ -171,6 +172,10 @@ APART = 0.2
 """rad or m: starts that differ by less in every joint are one."""
 _STEP = 1e-6
 """rad or m: of central differences."""
+_ANY = 3.14159
+"""rad: a cone of any direction."""
+_FAR = 20.0
+"""Sizes of the arm, within which every place of the tip is."""
 INSIDE = 1e-8
 """rad or m that the search keeps from the joint limits, so that rounding does not lead beyond them."""
 
@@ -198,7 +203,7 @@ def nearest_in_region(
         raise ArgumentError(f"metric={quoted(metric)} given; with {what} the distance is metric='l2'")
     measure = distances.measure(solver, metric, weights, within)
     threads = inputs.threads(threads)
-    target = as_pose_array(T)
+    target = as_pose_array(T) if solver.asked == POSE else solver.asked.read_targets(T)
     shape = target.shape[:-2]
     reference = np.broadcast_to(distances.reference(q_ref, solver.joint_names, shape), (*shape, solver.dof))
     bounds = solver.limits if within_limits else np.tile([-np.inf, np.inf], (solver.dof, 1))
@@ -208,19 +213,37 @@ def nearest_in_region(
         sought = Region(rotation=np.pi, axis=free)
     stack, near = target.reshape(-1, 4, 4).copy(), reference.reshape(-1, solver.dof)
     values = np.tile([parameter.default for parameter in solver.parameters], (len(stack), 1))
+    starts = near.copy()
     for k, (pose, q) in enumerate(zip(stack, near, strict=True)):
-        found = _nearest(solver.fixed, pose, q, sought, bounds, measure.factors, threads)
+        kept = sought if region is not None or solver.asked == POSE else _asked_region(solver, pose)
+        found = _nearest(solver.fixed, pose, q, sought, kept, bounds, measure.factors, threads)
         if found is not None:
+            starts[k] = found
             if solver.dof < 6:  # the pose has to stay one that the joints reach
-                found = _placed(solver, pose, found, bounds) if not np.ptp(sought.box, axis=1).any() else found
+                found = _placed(solver, pose, found, bounds) if not np.ptp(kept.box, axis=1).any() else found
                 stack[k] = solver.chain.fk(found)
             else:
                 stack[k] = pose if region is None else sought.clipped(pose, solver.chain.fk(found))
             values[k] = nearest_values(solver, found[None], stack[k][None])[0] if solver.parameters else []
+    if solver.asked != POSE and not solver.parameters:  # solved by search, which keeps what it starts from
+        each = [solve(solver, pose, q) for pose, q in zip(target.reshape(-1, 4, 4), starts, strict=True)]
+        q, info = (np.array([getattr(one, part) for one in each]) for part in ("_q", "_info"))
+        q, info = q.reshape(*shape, *q.shape[1:]), info.reshape(*shape, *info.shape[1:])
+        every = IKSolutions(solver, target, q, info, solver.branches)
+        return every.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
     count = len(solver.parameters)
     at = values.reshape(shape if count == 1 else (*shape, count)) if count else None
     solutions = solve(solver, stack.reshape(*shape, 4, 4), redundancy=at, threads=threads)
     return solutions.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
+
+
+def _asked_region(solver: Solver, T: Array) -> Region:
+    """The poses that do what the arm's task asks of a target (4, 4)."""
+    asked, anywhere = solver.asked, 0.0 if solver.asked.has_place else _FAR * solver.chain.size
+    if asked.axis is None:
+        return Region(anywhere, *((0.0, 0.0) if asked.has_turn else (_ANY, np.pi)))
+    axis = np.array(asked.axis)
+    return Region(anywhere, rotation=np.pi, axis=axis if asked.frame == "tip" else T[:3, :3].T @ axis)
 
 
 def _placed(solver: Solver, T: Array, q: Array, bounds: Array) -> Array:
@@ -230,16 +253,19 @@ def _placed(solver: Solver, T: Array, q: Array, bounds: Array) -> Array:
 
 
 def _nearest(
-    solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, factors: Array, threads: int
+    solver: Solver, T: Array, q_ref: Array, region: Region, kept: Region, bounds: Array, factors: Array, threads: int
 ) -> Array | None:
-    """The joint vector (n,) in a region around a pose (4, 4) that is nearest to ``q_ref``; None where none is found."""
+    """The joint vector (n,) in a region around a pose (4, 4) that is nearest to ``q_ref``; None where none is found.
+
+    Starts are the solutions of poses of ``region``; the tip has to be in ``kept``.
+    """
     from scipy.optimize import minimize
 
     low, high = bounds[:, 0] + INSIDE, bounds[:, 1] - INSIDE
     tight = low > high
     low, high = np.where(tight, bounds[:, 0], low), np.where(tight, bounds[:, 1], high)
     scale = np.sqrt(np.maximum(factors, 1e-6))
-    conditions = _conditions(solver, T, region)
+    conditions = _conditions(solver, T, kept)
     best: Array | None = None
     least = np.inf
     for start in _starts(solver, T, q_ref, region, bounds, scale, threads):
@@ -253,7 +279,7 @@ def _nearest(
             options={"maxiter": 100, "ftol": 1e-11},
         )
         q = answer.x
-        if answer.fun < least * (1.0 - 1e-9) and region.contains(T, solver.chain.fk(q), 1e-7):
+        if answer.fun < least * (1.0 - 1e-9) and kept.contains(T, solver.chain.fk(q), 1e-7):
             best, least = q, float(answer.fun)
     return best
 
@@ -261,10 +287,10 @@ def _nearest(
 def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int) -> Array:
     """(k, n) joint vectors from which to search, nearest first, no two alike.
 
-    Of all branches of samples of the region; of fewer than six joints, which reach few poses, nearest postures, by the
-    position first.
+    Of all branches of samples of the region; nearest postures of a part of a pose, and of fewer than six joints, which
+    reach few poses.
     """
-    few = solver.dof < 6
+    few = solver.dof < 6 or solver.asked != POSE
     q = _nearest_postures(solver, T, q_ref, bounds) if few else _sampled(solver, T, region, threads)
     turning = ~solver.chain.prismatic
     image, inside = (q, np.ones(len(q), np.bool_)) if few else limits.image_near(q, q_ref, bounds, turning)
@@ -306,8 +332,10 @@ def _nearest_postures(solver: Solver, T: Array, q_ref: Array, bounds: Array) -> 
     """(k, n) the reference, and postures near a pose that the joints need not reach."""
     low, high = np.clip(bounds.T, -np.pi * solver.chain.size, np.pi * solver.chain.size)
     q = np.vstack([q_ref, low + spread_evenly(SAMPLES, solver.dof) * (high - low)]).clip(*bounds.T)
-    wanted = Wanted(solver.chain, np.tile(T[:3, 3], (len(q), 1)), np.tile(T[:3, :3], (len(q), 1, 1)), 3.0)
-    return np.vstack([q[:1], descended(wanted, q, bounds, 1.0, 0.01, 30)])
+    asked = solver.asked
+    wanted = Wanted(solver.chain, np.tile(T[:3, 3], (len(q), 1)), *asked.matrix(np.tile(T, (len(q), 1, 1))))
+    turn = 0.01 if asked == POSE else float(asked.has_turn)
+    return np.vstack([q[:1], descended(wanted, q, bounds, float(asked.has_place), turn, 30)])
 
 
 def _conditions(solver: Solver, T: Array, region: Region) -> list[dict[str, Any]]:
