@@ -84,13 +84,13 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
         if (!columns.valid(b)) continue;
         const double (&other)[N] = columns.row(b);
         double apart = 0.0, middle[N];
-        for (int j = 0; j < N && (apart < BESIDE || apart <= same); ++j) {
+        for (int j = 0; j < N && (apart < NEAR || apart <= same); ++j) {
             const double step = gap(arm, j, q[j], other[j]);
             middle[j] = advanced(arm, j, other[j], 0.5 * step);
             apart = max(apart, abs(step));
         }
         if (apart <= same) return false;
-        if (apart >= BESIDE) continue;
+        if (apart >= NEAR) continue;
         if (missed_by(arm, goal, middle) <= arm.tolerances.fold * far) return false;
         const double left = missed_by(arm, goal, q) + missed_by(arm, goal, other);
         if (left > FINISHED && apart * weakest_at(arm, goal, q).value <= left) return false;

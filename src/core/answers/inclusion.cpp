@@ -64,7 +64,7 @@ Status decided(const IdealFrames& ideal, const Boxes& boxes, const Filled& fille
             bool near = true;
             for (int k = 0; k < 3; ++k) near = near && (boxes.tiny[k] & bit || ideal.signs[k][b] == ideal.signs[k][c]);
             for (int j = 0; j < 6; ++j) {
-                near = near && abs(boxes.c[j][b] - boxes.c[j][c]) + abs(boxes.s[j][b] - boxes.s[j][c]) <= BESIDE;
+                near = near && abs(boxes.c[j][b] - boxes.c[j][c]) + abs(boxes.s[j][b] - boxes.s[j][c]) <= NEAR;
             }
             twins |= unsigned(near) << c;
         }

@@ -61,7 +61,7 @@ struct Boxes {
     STEP bool wide(int b) const {
         double most = 0.0;
         for (const auto& chords : chord) most = max(most, chords[b]);
-        return !(most <= BESIDE);
+        return !(most <= NEAR);
     }
 };
 

@@ -12,4 +12,9 @@ inline __attribute__((always_inline)) double principal_angle(double a) {
     return rest <= -PI ? PI : rest;
 }
 
+// A joint's or a redundancy parameter's value: an angle in (-pi, pi] if it turns.
+inline __attribute__((always_inline)) double principal_value(double value, bool turns) {
+    return turns ? principal_angle(value) : value;
+}
+
 }  // namespace urdf_ik

@@ -37,9 +37,6 @@ public:
     int parameters = 0;  // redundancy parameters of each target
 };
 
-// A redundancy parameter's value: an angle in (-pi, pi]; one that is there already keeps its digits.
-inline double parameter_value(double value, bool turns) { return turns ? principal_angle(value) : value; }
-
 using SolverPointer = std::shared_ptr<const Solver>;
 
 // The solver of an arm; its value "kind" names the kind. Throws std::invalid_argument.

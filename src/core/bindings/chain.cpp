@@ -21,7 +21,6 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 // Joint vectors between two polls for signals.
 constexpr long AT_ONCE = 4096;
-using Fill = void (*)(const ChainArm&, const double*, long, double*);
 
 // A frame whose z axis is the unit vector z. Its x axis is orthogonal to z and to the coordinate axis most nearly orthogonal to z.
 Motion frame_on(const double* z, const double* origin) {
@@ -97,13 +96,13 @@ struct PyChain {
     PyChain(const PyChain&) = delete;
 
     // Apply a function to joint vectors (..., n): an array (..., rows, columns). None unless q is a C-ordered float64 array with
-    // numbers in range.
-    nb::object of(nb::handle q, Fill fill, npy_intp rows, npy_intp columns) const {
+    // numbers in range, or any numbers if `all`.
+    template <class Fill> nb::object of(nb::handle q, const Fill& fill, npy_intp rows, npy_intp columns, bool all = false) const {
         PyArrayObject* from = doubles(q);
         const int dimensions = from ? PyArray_NDIM(from) : 0;
         if (!dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != arm.joints) return nb::none();
         const double* Q = (const double*)PyArray_DATA(from);
-        if (!all_in_range(Q, PyArray_SIZE(from))) return nb::none();
+        if (!all && !all_in_range(Q, PyArray_SIZE(from))) return nb::none();
         npy_intp shape[NPY_MAXDIMS];
         long m = 1;
         for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
@@ -124,26 +123,14 @@ struct PyChain {
 
     // Least-squares inverses of the Jacobians at joint vectors (..., n), which may be NaN: an array (..., n, 6), or (..., 7, 7)
     // with the derivative by the parameter that seven joints hold.
-    nb::object inverse(nb::handle q, InverseScale scale) const {
-        PyArrayObject* from = doubles(q);
-        const int n = arm.joints, dimensions = from ? PyArray_NDIM(from) : 0;
-        if (n < 1 || n > 7 || !dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != n) {
-            throw nb::value_error("joint vectors (..., n) of one to seven joints are needed, float64 in C order");
-        }
+    nb::object inverse(nb::handle q, const InverseScale& scale) const {
+        const int n = arm.joints;
         if (scale.held >= n) throw nb::value_error("there is no such joint to hold");
-        npy_intp shape[NPY_MAXDIMS];
-        long m = 1;
-        for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
-        shape[dimensions - 1] = n, shape[dimensions] = n == 7 ? 7 : 6;
-        nb::object made = nb::steal(PyArray_SimpleNew(dimensions + 1, shape, NPY_DOUBLE));
-        if (!made.is_valid()) throw nb::python_error();
-        double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
-        const double* Q = (const double*)PyArray_DATA(from);
-        without_gil([&](const Stop& stop) {
-            for (long i = 0; i < m && !stop.asked(); i += AT_ONCE) {
-                level().inverse->inverses(arm, Q + i * n, scale, std::min(AT_ONCE, m - i), to + i * n * shape[dimensions]);
-            }
-        });
+        const auto fill = [&](const ChainArm& chain, const double* Q, long m, double* X) {
+            level().inverse->inverses(chain, Q, scale, m, X);
+        };
+        nb::object made = n >= 1 && n <= 7 ? of(q, fill, n, n == 7 ? 7 : 6, true) : nb::none();
+        if (made.is_none()) throw nb::value_error("joint vectors (..., n) of one to seven joints are needed, float64 in C order");
         return made;
     }
 

@@ -184,7 +184,7 @@ bool Arm::compiled_from(std::string_view urdf) const { return sha256(urdf) == da
 long Arm::ik(const double* T, long m, double* q, std::uint8_t* flags, const double* q_ref, const double* values) const {
     // Free joints of a continuum take values near these, and answers are in (-pi, pi].
     double wrapped[MOST_AXES_OF_A_CHAIN];
-    for (int j = 0; q_ref && j < joints(); ++j) wrapped[j] = parameter_value(q_ref[j], joint(j).turn != 0.0);
+    for (int j = 0; q_ref && j < joints(); ++j) wrapped[j] = principal_value(q_ref[j], joint(j).turn != 0.0);
     return data_->solver->solve({T, m, q_ref ? wrapped : nullptr, values, q, flags, false, m});
 }
 

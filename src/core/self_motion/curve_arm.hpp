@@ -42,7 +42,8 @@ struct OnCurve {
     int sense;
 };
 
-// Error at which a search for points of the curve stops.
+// Error at which a search for points of the curve stops. A rate of the parameter below it is zero: the parameter is stationary
+// along the tangent, at a fold, or where the other joints move at one value.
 inline constexpr double NEARLY_EXACT = 1e-9;
 
 struct SelfMotionFunctions {

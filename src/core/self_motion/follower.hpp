@@ -14,8 +14,8 @@ namespace urdf_ik::self_motion {
 
 // A step along a curve has at most the length LONGEST [rad, shares of size]. Its length is chosen so that the tangent turns by
 // about AIM [rad]. A step is refused if the tangent turns by more than TOO_MUCH [rad], or if Newton's method corrects it by more
-// than ASIDE times its length. A curve that would need steps below SHORTEST has reached a singularity.
-inline constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12, SHORTEST = 1e-7;
+// than ASIDE times its length. A curve that would need steps below HALF_OF_THE_DIGITS has reached a singularity.
+inline constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12;
 // Two solutions at neighbouring values of the grid are joined without following if their arc is at most BRIDGE [rad, shares of
 // size], the tangent turns by at most twice TOO_MUCH, the chord differs from the mean of the tangents by at most BRIDGE_OFF of the
 // arc, and this difference is BRIDGE_CLEAR times larger for every other solution. The cubic between them is halved at most
@@ -29,8 +29,6 @@ inline constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, EXACT = 3e-15, SETT
 inline constexpr int FEW_ROUNDS = 4, MANY_ROUNDS = 12;
 // Two joint vectors closer than SAME in every joint are equal. Points interpolated between samples are less accurate: NEARLY_SAME.
 inline constexpr double NEARLY_SAME = 3e-3;
-// Below this rate the parameter counts as stationary along the tangent: at a fold, or where the other joints move at one value.
-inline constexpr double STANDS = 1e-9;
 // If a joint turns back this close [rad, m] to a limit between two samples, a sample is added there.
 inline constexpr double CLOSE = 4e-3;
 // A branch beyond its ends gives starts for the search only up to this pose error [rad, share of size].
@@ -277,7 +275,7 @@ private:
     void travel_ahead();
 
     long add_node(long k, const CurveSample& at, int column) {
-        nodes_[k].push_back({at, column, -1, -1, std::abs(at.rate) < STANDS});
+        nodes_[k].push_back({at, column, -1, -1, std::abs(at.rate) < NEARLY_EXACT});
         return long(nodes_[k].size()) - 1;
     }
     double low_of(long cell) const { return given_.grid[cell]; }

@@ -92,7 +92,7 @@ void Follower::add_loop(const CurveSample& at) {
     CurveSample from = at;
     from.value = value;
     if (from.rate < 0.0) flip(from);
-    if (from.rate < STANDS) return;
+    if (from.rate < NEARLY_EXACT) return;
     std::optional<Travel> travel;
     follow({&travel.emplace(*this, from, low_of(cell), high_of(cell))});
     if (travel->stop == Stop::lost) {
@@ -185,7 +185,7 @@ void Follower::look_for_loops() {
         const double along[7] = {};
         if (!settle(q, along, 0.0, at)) continue;
         if (!given_.round && (at.value < given_.grid[0] || at.value > given_.grid[given_.values - 1])) continue;
-        if (std::abs(at.rate) < STANDS || known(at)) continue;
+        if (std::abs(at.rate) < NEARLY_EXACT || known(at)) continue;
         add_loop(at);
         fresh = true;
     }

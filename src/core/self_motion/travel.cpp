@@ -78,7 +78,7 @@ void Travel::begin_step() {
     try_step();
 }
 void Travel::try_step() {
-    if (h_ < SHORTEST) return end(Stop::lost);
+    if (h_ < HALF_OF_THE_DIGITS) return end(Stop::lost);
     const CurveSample& from = way.back();
     const double bend = smooth_ && from.arc > 0.0 ? 0.5 * h_ * h_ / from.arc : 0.0;
     for (int j = 0; j < 7; ++j) {
@@ -107,8 +107,9 @@ void Travel::after_step(const OnCurve& point, bool settled) {
     double u;
     CurveSample a = from, b = to_;
     if (sense() < 0.0) a.value = -a.value, a.rate = -a.rate, b.value = -b.value, b.rate = -b.rate;
-    if (b.rate >= 0.0 && a.rate > STANDS && f_.least_rate(a, b, u) <= 0.0 && to_.arc > 1e-5) return again_shorter();  // two folds
-    has_fold_ = from.rate * to_.rate < 0.0 && std::abs(from.rate) > STANDS;
+    if (b.rate >= 0.0 && a.rate > NEARLY_EXACT && f_.least_rate(a, b, u) <= 0.0 && to_.arc > 1e-5)
+        return again_shorter();  // two folds
+    has_fold_ = from.rate * to_.rate < 0.0 && std::abs(from.rate) > NEARLY_EXACT;
     if (!has_fold_) return after_fold();
     const double ahead = f_.stand_still(from, to_);
     f_.between(from, to_, ahead > 0.0 && ahead < 1.0 ? ahead : 0.5, next.q);
@@ -131,7 +132,7 @@ void Travel::after_first(const OnCurve& point, bool settled) {
     try_secant();
 }
 void Travel::try_secant() {
-    if (round_++ == MOST_SECANTS || !(std::abs(fold_.rate) >= STANDS) || !(bracket_[1] - bracket_[0] > 1e-12 * to_.arc)) {
+    if (round_++ == MOST_SECANTS || !(std::abs(fold_.rate) >= NEARLY_EXACT) || !(bracket_[1] - bracket_[0] > 1e-12 * to_.arc)) {
         fold_.arc = at_;
         return after_fold();
     }
@@ -169,7 +170,7 @@ void Travel::after_fold() {
         way.push_back(fold_);
         to_.arc -= fold_.arc;
     }
-    if (!has_fold_ || to_.arc > SHORTEST) way.push_back(to_);
+    if (!has_fold_ || to_.arc > HALF_OF_THE_DIGITS) way.push_back(to_);
     for (long k = known; known > 2 && k < long(way.size()); ++k) {
         const CurveSample& first = way.front();
         if (!f_.closes(way[k - 1], way[k], first)) continue;

@@ -101,7 +101,7 @@ struct SampledHeld {
     static PART void solve(const Arm& arm, const Goal<double>& goal, double value, const Reference<7>& reference,
                            const Columns<7>& columns) {
         const int held = arm.held;
-        const double at = arm.written.slides[held] ? value : principal_angle(value);
+        const double at = principal_value(value, !arm.written.slides[held]);
         Written<6> others = {};
         others.size = arm.written.size, others.tolerances = arm.written.tolerances;
         Reference<6> near = reference_of<6>(nullptr);

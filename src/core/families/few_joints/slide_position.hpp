@@ -32,13 +32,13 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
 }
 
 // Bounds on errors, lengths as shares of the size: of a point's place, e P with e = PLACE_ERROR and P = 1 + |p|, for the structure
-// of the arm and the rounding of the target; of the equations' coefficients, EQUATION_ERROR times (1 + |p|^2)^2. Let d = p2 - p1
-// and z = g3 X - p2 be at most 1 long, as parts of the arm are, and directions, d and z be off by e. Then of both rows' right sides
+// of the arm and the rounding of the target; of the equations' coefficients, 909 e (1 + |p|^2)^2. Let d = p2 - p1 and z = g3 X - p2
+// be at most 1 long, as parts of the arm are, and directions, d and z be off by e. Then of both rows' right sides
 //   |b1| <= 2 P off by 6 e P,  |b2| <= 2 P^2 off by 6 e P^2,  |m1|^2 <= 1 by 4 e,  |m2|^2 <= 4 by 24 e,  (h2.z)^2 - z^2 by 6 e,
 // and |m2|^2 b1^2 + |m1|^2 b2^2 + |m1|^2 |m2|^2 ((h2.z)^2 - z^2) is off by e (40 P^4 + 192 P^2 + 64). A coefficient of a
 // trigonometric polynomial is at most twice its greatest value: e (80 P^4 + 384 P^2 + 128) <= 909 e (1 + |p|^2)^2. Where d or z
 // exceeds 1, the feet of nearly parallel axes being far away, the bound grows with its fourth power.
-inline constexpr double PLACE_ERROR = 1.1e-13, EQUATION_ERROR = 909.0 * PLACE_ERROR;
+inline constexpr double PLACE_ERROR = 1.1e-13;
 
 // A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free. off: bounds on the distances of the
 // solution from it, if Places::whole.
@@ -83,7 +83,7 @@ public:
           third_slides(step.slides[2]) {
         for (int k = 0; k < 3; ++k) this->ref[k] = ref[k];
         place_error = PLACE_ERROR * (1.0 + sqrt(dot(p, p)));
-        equation_error = EQUATION_ERROR * (1.0 + dot(p, p)) * (1.0 + dot(p, p));
+        equation_error = 909.0 * PLACE_ERROR * (1.0 + dot(p, p)) * (1.0 + dot(p, p));
     }
 
     PART const Places& solve() {

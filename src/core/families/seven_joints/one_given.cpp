@@ -33,9 +33,6 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
     store_rows<Write::plain, 16>(out, to);
 }
 
-// The value wrapped to (-pi, pi]; a value already in this range keeps its digits.
-static STEP double as_joint_value(const GivenJoint& given, double value) { return given.turns ? principal_angle(value) : value; }
-
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
     for (long i = 0; i < part.m; i += BLOCK) {
         const bool whole = i + BLOCK <= part.m;
@@ -43,9 +40,9 @@ static void move(const GivenJoint& given, const Batch& part, double* T, double* 
         Block value = given.value;
         for (int k = 0; k < BLOCK; ++k) {
             const long from = i + k < part.m ? i + k : part.m - 1;
-            if (part.values) value.set(k, as_joint_value(given, part.values[from]));
+            if (part.values) value.set(k, principal_value(part.values[from], given.turns));
             if (!whole) __builtin_memcpy(rest + 16 * k, part.T + 16 * from, 16 * sizeof(double));
-            if (i + k < part.m) values[i + k] = part.values ? value[k] : as_joint_value(given, value[k]);
+            if (i + k < part.m) values[i + k] = part.values ? value[k] : principal_value(value[k], given.turns);
         }
         move_block(given, whole ? part.T + 16 * i : rest, value, T + 16 * i);
     }

@@ -167,7 +167,7 @@ STEP Status decided(const SrsArm& arm, const SrsBoxes& boxes, const double (&lea
         }
         // Branches whose tiny roots have other signs may stand for this one, where they are not far apart behind a short lever arm.
         bool owned = valid || !(there & bit), narrow_box = true;
-        for (const auto& chords : boxes.chord) narrow_box = narrow_box && chords[b] <= BESIDE;
+        for (const auto& chords : boxes.chord) narrow_box = narrow_box && chords[b] <= NEAR;
         for (unsigned c = 0; c < 8 && narrow_box; ++c) owned = owned || (!((c ^ unsigned(b)) & ~tiny) && columns.valid(int(c)));
         if (!owned || (valid && !exact && !is_alone(arm, boxes, b, columns.row(b), least[b]))) return Status::incomplete;
         clustered = clustered || tiny;
