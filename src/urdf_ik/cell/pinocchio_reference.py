@@ -67,6 +67,7 @@ class Reference:
             they leave nothing.
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
+        base_frame: index of the base link's frame in ``pin_model.frames``.
         warnings: defects beside the chain, which the URDF that Pinocchio was given is without.
     """
 
@@ -97,7 +98,7 @@ class Reference:
         model.require_sound(self.base, self.tip)
         self.warnings = model.warnings
         self.pin_model = _build(model)
-        self._base, self._tip = self._frame(self.base), self._frame(self.tip)
+        self.base_frame, self._tip = self._frame(self.base), self._frame(self.tip)
         self._bodies = [(f.name, i) for i, f in enumerate(self.pin_model.frames) if f.type == pin.FrameType.BODY]
 
         followed = {joint.name: model.driver(joint) for joint in model.joints}
@@ -144,11 +145,6 @@ class Reference:
     def dof(self) -> int:
         """Number of joints in a joint vector."""
         return len(self.joint_names)
-
-    @property
-    def base_frame(self) -> int:
-        """Index of the base link's frame in ``pin_model.frames``."""
-        return self._base
 
     def configuration(self, q: Array) -> Array:
         """Pinocchio's configuration (nq,) of one joint vector (n,): matched by name, continuous joints as (cos, sin).
@@ -292,22 +288,24 @@ class Reference:
     def _pose(self, q: Array) -> Any:
         data = self._work.data
         pin.forwardKinematics(self.pin_model, data, self.configuration(q))
-        base, tip = (pin.updateFramePlacement(self.pin_model, data, frame) for frame in (self._base, self._tip))
+        base, tip = (pin.updateFramePlacement(self.pin_model, data, frame) for frame in (self.base_frame, self._tip))
         return base.actInv(tip).homogeneous
 
     def _links(self, q: Array) -> list[Any]:
         data = self._work.data
         pin.framesForwardKinematics(self.pin_model, data, self.configuration(q))
-        return [data.oMf[self._base].actInv(data.oMf[frame]).homogeneous for _, frame in self._bodies]
+        return [data.oMf[self.base_frame].actInv(data.oMf[frame]).homogeneous for _, frame in self._bodies]
 
     def _jacobian(self, q: Array) -> Array:
         model, data = self.pin_model, self._work.data
         pin.computeJointJacobians(model, data, self.configuration(q))
         pin.updateFramePlacements(model, data)
-        base, tip = data.oMf[self._base], data.oMf[self._tip]
+        base, tip = data.oMf[self.base_frame], data.oMf[self._tip]
         # Pinocchio gives the Jacobian of a single joint as a vector.
         J = pin.getFrameJacobian(model, data, self._tip, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1) @ self._spread
-        J_base = pin.getFrameJacobian(model, data, self._base, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1) @ self._spread
+        J_base = (
+            pin.getFrameJacobian(model, data, self.base_frame, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1) @ self._spread
+        )
         # The base may move, too: it need not be the root. Subtract what the tip would do if it were fixed to it.
         J[:3] -= J_base[:3] + np.cross(J_base[3:], tip.translation - base.translation, axis=0)
         J[3:] -= J_base[3:]
@@ -332,7 +330,7 @@ class Reference:
                 joint = self.pin_model.parents[joint]
             return out
 
-        up, down = to_root(self._base), to_root(self._tip)
+        up, down = to_root(self.base_frame), to_root(self._tip)
         while up and down and up[-1] == down[-1]:
             up.pop()
             down.pop()
@@ -359,7 +357,7 @@ class Reference:
 
     def _size(self) -> float:
         steps = [np.linalg.norm(placement.translation) for placement in self.pin_model.jointPlacements]
-        ends = [np.linalg.norm(self.pin_model.frames[i].placement.translation) for i in (self._base, self._tip)]
+        ends = [np.linalg.norm(self.pin_model.frames[i].placement.translation) for i in (self.base_frame, self._tip)]
         return float(sum(steps) + sum(ends))
 
 

@@ -140,14 +140,11 @@ class Structure:
 
     def is_parallel(self, first: int) -> bool:
         """Whether axes ``first`` and ``first + 1`` are parallel or coincident."""
-        return self._pair(first).relation in ("parallel", "coincident")
+        return self.pairs[first - 1].relation in ("parallel", "coincident")
 
     def is_intersecting(self, first: int) -> bool:
         """Whether axes ``first`` and ``first + 1`` meet under an angle."""
-        return self._pair(first).relation == "intersecting"
-
-    def _pair(self, first: int) -> AxisPair:
-        return self.pairs[first - 1]
+        return self.pairs[first - 1].relation == "intersecting"
 
     def triple(self, first: int, relation: str) -> AxisTriple | None:
         """The triple that begins with axis ``first``, if its relation is this one."""

@@ -121,15 +121,9 @@ def threads(value: Any) -> int:
     if isinstance(value, str):
         if value != "auto":
             raise _refusal(value, "threads", f"a whole number from 1 to {MOST_THREADS}, or 'auto', is")
-        return min(processors(), MOST_THREADS)
+        has_affinity = hasattr(os, "sched_getaffinity")  # not on macOS
+        return min(len(os.sched_getaffinity(0)) if has_affinity else os.cpu_count() or 1, MOST_THREADS)
     return whole(value, "threads", low=1, high=MOST_THREADS)
-
-
-def processors() -> int:
-    """How many processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):  # not on macOS
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def poses(value: Any) -> int:
