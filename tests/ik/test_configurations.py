@@ -183,6 +183,13 @@ def test_spellings(vendor: str, written: str, same: str) -> None:
     solutions = arm.ik(arm.fk([0.3, 0.2, -0.4, 0.9, 0.8, 0.5]))
     first, second = (solutions.with_configuration(each, vendor) for each in (written, same))
     np.testing.assert_array_equal(first.to_array(), second.to_array())
+    # What is printed selects its own solution, outside the limits, too, alone and in a batch.
+    puma = urdf_ik.load("puma_560")
+    batch = puma.ik(puma.fk([[0.1, -1.0, 1.0, 0.2, 0.3, 0.0], [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]))
+    for pose, code in np.ndenumerate(batch.configuration(vendor)):
+        for found in (batch[pose[0]].with_configuration(code, vendor), batch.with_configuration(code, vendor)[pose[0]]):
+            assert batch.q[pose].tolist() in found.to_array().tolist() and code in found.configuration(vendor)
+            assert batch.names[pose] in found.names[found.valid]
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from urdf_ik.cli.arm_options import ArmOptions, read_world
 from urdf_ik.cli.console import Angles, Progress, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.targets import Target
+from urdf_ik.ik.configurations import VENDORS
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions.distances import Metric, Quality, Wish, check_quality
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
@@ -56,7 +57,10 @@ class _Choice(options.Record):
     @property
     def maker(self) -> str:
         """The maker of --configuration; '' without one."""
-        return (self.configuration or "").partition(" ")[0]
+        maker = (self.configuration or "").partition(" ")[0].lower()
+        if maker and maker not in VENDORS:
+            raise console.usage(f"{maker!r} is no maker; one of {', '.join(VENDORS)}", "--configuration")
+        return maker
 
     def reference(self, arm: Arm, angles: Angles) -> Array | None:
         """(n,) rad or m, the joint vector of --nearest."""
@@ -93,7 +97,7 @@ class _Choice(options.Record):
 
     def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
         """The function that filters solutions by these options, before errors and contacts are measured."""
-        reference, wish, bounds = self.reference(arm, angles), self.wished(arm), None
+        reference, wish, bounds, maker = self.reference(arm, angles), self.wished(arm), None, self.maker
         if (reference is not None) + (self.best is not None) + (self.wish is not None) > 1:
             raise console.usage("--best, --wish and --nearest each keep a solution; give one of them", "--best")
         if reference is None and (self.max_step is not None or self.metric != "l2"):
@@ -109,7 +113,7 @@ class _Choice(options.Record):
             solutions = solutions.collision_free(world) if self.collision_free else solutions
             solutions = solutions.turns() if self.turns else solutions
             if wanted := (self.configuration or "").partition(" ")[2].strip():
-                solutions = solutions.with_configuration(wanted, self.maker)
+                solutions = solutions.with_configuration(wanted, maker)
             if self.best is not None:
                 around = world if self.best == "clearance" else None
                 solutions = solutions.best(self.best, world=around)

@@ -299,8 +299,8 @@ class IKSolutions(DifferentiableSolutions):
     def with_configuration(self, written: str, vendor: str) -> "IKSolutions":
         """The solutions with a configuration as a maker's controller writes it, such as 'NUT 0 0 0' of 'fanuc'.
 
-        Where it has turn numbers, every image inside the joint limits counts (:meth:`turns`); parts that are left out
-        do not count: 'NUT', 'S 2', 'lefty', '4' (ABB's cfx).
+        Where it has turn numbers, every image inside the joint limits counts (:meth:`turns`), and every solution as it
+        stands; parts that are left out do not count: 'NUT', 'S 2', 'lefty', '4' (ABB's cfx).
 
         Raises:
             ArgumentError: an unknown vendor, or text that is no configuration of its.
@@ -316,7 +316,7 @@ class IKSolutions(DifferentiableSolutions):
         from urdf_ik.ik import configurations
 
         wanted = configurations.read(written, vendor)
-        kept = self.turns() if configurations.depends_on_turns(wanted, vendor) else self
+        kept = self._with_images() if configurations.depends_on_turns(wanted, vendor) else self
         there = configurations.codes(self.solver.chain, kept._q, vendor)
         compared = [k for k, number in enumerate(wanted) if number is not None]
         same = (there[..., compared] == [wanted[k] for k in compared]).all(axis=-1)
@@ -435,6 +435,18 @@ class IKSolutions(DifferentiableSolutions):
         q, inside = images
         info = np.where(inside, self._info, np.uint8(0))
         return self._derived(q, info, self._branches, Step("limits", self, amount=tol))
+
+    def _with_images(self) -> "IKSolutions":
+        """These, and every image of theirs inside the joint limits."""
+        turned, (lower, upper), most = self.turns(), self.solver.limits.T, limits.LIMIT_TOLERANCE
+        if turned is self or turned.step is None:
+            return self
+        outside = ((self._q < lower - most) | (self._q > upper + most)).any(axis=-1)
+        q = np.concatenate([turned._q, np.where(outside[..., None], self._q, np.nan)], axis=-2)
+        info = np.concatenate([turned._info, np.where(outside, self._info, np.uint8(0))], axis=-1)
+        own = np.broadcast_to(np.arange(self._q.shape[-2]), outside.shape)
+        columns = np.concatenate([np.asarray(turned.step.columns), own], axis=-1)
+        return self._derived(q, info, turned._branches + self._branches, turned.step._replace(columns=columns))
 
     def _picked(self, columns: NDArray[np.intp], how: str, q: Array | None = None) -> "IKSolutions":
         """The solutions in these columns (..., n); ``q``: (..., B, n) their values, if they are other images."""
