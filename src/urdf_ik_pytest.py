@@ -135,6 +135,11 @@ class _Given:
             base, tip = (frozen.base if base is None else base), (frozen.tip if tip is None else tip)
         return urdf_ik.load(self._source, base=base, tip=tip, locked=locked)
 
+    @property
+    def definition(self) -> str:
+        """The line that defines the arm of the lines that replay a failure."""
+        return f"replay: import urdf_ik; arm = urdf_ik.load({self.source!r}, {self.arm.base!r}, {self.arm.tip!r})"
+
     @cached_property
     def lock(self) -> "Lock | None":
         """The lock, written first where it is missing and ``--urdf-freeze`` was given; None with ``--urdf-no-lock``."""
@@ -214,7 +219,7 @@ class _CheckedArm(pytest.Collector):
                 pytest.skip(words)
             if not holds:
                 replay = [line for line in report.lines() if line.startswith("replay: ")]
-                raise _Disagrees("\n".join([report.title(), words, *replay]))
+                raise _Disagrees("\n".join([report.title(), words, self.given.definition, *replay]))
 
     def _require_unchanged(self, name: str, kind: str) -> None:
         """Fail where something of a kind differs from the lock, or where there is no lock."""
@@ -233,10 +238,10 @@ class _CheckedArm(pytest.Collector):
         if wrong := tuple(difference for difference in report.differences if difference.kind == kind):
             lines = [
                 f"{report.title()}: {kind}",
-                *(f"  {line}" for line in summed(wrong)),
+                *(f"  {line}" for line in (*summed(wrong), *(f"note: {note}" for note in report.notes))),
+                given.definition,
+                f"replay: lock = urdf_ik.verify.Lock.load({str(given.lock_path)!r})",
                 *replays(wrong),
-                f"with: arm = urdf_ik.load({given.source!r}, {report.arm.base!r}, {report.arm.tip!r})",
-                f"      lock = urdf_ik.verify.baselines.Lock.load({str(given.lock_path)!r})",
                 f"if that is meant: urdf-ik verify {given.source} {given.lock_path.name} --update",
             ]
             raise _Disagrees("\n".join(lines))

@@ -159,6 +159,10 @@ def test_the_command_judges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     for spec in ("mine.py:solve", f"process:{sys.executable} mine.py"):
         succeed(*judged, spec)
     result = call(*judged, "mine.py:forgetful")
-    assert result.exit_code == 1 and "missing" in result.stdout and "replay" in result.stdout
+    assert result.exit_code == 1 and "missing" in result.stdout
+    names: dict[str, Any] = {}
+    exec("\n".join(line[8:] for line in result.stdout.splitlines() if line.startswith("replay: ")), names)
+    np.testing.assert_array_equal(names["T"], replay(PUMA, 2, 0, 0))
+    assert "mine.py has no function 'nosuch'" in call(*judged, "mine.py:nosuch").stderr
     result = call(*judged, "nothing")
     assert result.exit_code == 2 and "process:COMMAND" in result.stderr

@@ -126,18 +126,31 @@ class ArmOptions(Record):
             kept = ("mesh_root", "xacro_arg", "strict", "allow", "tool_xyz", "tool_rpy")
             self.require_only(kept, f"{self.robot} is a compiled arm, which has its settings")
             return load_compiled(source)
-        return load(
-            source,
-            base=self.base,
-            tip=self.tip,
-            chain=self.chain,
-            srdf=self.srdf,
-            locked=self._locked(),
-            redundancy=self.redundancy_joint or (),
-            mesh_roots=self.mesh_root or (),
-            xacro_args=self._xacro_args(),
-            strict=self.strict,
-        )
+        return load(source, **self._settings())
+
+    def _settings(self) -> dict[str, Any]:
+        """The arguments of ``urdf_ik.load`` that were typed."""
+        settings = {
+            "base": self.base,
+            "tip": self.tip,
+            "chain": self.chain,
+            "srdf": None if self.srdf is None else str(self.srdf),
+            "locked": self._locked(),
+            "redundancy": self.redundancy_joint,
+            "mesh_roots": list(map(str, self.mesh_root or ())),
+            "xacro_args": self._xacro_args(),
+            "strict": self.strict,
+        }
+        return {name: value for name, value in settings.items() if value not in (None, False, {}, [])}
+
+    @property
+    def definition(self) -> str:
+        """The line of Python that loads the arm; a comment names the options that are no arguments of ``load``."""
+        typed = "".join(f", {name}={value!r}" for name, value in self._settings().items())
+        names = ("allow", "tool_xyz", "tool_rpy", "tool_cylinder", "tool_urdf", "free_axis", "free_at")
+        further = [f"--{name.replace('_', '-')}" for name in names if getattr(self, name)]
+        tail = f"  # without {', '.join(further)}" if further else ""
+        return f"import urdf_ik; arm = urdf_ik.load({self.robot!r}{typed}){tail}"
 
     def _source(self) -> Any:
         if self.robot == "-" and sys.stdin is None:

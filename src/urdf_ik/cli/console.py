@@ -215,9 +215,18 @@ def write(text: str | bytes, output: Path | None = None) -> None:
         sys.stdout.buffer.flush()
 
 
-def conclude(report: Any, printed_as: str, output: Path | None = None) -> None:
-    """Print the report of a check, and end with status 1 where it has not passed."""
-    emit(printed_as, report.to_json, lambda: f"{report}\n", output)
+def replayed(report: object, *definitions: str) -> str:
+    """The text of a report; before its first line that replays something those that define its names."""
+
+    def defined(found: re.Match[str]) -> str:
+        return "".join(f"{found[0]}{line}\n" for line in definitions) + found[0]
+
+    return re.sub(r"^ *replay: ", defined, f"{report}\n", count=1, flags=re.MULTILINE)
+
+
+def conclude(report: Any, printed_as: str, definition: str, output: Path | None = None) -> None:
+    """Print the report of a check, and end with status 1 where it has not passed; ``definition``: that of ``arm``."""
+    emit(printed_as, report.to_json, lambda: replayed(report, definition), output)
     if not report.passed:
         raise typer.Exit(Status.FAILED)
 

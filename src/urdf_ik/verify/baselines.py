@@ -229,7 +229,8 @@ class Lock:
             except UnsupportedArm as error:
                 if self.poses:
                     differing.append(Difference("solutions", "", f"the arm cannot be solved any more: {error}"))
-            differing += _solutions(self, solved, arm, order, tolerance, notes)
+            limited = any(each.kind == "limits" for each in differing)
+            differing += _solutions(self, solved, arm, order, tolerance, limited, notes)
         unlooked = ""
         if watch.is_over and len(solved) < len(self.poses):
             unlooked = watch.ended(f"with {len(solved)} of {len(self.poses)} poses: the others were")
@@ -399,7 +400,7 @@ def _planted(baseline: Lock, reference: Reference, order: tuple[int, ...], toler
     if index < 0:
         return []
     name = f"forward kinematics, {baseline.arm.tip}"
-    replay = f"lock.planted[{index}].q, at which the lock has the pose lock.planted[{index}].T"
+    replay = f"arm.fk(lock.planted[{index}].q)  # the lock has lock.planted[{index}].T, its upper three rows"
     return [Difference("kinematics", name, f"{moved(distance, angle)} at most", distance, angle, replay)]
 
 
@@ -448,10 +449,16 @@ _WORDS = {
 
 
 def _solutions(
-    baseline: Lock, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance, notes: list[str]
-) -> list[Difference]:
-    """Differences of the solutions at the poses that were solved today; a note says what was not counted."""
-    changes: dict[str, list[tuple[int, str]]] = {what: [] for what in (*_WORDS, "fold")}
+    baseline: Lock, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance, limited: bool,
+    notes: list[str],
+) -> list[Difference]:  # fmt: skip
+    """Differences of the solutions at the poses that were solved today; notes say what was not counted.
+
+    ``limited``: whether joint limits differ, which then explain what is inside them or not.
+    """
+    changes: dict[str, list[tuple[int, str]]] = {what: [] for what in (*_WORDS, "uncounted lost", "uncounted gained")}
+    near = f"the tolerance of {tolerance.distance * 1e3:g} mm and {math.degrees(tolerance.angle):.2g} deg"
+    near = "rounding" if tolerance == DEFAULT else near
     moves: list[tuple[float, int, int]] = []
     distance, angle = greatest_change(baseline.arm, described(arm, shapes=False))
     size = max(arm.cell.reference.size, 1e-300)
@@ -470,16 +477,18 @@ def _solutions(
             words = f"{len(moves)} solutions have other joint values, {name} by up to {far} at pose {index}"
             sizes = (gap, 0.0) if slides else (0.0, gap)
             out.append(Difference("solutions", "", words, *sizes, replay=_replay(index)))
-        if places and what == "fold":
-            notes.append(f"not counted, being within rounding of a singularity: {_places(places)}")
+        if places and what.startswith("uncounted"):
+            which = what.removeprefix("uncounted ")
+            notes.append(f"{which}, not counted, being within {near} of a singularity: {_places(places)}")
         elif places:
             kind, words = _WORDS[what]
+            kind = kind if what != "limits" or limited else "solutions"
             out.append(Difference(kind, "", f"{words}: {_places(places)}", replay=_replay(places[0][0])))
     return out
 
 
 def _replay(index: int) -> str:
-    return f"arm.ik(lock.poses[{index}].matrix), against lock.poses[{index}].answers"
+    return f"arm.ik(lock.poses[{index}].matrix)  # the lock has lock.poses[{index}].answers"
 
 
 def _places(places: list[tuple[int, str]]) -> str:
@@ -531,7 +540,8 @@ class _Same:
                     moves.append((float(far[i, k]), index, int(np.argmax(gaps[i, k]))))
         alone = [("lost", a, now) for i, a in enumerate(before) if i not in paired]
         alone += [("gained", a, then) for k, a in enumerate(after) if k not in set(paired.values())]
-        yield from ((what if self._is_missed(a, others) else "fold", a.branch) for what, a, others in alone)
+        for what, answer, others in alone:
+            yield what if self._is_missed(answer, others) else f"uncounted {what}", answer.branch
         for i, k in paired.items():
             old, new, gap = before[i], after[k], np.array(before[i].q)[:, None] - self.limits
             # Beside a limit, modulo full turns, rounding decides.

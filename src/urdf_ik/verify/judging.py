@@ -461,13 +461,13 @@ def opened(spec: str) -> Iterator[Solve]:
         raise ArgumentError(f"no solver {spec!r}; give {FORMS}")
     try:
         found = runpy.run_path(place) if place.endswith(".py") else vars(importlib.import_module(place))
-        solve = found[name]
     except Exception as error:  # a module of the user's may raise anything
         reason = f"{type(error).__name__}: {error}"
         raise ArgumentError(f"solver {spec!r} cannot be imported: {reason}; give {FORMS}") from None
-    if not callable(solve):
-        raise ArgumentError(f"{spec!r} is no function; give {FORMS}")
-    yield solve
+    function = found.get(name)
+    if not callable(function):
+        raise ArgumentError(f"{place} has no function {name!r}; give {FORMS}")
+    yield function
 
 
 @contextmanager

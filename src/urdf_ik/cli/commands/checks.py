@@ -77,7 +77,7 @@ def check(
         report = None if is_folder else checked(chosen.load())
         arms = _of_folder(chosen, checked) if is_folder else []
     if report is not None:
-        return console.conclude(report, printed_as)
+        return console.conclude(report, printed_as, chosen.definition)
     passed = all(each["passed"] is not False for each in arms)
     shown = [{"file": each["file"], "result": each["result"]} for each in arms]
     console.emit(printed_as, {"passed": passed, "arms": arms}, lambda: tables.render(tables.outline({"arms": shown})))
@@ -228,4 +228,4 @@ def judge(
             name=str(getattr(solve, "__name__", solver)),
             progress=progress.tick,
         )
-    console.conclude(found, printed_as, output)
+    console.conclude(found, printed_as, chosen.definition, output)

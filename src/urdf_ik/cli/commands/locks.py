@@ -108,13 +108,16 @@ def verify(
     if named:
         paths[chosen.robot] = Path(more[0])
     done: list[VerifiedFile] = []
+    texts: list[str] = []
     unread: UrdfIkError | None = None
     with Progress("comparing poses") as progress:
         for robot, path in paths.items():
             result: Verification | UrdfIkError
+            definitions: tuple[str, ...] = ()
             try:
                 lock = Lock.load(path)
-                arm = _loaded(replace(chosen, robot=robot), lock)
+                arm, definition = _loaded(replace(chosen, robot=robot), lock)
+                definitions = definition, f"lock = urdf_ik.verify.Lock.load({str(path)!r})"
                 result = lock.verify(
                     arm,
                     tolerance_mm=tolerance_mm,
@@ -134,7 +137,8 @@ def verify(
                     raise
                 result = unread = error
             done.append(VerifiedFile(robot if Path(robot).is_file() else str(path), result))
-    _print(done, printed_as)
+            texts.append(console.replayed(done[-1], *definitions))
+    _print(done, "".join(texts), printed_as)
     if unread is not None:
         raise unread
     if not (update or all(each.passed for each in done)):
@@ -145,29 +149,30 @@ class _ChainGone(ChainError):
     """The links of the lock are not in the URDF any more."""
 
 
-def _print(done: list[VerifiedFile], printed_as: ReviewFormat) -> None:
-    """Print the results; GitHub also gets a summary of the job."""
+def _print(done: list[VerifiedFile], text: str, printed_as: ReviewFormat) -> None:
+    """Print the results, for people as ``text``; GitHub also gets a summary of the job."""
     summary = os.environ.get("GITHUB_STEP_SUMMARY")
     if printed_as == "github" and summary:
         with open(summary, "a", encoding="utf-8") as file:
             file.write(review.markdown(done))
     if printed_as in ("table", "json"):
         data = [each.to_dict() for each in done]
-        console.emit(printed_as, data[0] if len(data) == 1 else data, lambda: "".join(f"{each}\n" for each in done))
+        console.emit(printed_as, data[0] if len(data) == 1 else data, lambda: text)
     else:
         console.write(getattr(review, printed_as)(done))
 
 
-def _loaded(chosen: ArmOptions, lock: Lock) -> Arm:
-    """The arm, its base, tip and held joints those of the lock where no option names them."""
+def _loaded(chosen: ArmOptions, lock: Lock) -> tuple[Arm, str]:
+    """The arm, its base, tip and held joints those of the lock where no option names them; and its definition."""
     held = [f"{name}={value!r}" for name, value in lock.arm.locked] if chosen.lock is None else chosen.lock
     asked = chosen.base or chosen.tip or chosen.chain
     if chosen.chain is None and chosen.srdf is None:
         base = lock.arm.base if chosen.base is None else chosen.base
         tip = lock.arm.tip if chosen.tip is None else chosen.tip
         chosen = replace(chosen, base=base, tip=tip)
+    chosen = replace(chosen, lock=held or None)
     try:
-        return replace(chosen, lock=held or None).load()
+        return chosen.load(), chosen.definition
     except ChainError as error:
         if asked is not None:
             raise
