@@ -20,11 +20,9 @@ inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0,
 inline constexpr int ALL_CUTS = 8, CUTS_WITH_FEW = 2;
 // The referee accepts a zero only if its joint vector misses the pose by less than this [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
-// A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL.
+// A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL. It counts where
+// its joint vector reaches the pose: a change of the pose by what it misses makes the pair real.
 inline constexpr double AT_A_PAIR = 0.1;
-// Such a pair counts as a solution where a joint vector misses the pose by no more than this [rad, share of size]: a change of the
-// pose by as much makes it real.
-inline constexpr double NEARLY_REACHED = 1e-11;
 // Newton's method stays this near to a zero [rad].
 inline constexpr double STAYS = 0.05;
 inline constexpr double BESIDE_A_ZERO = 1e-4;
@@ -306,7 +304,7 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         for (int i = 0; i < zeros.many; ++i) {
             const CircleZero& zero = zeros.at[i];
             if (pass != (zero.certified ? 0 : zero.real ? 1 : 2)) continue;
-            if (!zero.real && (!(zero.error <= NEARLY_REACHED) || zero.least > AT_A_PAIR)) continue;
+            if (!zero.real && (!(zero.error <= arm.tolerances.reach) || zero.least > AT_A_PAIR)) continue;
             if (zero.real && !(zero.error <= arm.tolerances.reach)) return Status::incomplete;
             int b = nearest_column(arm, columns, zero.solution);
             if (b < 0 || is_new(arm, goal, columns, zero.solution)) {

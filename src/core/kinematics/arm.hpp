@@ -44,7 +44,7 @@ struct Ends {
 };
 
 // Bounds on the motion between the tips of two arms at the same joint vector. Entry k: by the steps from k on, which joint k moves;
-// entry 0: by all. turn [rad]; shift [m]; length: of the steps [m]. Derived in ik/families/parts/displacement.py.
+// entry 0: by all. turn [rad]; shift [m]; length: of the steps [m]. Derived in ik/families/parts/ideal.py.
 struct Displacement {
     double turn[7], shift[7], length[7];
 };

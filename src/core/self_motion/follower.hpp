@@ -81,7 +81,7 @@ class Follower;
 enum class Stop { low, high, closed, lost };
 
 // Follows a curve in the direction of the tangent of `from`, until the value leaves [low, high] or the curve closes. It asks for
-// points on the curve one by one, so that several can go on side by side: Follower::travel().
+// points on the curve one by one, so that several can go on side by side: Follower::follow().
 class Travel {
 public:
     Travel(const Follower& follower, const CurveSample& from, double low, double high);

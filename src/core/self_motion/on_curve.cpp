@@ -80,7 +80,7 @@ template <int N> struct Orthogonal {
     }
     // The unit vector orthogonal to the first six rows: the projection of the joint axis with the longest projection. It is
     // orthogonalised twice, to rounding. Returns the sign of the determinant of the rows and this vector; 0 if a row is shorter
-    // than SINGULAR_ROW.
+    // than HALF_OF_THE_DIGITS.
     STEP Block free(Block (&out)[7]) const {
         Block most = -1.0;
 #pragma GCC unroll 7

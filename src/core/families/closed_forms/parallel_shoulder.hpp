@@ -158,7 +158,7 @@ template <LastAxes kind> struct ParallelShoulder {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastAxes::general;
     static constexpr int flags[3] = {WRIST, ELBOW, WRIST};  // of the singularities of its margins
-    static constexpr unsigned root_bit = 1, root_joint = 5;  // see rooted.hpp
+    static constexpr unsigned root_bit = 1, root_joint = 5;  // see proposals.hpp
 
     template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;

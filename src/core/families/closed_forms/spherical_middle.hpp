@@ -111,7 +111,7 @@ template <LastPair kind> struct SphericalMiddle {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != LastPair::general;
     static constexpr int flags[3] = {SHOULDER, WRIST, ELBOW};  // of the singularities of its margins
-    static constexpr unsigned root_bit = 2, root_joint = 0;  // see rooted.hpp
+    static constexpr unsigned root_bit = 2, root_joint = 0;  // see proposals.hpp
 
     static STEP Twists twists(const Arm& arm) {
         return {arm.ideal.cos_alpha[1], arm.ideal.sin_alpha[1], arm.ideal.cos_alpha[2], arm.ideal.sin_alpha[2]};

@@ -25,7 +25,7 @@ template <Shoulder kind> struct SphericalWrist {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Shoulder::general;
     static constexpr int flags[3] = {SHOULDER, ELBOW, WRIST};  // of the singularities of its margins
-    static constexpr unsigned root_bit = 2, root_joint = 2;  // see rooted.hpp
+    static constexpr unsigned root_bit = 2, root_joint = 2;  // see proposals.hpp
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
     // Angles of a block that are computed together, which gives the processor independent work: t1 of both fronts and

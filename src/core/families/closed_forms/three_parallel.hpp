@@ -82,7 +82,7 @@ template <Hand kind> struct ThreeParallel {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
     static constexpr int flags[3] = {SHOULDER, ELBOW, WRIST};  // of the singularities of its margins
-    static constexpr unsigned root_bit = 1, root_joint = 0;  // see rooted.hpp
+    static constexpr unsigned root_bit = 1, root_joint = 0;  // see proposals.hpp
 
     // Angles of a block that are computed together, which gives the processor independent work: joints 1 and 5 of both
     // shoulders; phi and joint 6 of both, or of all four wrists; the elbow's bend for these; joint 2 of all branches.

@@ -84,7 +84,7 @@ struct Srs {
         }
     }
 
-    // As in SphericalWrist::closely: a margin within rounding of zero is a double root, and one of its branches is
+    // A margin within rounding of zero is a double root, and one of its branches is
     // kept. If the target determines only the sum or difference of two joints, they take the reference's values, or
     // zero.
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, double value,
