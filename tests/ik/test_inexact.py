@@ -40,7 +40,7 @@ def on_lines(R: Array, t: Array) -> Array:
 
 def left_over(chain: Chain, arm: Numbers, q: Array) -> float:
     """What the six equations leave at a joint vector, relative to the products of (1, cos, sin) that enter them."""
-    variant = arm.variant
+    variant = arm.counter
     first, back = int(variant.first[0]), bool(variant.reversed[0])
     T = chain.fk(q[None])[0]
     M = T @ np.vstack([arm.home_inverse, [0.0, 0.0, 0.0, 1.0]])
@@ -57,7 +57,7 @@ def left_over(chain: Chain, arm: Numbers, q: Array) -> float:
 
 def test_the_equations_hold_at_joint_vectors_up_to_the_bound(chain: Chain, arm: Numbers) -> None:
     """The matrix errs by at most twice what the equations do, and both by little more than rounding."""
-    rng, a = np.random.default_rng(1), arm.variant.inexact[0]
+    rng, a = np.random.default_rng(1), arm.counter.inexact[0]
     reach = arm.scale * 2.0 * chain.size
     bound = a[0] + a[1] * reach + a[2] * reach**2
     assert bound < 1e-11

@@ -42,9 +42,6 @@ void read(const Values& values, EliminationArm& to) {
     const auto rest = values.group("counter_rest");
     rest->read("left", to.counter_rest.left), rest->read("right", to.counter_rest.right);
     rest->read("inexact", to.counter_rest.inexact);
-    const EliminationVariant& own = to.variant[0];
-    to.counter_apart =
-        to.counter.first != own.first || to.counter.reversed != own.reversed || to.counter.inexact[0] != own.inexact[0];
 }
 
 namespace {

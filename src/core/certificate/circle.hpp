@@ -77,11 +77,8 @@ template <> struct OnArcs<Doubled> {
     static STEP Number number(const Block& a) { return {a, Block(0.0)}; }
 };
 
-// A block of arcs [rad]: the lanes that hold no zero, one at most and two at most.
-struct ArcsDecided {
-    unsigned none, one, two;
-};
-template <class S> PART ArcsDecided zeros_on(const OnCircle<S>& p, const Block& centre, const Block& half) {
+// Bounds on the numbers of zeros in a block of arcs [rad].
+template <class S> PART Block zeros_on(const OnCircle<S>& p, const Block& centre, const Block& half) {
     using On = OnArcs<S>;
     using V = typename On::Number;
     constexpr int n = Krawtchouk::n;
@@ -114,19 +111,14 @@ template <class S> PART ArcsDecided zeros_on(const OnCircle<S>& p, const Block& 
     for (int k = 0; k < 3; ++k) wide = wide * wide;
     for (int k = 0; k < 4; ++k) lost = lost * lost;
     const Block error = SLACK_OF_SUMS * (17.0 * p.error * wide + On::unit * ROUNDING_OF_BERNSTEIN * size * lost);
-    // positive: the sign of the last certain coefficient. An uncertain one changes nothing between two of opposite signs; two in a
-    // row may add two changes.
-    unsigned positive = bits(leading(b[0]) > error), once = 0, twice = 0, unsure = 0,
-             failed = ~(positive | bits(leading(b[0]) < -error));
-    for (int i = 1; i <= n; ++i) {
-        const unsigned above = bits(leading(b[i]) > error), below = bits(leading(b[i]) < -error), now = ~(above | below);
-        const unsigned flip = (above & ~positive) | (below & positive), same = ~(flip | now);
-        failed |= (flip & twice) | ((same | now) & unsure);
-        twice |= flip & once, once |= flip, positive = (positive & ~flip) | (above & flip), unsure = now;
+    // The most changes of sign up to here if the last sign is positive, or negative; an uncertain coefficient may have either.
+    Block positive = 0.0, negative = 0.0;
+    for (int i = 0; i <= n; ++i) {
+        const double change = i ? 1.0 : 0.0, never = -double(n);
+        const Block up = max(positive, negative + change), down = max(negative, positive + change);
+        positive = select(leading(b[i]) < -error, Block(never), up), negative = select(leading(b[i]) > error, Block(never), down);
     }
-    failed |= unsure;
-    const unsigned good = ~failed & ((1u << BLOCK) - 1);
-    return {good & ~once, good & once & ~twice, good & twice};
+    return max(positive, negative);
 }
 
 // A bound on the number of zeros on the circle and in the arcs' lenses; -1 if none is found. Where two zeros may be the same, they
@@ -168,7 +160,7 @@ template <class S> PART int zeros_on_circle(const OnCircle<S>& p, double* known,
             now[l] = arc[waiting + (l < lanes ? l : 0)];
             centre.set(l, wrap(now[l].centre)), half.set(l, now[l].half + 0.5 * OVERLAP);
         }
-        const ArcsDecided found = zeros_on(p, centre, half);
+        const Block found = zeros_on(p, centre, half);
         for (int l = 0; l < lanes; ++l) {
             const double low = now[l].centre - now[l].half, high = now[l].centre + now[l].half;
             // The widest gap between the ends and the known zeros in between, from where it starts.
@@ -183,14 +175,14 @@ template <class S> PART int zeros_on_circle(const OnCircle<S>& p, double* known,
                 }
             }
             if (high - last > widest) widest = high - last, start = last;
-            if (!((found.none | found.one) >> l & 1 || ((found.two >> l & 1) && here > 1))) {
-                if (now[l].half < OVERLAP) return -1;
-                const double middle = start + widest * (0.5 + CUT);
-                arc[waiting++] = {0.5 * (low + middle), 0.5 * (middle - low)};
-                arc[waiting++] = {0.5 * (middle + high), 0.5 * (high - middle)};
-            } else {
-                zeros += found.one >> l & 1 ? 1 : found.two >> l & 1 ? 2 : 0;
+            if (found[l] <= max(here, 1)) {
+                zeros += int(found[l]);
+                continue;
             }
+            if (now[l].half < OVERLAP) return -1;
+            const double middle = start + widest * (0.5 + CUT);
+            arc[waiting++] = {0.5 * (low + middle), 0.5 * (middle - low)};
+            arc[waiting++] = {0.5 * (middle + high), 0.5 * (high - middle)};
         }
     }
     return zeros;

@@ -59,31 +59,20 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 
 // Elimination, in several ways if doubts remain, until the solutions are proven to be all.
 PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
-    Eliminant own, other;
-    const bool alike = !arm.counter_apart, counting = counts(arm.counter);
-    const OnCircle<double>* counted = nullptr;
+    Eliminant own;
     OnCircle<double> zeros;
+    const bool counting = counts(arm.counter);
+    bool known = false;
     const auto count = [&] {
-        return (counted && count_zeros(arm, arm.counter, zeros, search)) ||
-               (!search.provable && count_precisely(arm, goal, search));
+        if (!counting) return false;
+        if (!known) eliminate(arm, arm.counter, goal, own), zeros = on_circle(own), known = true;
+        return count_zeros(arm, arm.counter, zeros, search);
     };
-    const auto set_zeros = [&] {
-        Eliminant& of = alike ? own : other;
-        eliminate(arm, arm.counter, goal, of);
-        zeros = on_circle(of), counted = &zeros;
-    };
-    if (counting && search.account.reals) {
-        set_zeros();
-        if (count_zeros(arm, arm.counter, zeros, search)) return;
-    }
-    if (!(counted && alike)) eliminate(arm, arm.variant[0], goal, own);
+    const auto count_twice = [&] { return count() || (!search.provable && count_precisely(arm, goal, search)); };
+    if (search.account.reals && count()) return;
+    eliminate(arm, arm.variant[0], goal, own);
     const bool certain = gather(arm, arm.variant[0], goal, own, search);
-    if (certain && search.provable) return;
-    if (counting && !counted) {
-        if (alike) zeros = on_circle(own), counted = &zeros;
-        else set_zeros();
-    }
-    if (count() || certain) return;
+    if ((certain && search.provable) || count_twice() || certain) return;
     // Where nothing is counted, the referee does without these proposals.
     if (!search.provable && !counting && !arm.any_slide) return;
     const Goal<double> moved = beside(arm.written, goal);
@@ -91,7 +80,7 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
         if (each.variant < arm.variants) {
             const EliminationVariant& variant = arm.variant[each.variant];
             eliminate(arm, variant, each.beside ? moved : goal, own);
-            if (gather(arm, variant, goal, own, search, each.beside) || count()) return;
+            if (gather(arm, variant, goal, own, search, each.beside) || count_twice()) return;
         }
         if (!each.explains || !search.provable) continue;
         // A curve's own solutions fill the columns, and no count ends a proof.

@@ -40,7 +40,6 @@ struct EliminationArm {
     int variants;
     EliminationVariant variant[3];  // with different cuts, which propose solutions one after the other
     EliminationVariant counter;     // whose determinant's zeros are counted
-    bool counter_apart;             // whether it is not the first variant
     PreciseFactors counter_rest;
 };
 

@@ -65,8 +65,6 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
     if not setup.near and (_tried(setup, _at(variant, [0]), targets)[1] & 1).mean() < _MOST:
         setup.near = 1.0
         variant = Numbers(**{k: np.concatenate([v, vars(variant)[k][:-1]]) for k, v in vars(counter).items()})
-    if np.array_equal(variant.left[0], counter.left[0]):
-        variant.inexact[0] = counter.inexact[0]
     return Numbers(kind="elimination", **vars(setup), variant=variant, counter=counter, counter_rest=rest)
 
 
