@@ -69,13 +69,13 @@ def test_the_equations_hold_at_joint_vectors_up_to_the_bound(chain: Chain, arm: 
 def test_the_bound_holds_what_other_factors_leave(chain: Chain, arm: Numbers, off: float) -> None:
     """Factors that were changed leave more; the bound grows with it, and no further than it must by some orders."""
     rng = np.random.default_rng(2)
-    left = arm.variant.left.copy()
+    left = arm.counter.left.copy()
     left[0] += off * rng.normal(size=left[0].shape)
-    variant = arm.variant.but(left=left)
+    variant = arm.counter.but(left=left)
     cut = int(variant.first[0]), bool(variant.reversed[0])
     steps = arm.written.steps
     a, rest = inexact(steps, arm.centre, arm.scale, cut, left[0], variant.right[0])
-    changed = arm.but(variant=variant)
+    changed = arm.but(counter=variant)
     reach = arm.scale * 2.0 * chain.size
     bound = a[0] + a[1] * reach + a[2] * reach**2
     worst = max(left_over(chain, changed, rng.uniform(-np.pi, np.pi, 6)) for _ in range(20))
