@@ -5,8 +5,9 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Steps along a curve of solutions to either side.
+// Steps along a curve of solutions to either side, and their length [rad].
 inline constexpr int STEPS_ALONG_CURVE = 3;
+inline constexpr double ALONG_CURVE = 0.02;
 
 // A rank counts as lost below this singular value, where another one is below that of singular solutions. A form counts as zero
 // below ZERO_FORM: solutions where ranks are lost are known to half of their digits.

@@ -340,28 +340,4 @@ PART void mark_singular(const Written<6>& arm, const Goal<double>& goal, const C
     }
 }
 
-// Whether a solution in the columns is within a step along a curve.
-STEP bool is_beside(const Written<6>& arm, const Columns<6>& columns, const double (&q)[6]) {
-    for (int b = 0; b < columns.many; ++b) {
-        if (columns.valid(b) && distance(arm, q, columns.row(b)) < ALONG_CURVE) return true;
-    }
-    return false;
-}
-
-// Whether a solution lies on a curve of solutions, or what was left where it is almost real, which then becomes a solution.
-PART bool holds_curve(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
-    if (keep_curve(arm.written, goal, search.columns)) return true;
-    double q[6];
-    for (int i = 0; i < search.lefts; ++i) {
-        double off = 0.0;
-        for (int j = 0; j < 6; ++j) q[j] = wrap(search.left[i][j].re), off = max(off, abs(search.left[i][j].im));
-        if (off > ALMOST_REAL || is_beside(arm.written, search.columns, q)) continue;
-        if (polish_one<true>(arm.written, goal, q, {40, CONVERGED, LONG_PATIENCE}).error > CONVERGED) continue;
-        if (!is_on_curve(arm.written, goal, q)) continue;
-        column_of(arm, goal, search, q, 0.0);
-        return true;
-    }
-    return false;
-}
-
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -84,7 +84,7 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
         }
         if (!each.explains || !search.provable) continue;
         // A curve's own solutions fill the columns, and no count ends a proof.
-        search.on_curve = holds_curve(arm, goal, search);
+        search.on_curve = keep_curve(arm.written, goal, search.columns);
         if (search.on_curve) return;
         if (count_clusters(arm, goal, search) != Status::incomplete) return;
         // What is not proven is certified once more with twice the digits.
@@ -153,7 +153,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         search_all_over(arm, goal, search);
         search_beside_folds(arm.written, goal, columns);
     }
-    if (search.certifies && holds_curve(arm, goal, search)) return Status::continuum;
+    if (search.certifies && keep_curve(arm.written, goal, search.columns)) return Status::continuum;
     return Status::incomplete;
 }
 
