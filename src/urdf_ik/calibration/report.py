@@ -65,6 +65,11 @@ class Change:
         """After less before."""
         return self.after - self.before
 
+    @property
+    def unit(self) -> str:
+        """'m', 'rad', or '' for an axis."""
+        return {"xyz": "m", "rpy": "rad", "offset": "rad or m"}.get(self.parameter.field, "")
+
     def cells(self) -> tuple[str, ...]:
         """A row of a table: parameter, change, standard deviation, unit, whether it is observable."""
         scale, digits, unit = {"xyz": (MM, 4, "mm"), "axis": (1.0, 6, "")}.get(self.parameter.field, (DEG, 5, "deg"))

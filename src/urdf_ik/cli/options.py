@@ -18,7 +18,7 @@ from typer import Argument, Option
 from typer.models import ArgumentInfo
 
 from urdf_ik.support.angles import shown_in_degrees
-from urdf_ik.support.inputs import MOST_POSES
+from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
 
 Format = StrEnum("Format", ["TABLE", "JSON", "CSV", "NPZ"])
 ReportFormat = StrEnum("ReportFormat", ["TABLE", "JSON"])
@@ -38,7 +38,7 @@ PartOfPose = StrEnum(
     ],
 )
 """What a target fixes of the tip's pose; see :class:`urdf_ik.Task`, and :mod:`urdf_ik.ik.tasks` for planar arms."""
-MOST = {"n": MOST_POSES, "random": MOST_POSES}
+MOST = {"n": MOST_POSES, "random": MOST_POSES, "threads": MOST_THREADS}
 """Greatest values of options that are numbers."""
 
 
@@ -49,6 +49,7 @@ class Shared:
         tolerance_mm (MM): Lengths up to this are the same. Default: 1e-6.
         tolerance_deg (DEG): Angles up to this are the same. Default: 6e-8.
         ignore (KINDS): Does not count: limits, collisions, visuals, names; with commas.
+        threads (N): Threads that solve.
 
     Options (Poses):
         seed (N): Seed of everything that is drawn.

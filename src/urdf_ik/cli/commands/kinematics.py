@@ -79,6 +79,7 @@ DHFormat = StrEnum("DHFormat", ["TABLE", "CSV", "URDF"])
 def dh(
     *,
     convention: str | None = None,
+    snap: float | None = None,
     chosen: ArmOptions,
     degrees: bool = False,
     printed_as: DHFormat | None = None,
@@ -98,11 +99,15 @@ def dh(
     Options:
         convention (standard|modified): Convention of the printed table, and of a table file that does not name its
             own. Default: the table's own, standard for a URDF.
+        snap (TOLERANCE): Make neighbouring axes exactly parallel, or exactly meet, that are off by less than this
+            [rad, or share of the arm's size]. Default: the URDF as written.
     """
     from urdf_ik.kinematics.dh import DHTable, files
 
     notes: list[str] = []
     if Path(chosen.robot).suffix.lower() == ".csv":
+        if snap is not None:
+            raise console.usage("a table has no axes to snap; the option is for URDFs", "--snap")
         chosen.require_only(("base", "tip"), f"{chosen.robot} is a table")
         table = DHTable.read(chosen.robot, convention, degrees=degrees)
         if convention not in (None, table.convention):
@@ -111,7 +116,7 @@ def dh(
     else:
         arm = chosen.load(degrees)
         base, tip = arm.base, arm.tip
-        table = DHTable.from_chain(arm.chain, convention or "standard", name=arm.name)
+        table = DHTable.from_chain(arm.chain, convention or "standard", snap=snap, name=arm.name)
         off = table.deviation(arm.chain)
         notes.append(f"{base} to {tip}; poses differ from the URDF's by {off:.1e} of the arm's size, or in its angles")
     suffix = "" if output is None else output.suffix.lstrip(".").lower()

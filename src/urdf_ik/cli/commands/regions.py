@@ -69,6 +69,7 @@ class _MapOptions(options.Record):
     orientations: int | None = None
     bounds: str | None = None
     values: str | None = None
+    threads: int = 1
 
     def changed(self) -> dict[str, Any]:
         """The options that differ from their defaults."""
