@@ -22,9 +22,6 @@ struct TrigonometricPolynomial {
     double constant, cosine, sine, cosine2, sine2;
 };
 
-// A second harmonic below this share of the largest coefficient is zero to rounding.
-inline constexpr double NO_HARMONIC = 1e-14;
-
 // error: of the coefficients. The roots of a real function are mirrored in the unit circle: with z, 1 / conj(z) is one too. A root
 // z within r <= 1 / 2 of a point u of the circle has its image within |z - u| / |z| <= r / (1 - r) <= 2 r of u. Where no other
 // root's disc comes within 2 r of u, the image is the root itself, which is real then.
@@ -83,7 +80,7 @@ PART Quartic trigonometric_roots(const TrigonometricPolynomial& p, double error 
     const Complex first = {0.5 * p.cosine, 0.5 * p.sine}, second = {0.5 * p.cosine2, 0.5 * p.sine2};
     const double largest = max(abs(p.constant), max(max(abs(first.re), abs(first.im)), max(abs(second.re), abs(second.im))));
     if (!(largest > 0.0)) return out;
-    if (max(abs(second.re), abs(second.im)) < NO_HARMONIC * largest) {
+    if (max(abs(second.re), abs(second.im)) < VANISHING * largest) {
         // z divides out once at each end. The discs are those of another polynomial.
         out = first_harmonic_roots(p.constant, p.cosine, p.sine, error);
         out.whole = false;

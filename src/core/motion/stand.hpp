@@ -67,11 +67,10 @@ template <int N> PART void face(const Written<N>& arm, const Goal<double>& goal,
 }
 
 // The pose after a share of a twist from the tip.
-template <int N> PART Goal<double> between(const Written<N>& arm, const Frame<double>& tip, const Six<double>& twist,
-                                           double share) {
+PART Goal<double> between(const Frame<double>& tip, const Six<double>& twist, double share, double size) {
     const Vec<double> v = {twist[0], twist[1], twist[2]}, w = {twist[3], twist[4], twist[5]};
     const double angle = sqrt(dot(w, w)) + TINY;
-    return {turned_about(tip.R, (1.0 / angle) * w, cos_sin(share * angle)), tip.p + (share * arm.size) * v};
+    return {turned_about(tip.R, (1.0 / angle) * w, cos_sin(share * angle)), tip.p + (share * size) * v};
 }
 
 // The length of a twist's linear (0) or angular part (3).
@@ -140,6 +139,13 @@ PART BoundedStep<N> bounded_step(const Six<double> (&J)[N], Six<double> e, doubl
     }
 }
 
+// The rows of J.
+template <int N> STEP void transpose(const Six<double> (&J)[N], Rows<N, double> (&rows)[6]) {
+    for (int i = 0; i < 6; ++i) {
+        for (int k = 0; k < N; ++k) rows[i][k] = J[k][i];
+    }
+}
+
 // A lower bound on the smallest singular value of J (for seven joints, of its transpose).
 template <int N> PART double least_gain(const Six<double> (&J)[N]) {
     if constexpr (N <= 6) {
@@ -148,9 +154,7 @@ template <int N> PART double least_gain(const Six<double> (&J)[N]) {
         return damped_step(A, Six<double>{}, FAINT).least;
     } else {
         Rows<N, double> A[6];
-        for (int i = 0; i < 6; ++i) {
-            for (int k = 0; k < N; ++k) A[i][k] = J[k][i];
-        }
+        transpose(J, A);
         return damped_step(A, Rows<N, double>{}, FAINT).least;
     }
 }

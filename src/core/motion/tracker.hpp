@@ -119,9 +119,7 @@ template <int N> PART Weak<N> weak_at(const Stand<N>& s) {
         out.twist = times(out.twist, 1.0 / sqrt(dot(out.twist, out.twist) + TINY));
     } else {
         Rows<N, double> A[6];
-        for (int i = 0; i < 6; ++i) {
-            for (int k = 0; k < N; ++k) A[i][k] = s.J[k][i];
-        }
+        transpose(s.J, A);
         const Weakest<6> w = weakest(A);
         out.gain = w.value;
         for (int i = 0; i < 6; ++i) out.twist[i] = w.direction[i];
@@ -214,7 +212,7 @@ PART Went march(const Written<N>& arm, const Goal<double>& goal, const Six<doubl
     double done = 0.0, piece = 1.0;
     for (int k = 0; k < PIECES && done < 1.0; ++k) {
         const double to = share * (done + piece);
-        const Goal<double> next_goal = to < 1.0 ? between(arm, from, twist, to) : goal;
+        const Goal<double> next_goal = to < 1.0 ? between(from, twist, to, arm.size) : goal;
         Stand<N> next = s;
         const Went now = approach(arm, next_goal, box, drift, next);
         if (!regular_between(arm, s, next, now.least)) {

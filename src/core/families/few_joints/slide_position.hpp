@@ -177,7 +177,7 @@ private:
         if (!third_slides) {
             // A root of the whole equation is one of the first harmonic and a constant, off by what is left out.
             const double beyond = max(abs(f[3]), abs(f[4])), left_out = 3.0 * beyond + 5.0 * equation_error;
-            const Quartic circle = linear || beyond < NO_HARMONIC * largest
+            const Quartic circle = linear || beyond < VANISHING * largest
                                        ? first_harmonic_roots(f[0], f[1], f[2], linear ? equation_error : left_out)
                                        : trigonometric_roots({f[0], f[1], f[2], f[3], f[4]}, equation_error);
             out.whole = out.whole && circle.whole;
