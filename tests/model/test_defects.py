@@ -279,6 +279,11 @@ def test_unknown_elements_and_links_of_an_srdf_are_warnings() -> None:
     assert len(arm.cell.disabled) == 1
     with pytest.raises(UrdfError, match=r"disable_collisionss(.|\n)*forre"):
         urdf_ik.load(ROBOT, "base", "tool0", srdf=SRDF.format(FAR_PAIR), strict=True)
+    for slip, right in (('<group name="a"><chain base="base" tip_link="fore"/></group>', "base_link"),
+                        ('<disable_collisions link1="base" link_2="fore"/>', "link2"),
+                        ('<groop name="a"><chain base_link="base" tip_link="fore"/></groop>', "group")):  # fmt: skip
+        with pytest.raises(urdf_ik.ChainError, match=f"no chain is called 'a'(.|\n)*did you mean '{right}'"):
+            urdf_ik.load(ROBOT, srdf=f'<robot name="r">{slip}</robot>', chain="a")
 
 
 QUATERNION = [0.1, -0.4, 0.3, 0.8]

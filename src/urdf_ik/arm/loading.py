@@ -15,7 +15,7 @@ from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
 from urdf_ik.model.poses import check_poses
 from urdf_ik.model.srdf import chain_groups, defects_of, disabled_pairs, groups_beside
-from urdf_ik.model.urdf.checks import together
+from urdf_ik.model.urdf.checks import UrdfWarning, together
 from urdf_ik.model.urdf.edits import joined
 from urdf_ik.model.xml import require_name
 
@@ -81,12 +81,17 @@ def load(
     """
     model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
     disabled: tuple[tuple[str, str], ...] = ()
+    defects: tuple[UrdfWarning, ...] = ()
     if srdf is not None:
         if (defects := defects_of(srdf, model.links)) and strict:
             raise together([each.error for each in defects])
         model = replace(model, warnings=(*model.warnings, *defects))
         disabled = disabled_pairs(srdf, model.links)
-    ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
+    try:
+        ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
+    except ChainError as error:  # the SRDF's slips may be why
+        error.args = ("; ".join(map(str, (error, *(each.error for each in defects)))),)
+        raise
     joints = from_urdf(model, *ends).lock({} if locked is None else locked)
     chosen = (redundancy,) if isinstance(redundancy, str) else redundancy
     return assemble(model, joints, chosen=chosen, cell=Cell(model, joints, disabled=disabled))

@@ -19,6 +19,7 @@ from urdf_ik.cli.console import Angles, usage
 from urdf_ik.cli.options import PoseOptions, Record
 from urdf_ik.model import catalogue
 from urdf_ik.model.urdf import UrdfModel
+from urdf_ik.model.urdf.checks import in_words
 from urdf_ik.typing import Array
 
 _XYZ, _RPY = ("x", "y", "z"), ("roll", "pitch", "yaw")
@@ -313,7 +314,8 @@ def angles_of(arm: Arm, degrees: bool) -> Angles:
 
 def _say_warnings(model: UrdfModel) -> None:
     """Say on standard error which parts of the URDF were not read as they are written."""
-    for warning in model.warnings[:_WARNINGS_SHOWN]:
-        console.say(f"warning: {warning}")
-    if len(model.warnings) > _WARNINGS_SHOWN:
-        console.say(f"warning: {len(model.warnings) - _WARNINGS_SHOWN} more; `urdf-ik info` lists them")
+    lines = in_words(model.warnings)
+    for line in lines[:_WARNINGS_SHOWN]:
+        console.say(f"warning: {line}")
+    if len(lines) > _WARNINGS_SHOWN:
+        console.say(f"warning: {len(lines) - _WARNINGS_SHOWN} more; `urdf-ik info` lists them")

@@ -23,6 +23,11 @@ _ELEMENTS = (
 """Elements of an SRDF (MoveIt's srdfdom, and Pinocchio's rotor_params)."""
 _LINKS = ("link1", "link2", "base_link", "tip_link", "parent_link", "child_link", "link")
 """Attributes that name links."""
+_ATTRIBUTES = (
+    *_LINKS, "name", "reason", "parent_group", "group", "component_name", "type", "parent_frame", "value",
+    "joint_name", "property_name", "center", "radius", "mass", "gear_ratio",
+)  # fmt: skip
+"""Attributes of these elements, and of what they hold."""
 
 
 def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[tuple[str, str], ...]:
@@ -43,7 +48,7 @@ def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str
 
 
 def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[UrdfWarning, ...]:
-    """Elements of an SRDF that SRDF does not have, and its links that the URDF does not have, in one warning.
+    """Elements and attributes that SRDF does not have, and links that the URDF does not have, in one warning.
 
     Raises:
         UrdfError: the SRDF cannot be read.
@@ -52,13 +57,16 @@ def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -
     found, missing = Defects(), dict[str, Any]()
     for element in root.iterchildren("{*}*"):
         kind = tag(element)
-        if kind and kind not in _ELEMENTS:
-            problem = f"SRDF has no such element{meant(kind, _ELEMENTS)}"
-            place = {"source": name, "line": element.sourceline, "element": f"<{kind}>"}
-            found.add("srdf element", UrdfError(problem, hint=f"one of {', '.join(_ELEMENTS)}", **place))
+        problem = f"SRDF has no such element{meant(kind, _ELEMENTS)}" * bool(kind and kind not in _ELEMENTS)
         for each in element.iter("{*}*"):
+            unknown = [key for key in each.attrib if key not in _ATTRIBUTES and "}" not in key]
+            if unknown and not problem and kind != "specificities":
+                problem = f"SRDF has no attribute {unknown[0]!r}{meant(unknown[0], _ATTRIBUTES)}"
             named = [each.get(key) for key in _LINKS] + ([each.get("name")] if tag(each) == "link" else [])
             missing |= {link: each for link in named if link and link not in links and link not in missing}
+        if problem:
+            place = {"source": name, "line": element.sourceline, "element": f"<{kind}>"}
+            found.add("srdf element", UrdfError(problem, **place))
     if missing:
         first = next(iter(missing))
         shown = ", ".join(list(missing)[:_MOST]) + (f" ... ({len(missing)})" if len(missing) > _MOST else "")

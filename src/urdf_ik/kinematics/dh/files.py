@@ -60,7 +60,8 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
         raise table_error(f"the first line must be a header, and {','.join(header or rows[0])!r} lacks some; {_ALL}")
     chosen = whole.get("convention", convention)
     if chosen is None:
-        raise table_error("the convention is not said; add 'convention: standard' or 'modified', or name it")
+        how = "add the line '# convention: standard' or '# convention: modified', or give it (--convention standard)"
+        raise table_error(f"the convention is not said; {how}")
     check_convention(chosen, table_error if "convention" in whole else ArgumentError)
     unit = whole.get("angles", "deg" if degrees else "rad")
     if unit not in ("rad", "deg"):
@@ -77,6 +78,9 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
             where = "the lines '# base: x y z roll pitch yaw' and '# tool: ...' hold what is fixed"
             raise table_error(f"a row is a joint, and this one is fixed; {where}", row=i, column="type")
         row = [_number(joint, key, i) for key in COLUMNS]
+        if "angles" not in whole and unit == "rad" and abs(row[0]) >= 30.0:
+            how = "add the line '# angles: deg' (or rad), or read it in degrees (--degrees)"
+            raise table_error(f"{row[0]:g} rad may be degrees; {how}", row=i, column="alpha")
         row[2 if kind in ("prismatic", "P") else 3] += _number(joint, "offset", i, 0.0)
         numbers.append(row)
         kinds.append(kind)

@@ -330,7 +330,9 @@ def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], c
         every = dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)])
         names = ", ".join(map(repr, islice(every, _MOST_NAMES)))
         near = meant(chain, [limb.name for limb in limbs])
-        return ChainError(f"{source}: no chain, or more than one, is called {chain!r}{near}; there are {names}")
+        count = sum(each.name == chain for each in candidates)
+        called = f"{count} chains are" if count else "no chain is"
+        return ChainError(f"{source}: {called} called {chain!r}{near}; there are {names}")
     longest = len(candidates[0].before) + len(candidates[0].joints)
     rivals = [each for each in candidates if 2 * (len(each.before) + len(each.joints)) > longest]
     if len(rivals) == 1:

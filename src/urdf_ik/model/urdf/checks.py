@@ -52,7 +52,7 @@ RULES: dict[str, Rule] = {
     "limit": Rule("`<limit>`", "missing, or no finite bounds", (CHAIN,), TAKEN_FOR_FIXED),
     "bounds": Rule("`<limit>`", "lower above upper", (CHAIN,), "the two are swapped"),
     "turns": Rule("`<limit>`", "bounds of 30 to 720 rad, which may be degrees", (), "taken in rad"),
-    "speeds": Rule("`<limit>`", "no velocity or effort", (), "no limit; Pinocchio gets 0 for it"),
+    "speeds": Rule("`<limit>`", "no velocity or effort", (), "no limit of speed or effort; Pinocchio gets 0"),
     "velocity": Rule("`<limit>`", "velocity negative or no number", (CHAIN,), "0, which is no limit"),
     "effort": Rule("`<limit>`", "effort negative or no number", (CHAIN,), "0, which is no limit"),
     "rates": Rule("`<limit>`", "acceleration or jerk not positive, or no number", (), "no limit"),
@@ -103,6 +103,16 @@ class UrdfWarning:
         """The same warning for a model whose joints and links have a prefix."""
         joints, links = (tuple(prefix + each for each in names) for names in (self.joints, self.links))
         return replace(self, joints=joints, links=links)
+
+
+def in_words(warnings: Sequence[UrdfWarning]) -> list[str]:
+    """Warnings, a line each; joints without velocity or effort share a line."""
+    speeds = [each for each in warnings if each.rule == "speeds"]
+    if len(speeds) < 2:
+        return [str(each) for each in warnings]
+    names = ", ".join(each.element.partition('name="')[2].removesuffix('">') for each in speeds)
+    shared = f"{speeds[0].error.source}: {len(speeds)} joints state no velocity or effort: {names}; {speeds[0].assumed}"
+    return [*(str(each) for each in warnings if each.rule != "speeds"), shared]
 
 
 def together(errors: Sequence[UrdfError]) -> UrdfError:
