@@ -86,6 +86,8 @@ def test_chains_are_listed_and_chosen_by_name(tmp_path: Path) -> None:
     file.write_text(TWO)
     chains = strict_json(succeed("info", str(file), "--chains", "-f", "json"))["chains"]
     assert [(each["name"], each["chosen"]) for each in chains] == [("left", False), ("right", False)]
+    beside = strict_json(succeed("info", "ur5", "--base", "base", "--chains", "-f", "json"))
+    assert [each["tip"] for each in beside["chains"]] == ["tool0"]
     assert "none is meant by itself: name one with --chain" in succeed("info", str(file), "--chains")
     assert strict_json(succeed("info", str(file), "--chain", "left", "-f", "json"))["tip"] == "left"
     result = call("info", str(file))

@@ -40,6 +40,7 @@ def test_every_command_that_prints_has_json() -> None:
         ("--xyz", "0.4", "-0.1", "0.9", "--rpy", "0", "1.57", "0"),
         ("--xyz=0.4", "-.1", "9e-1", "--rpy", "0,", "1.57,", "0"),
         ("--xyz", "0.4, -0.1, 0.9", "--rpy=0 1.57 0"),
+        ("--xyz", "(0.4, -0.1, 0.9)", "--rpy", "[0,", "1.57,", "0]"),
     ],
 )
 def test_numbers_may_stand_with_commas_or_spaces(typed: tuple[str, ...]) -> None:
@@ -69,6 +70,11 @@ def test_the_task_is_named_and_asked_for() -> None:
         np.testing.assert_allclose(arm.cell.reference.pose(one["q"])[:3, 3], [0.1, 0.05, 0.0], atol=1e-9)
         assert one["error"]["position"] <= 1e-9
     assert len(found["poses"][0]["solutions"]) == 2
+    text = succeed("ik", "so101", "--task", "position", "--xyz", "0.2,0.1,0.05")
+    assert "error [m]" in text and "error [rad]" not in text and "quaternion" not in text
+    assert "are these mm?" in " ".join(
+        succeed("ik", "so101", "--xyz", "200,100,50", "--rpy", "0,0,0", "--closest").split()
+    )
     off = call("ik", "planar_2r", "--xyz", "0.1,0.05,0.2", "--task", "planar-position")
     assert off.exit_code == 2 and "0.2 m off the plane" in off.stderr
 

@@ -210,7 +210,8 @@ HEAD = "# convention: standard\nalpha,a,d,theta"
         ("# angles: grad\n" + HEAD + "\n0,1,0,0\n", ["'grad'", "rad and deg"]),
         ("# tool: 1 2 3\n" + HEAD + "\n0,1,0,0\n", ["tool transform", "3 numbers", "roll"]),
         ("# base: 1 2 3 a b c\n" + HEAD + "\n0,1,0,0\n", ["base transform", "no numbers"]),
-        ("alpha,a,d,theta\n0,1,0,0\n", ["convention"]),
+        ("alpha,a,d,theta\n0,1,0,0\n", ["# convention: standard", "--convention standard"]),
+        (f"{HEAD}\n0,1,0,0\n90,1,0,0\n", ["row 2, column 'alpha'", "90 rad", "# angles: deg"]),
         (f"{HEAD},type\n0,1,0,0,R\n0,1,0,0,fixed\n", ["row 2, column 'type'", "# tool:"]),
     ],
 )

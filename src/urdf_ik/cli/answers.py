@@ -239,7 +239,8 @@ def as_text(answer: _CheckedSolutions, note: str) -> str:
             heading += f" at {', '.join(parts)}"
         where = "" if len(answer.poses) == 1 else f"pose {i}: "
         first, second = tables.pose_lines(pose)
-        lines += ["", where + first, second, f"{heading}:", *_solutions(answer, i)]
+        second = second if answer.solutions.solver.asked.has_turn else ""
+        lines += ["", where + first, *filter(None, [second]), f"{heading}:", *_solutions(answer, i)]
     return tables.render(*lines)
 
 
@@ -283,7 +284,9 @@ def _checks(answer: _CheckedSolutions, pose: int, b: int) -> dict[str, str]:
     row["singular"] = ", ".join(flags(answer.solutions.singular[pose, b])) or "no"
     if answer.errors is not None:
         position, rotation = answer.columns["position_error"], answer.columns["rotation_error"]
-        row |= {"error [m]": f"{position[pose, b]:.1e}", f"error [{answer.angles.unit}]": f"{rotation[pose, b]:.1e}"}
+        row["error [m]"] = f"{position[pose, b]:.1e}"
+        if answer.solutions.solver.asked.has_turn:
+            row[f"error [{answer.angles.unit}]"] = f"{rotation[pose, b]:.1e}"
     return row
 
 

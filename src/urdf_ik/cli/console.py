@@ -95,8 +95,8 @@ def usage(message: str, option: str | None = None) -> typer.BadParameter:
 
 
 def split(text: str) -> list[str]:
-    """The parts of a list that is typed with commas or spaces."""
-    return text.replace(",", " ").split()
+    """The parts of a list that is typed with commas or spaces, and brackets or parentheses round it."""
+    return re.sub(r"[\[\](),]", " ", text).split()
 
 
 def numbers(text: str, option: str, names: Sequence[str]) -> Array:

@@ -25,7 +25,7 @@ from urdf_ik.version import __version__
 
 _STYLE: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_NUMBERS = re.compile(rf"(?:[A-Z]=)?,?{_NUMBER}(?:,{_NUMBER})*,?")
+_NUMBERS = re.compile(rf"(?:[A-Z]=)?,?[\[(]?{_NUMBER}(?:,{_NUMBER})*[\])]?,?")
 _NAME_COLUMNS = 24
 """Columns for the names of options; a longer one stands on a line of its own."""
 _STEPS = """urdf-ik {version}: every inverse-kinematics solution of a robot arm, from its URDF

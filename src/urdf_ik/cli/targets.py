@@ -129,6 +129,9 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     if angles.degrees:
         turns = np.tile([parameter.unit == "rad" for parameter in arm.solver.parameters], len(values) // count)
         values = np.where(turns, np.deg2rad(values), values)
+    for parameter, column in zip(arm.solver.parameters, values.reshape(-1, count).T, strict=True):
+        if outside := [f"{x:g}" for x in column if not parameter.range[0] <= x <= parameter.range[1]]:
+            console.say(f"warning: --redundancy: {', '.join(outside)} {parameter.unit} is outside the {parameter}")
     values = values if count == 1 else values.reshape(-1, count)
     poses = np.repeat(target.poses, len(values), axis=0)
     return replace(target, poses=poses, redundancy=np.concatenate([values] * len(target.poses)))

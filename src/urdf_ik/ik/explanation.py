@@ -49,14 +49,14 @@ def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str
         if target.ndim != 1:
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
         whole = solver.targets.poses(target[None])[0]
-        return member.why(whole) + _in_mm(solver, whole)
+        return member.why(whole) + in_mm(solver, whole)
     target = solver.asked.read_targets(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
-    return _why_none(solver, target, redundancy) + _in_mm(solver, target)
+    return _why_none(solver, target, redundancy) + in_mm(solver, target)
 
 
-def _in_mm(solver: Solver, T: Array) -> str:
+def in_mm(solver: Solver, T: Array) -> str:
     """A question, where a pose is out of reach in m and not in mm."""
     away = float(np.linalg.norm(T[:3, 3] - solver.chain.points[0]))
     if not 10.0 * solver.chain.size < away <= 1000.0 * solver.chain.size:
@@ -103,4 +103,4 @@ def _along_parameter(solver: Solver, T: Array, redundancy: ArrayLike | None) -> 
         for low, high in intervals(solver, T, within_limits=False).merged()
     )
     why = member.explain(T, value.reshape(1))
-    return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
+    return f"{why}; " + (f"limits aside there are solutions at {places}" if places else "nor at other values")

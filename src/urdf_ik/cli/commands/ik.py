@@ -17,6 +17,7 @@ from urdf_ik.cli.console import Angles, Progress, Status
 from urdf_ik.cli.options import Format, PartOfPose, PoseOptions
 from urdf_ik.cli.targets import Target
 from urdf_ik.ik.configurations import VENDORS
+from urdf_ik.ik.explanation import in_mm
 from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.ik.solutions.distances import Metric, Quality, Wish, check_quality
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
@@ -161,7 +162,7 @@ class Nearest(options.Record):
             asked = Task.read(*task)
             found = arm.ik_closest(target.poses, first=self.first, task=asked, within_limits=within_limits)
             how = "" if found.certain.all() else " that a search found"
-            return found, f"the nearest postures{how}, the best first"
+            return found, f"the nearest postures{how}, the best first{in_mm(arm.solver, target.poses[0])}"
         wanted = targets.of_task(arm, target.poses)
         near = None if arm.solver.asked == POSE or arm.solver.parameters else near
         found, tolerance = arm.ik(wanted, near, redundancy=target.redundancy), target.tolerance

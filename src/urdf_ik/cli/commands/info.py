@@ -12,6 +12,7 @@ from urdf_ik.errors import UrdfIkError, listed
 from urdf_ik.kinematics.chain.redundancy import Redundancy
 from urdf_ik.model.urdf import UrdfModel
 from urdf_ik.model.urdf.chains import Limb
+from urdf_ik.model.urdf.checks import in_words
 from urdf_ik.support.angles import shown, unit_of
 from urdf_ik.support.text import counted
 
@@ -53,10 +54,11 @@ def info(
         raise console.usage("--chains and --pairs are two lists; ask for one of them", "--pairs")
     if chains:
         model = chosen.model()
-        limbs = [{**asdict(each), "family": _family(model, each)} for each in model.limbs(chosen.base)]
-        found = [asdict(each) for each in model.chains(chosen.base)]
+        base = chosen.base if model.chains(chosen.base) else None  # None: a frame beside the chain, as 'base' of a UR
+        limbs = [{**asdict(each), "family": _family(model, each)} for each in model.limbs(base)]
+        found = [asdict(each) for each in model.chains(base)]
         data = {"robot": model.name, "source": model.source, "root": model.root, "chains": found, "limbs": limbs}
-        console.emit(printed_as, data, lambda: _chains_text(model, chosen.base))
+        console.emit(printed_as, data, lambda: _chains_text(model, base))
         return
     arm, angles = chosen.loaded(degrees)
     if pairs:
@@ -127,7 +129,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
     about["mimics"] = "; ".join(map(str, arm.chain.followers))
     about[f"locked [{angles.unit}, m]"] = ", ".join(f"{name} = {value:.6g}" for name, value in data["locked"].items())
     about["may touch"] = f"{counted(allowed, 'pair')} of links, by the SRDF; `--pairs` lists all" if allowed else ""
-    about["warnings"] = "; ".join(data["warnings"])
+    about["warnings"] = "; ".join(in_words(arm.model.warnings))
     about["joints"] = [
         {"joint": joint["name"], "type": joint["type"], "axis at q = 0": tables.numbers(joint["axis"], 3)}
         | {name: f"{joint[name]:.6g}".replace("inf", "none") for name in ("lower", "upper")}

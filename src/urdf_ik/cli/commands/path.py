@@ -222,12 +222,13 @@ def _data(found: _Followed, angles: Angles, in_time: Timed | None, others: tuple
     """The plan with its margins, or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     turned = angles.degrees and angles.turning.all() and found.cost != "time"
+    unit = ("deg^2" if found.cost == "l2" else "deg") if turned else "rad, m, s"
     data: dict[str, Any] = {
         "robot": arm.name,
         "base": arm.base,
         "tip": arm.tip,
         "joints": arm.joint_names,
-        "units": {"angle": angles.unit, "length": "m", "cost": "deg" if turned else "rad, m, s"},
+        "units": {"angle": angles.unit, "length": "m", "cost": unit},
         "waypoints": len(plan.poses),
         "seconds": found.seconds,
         "found": plan.found,

@@ -41,8 +41,9 @@ def explanation(solutions: KeptSolutions) -> str:
         shown = ", ".join(list(there)[:_MOST_ROWS])
         return f"{found} the pose, none with the configuration {written} of {vendor}; there are {shown}"
     if step.how != "collision":
-        here = f" at this value of {quoted(arm.redundancy.joint)}" if (arm := solutions.arm).redundancy else ""
-        others = "; arm.intervals(T) says which values have solutions inside them" if here else ""
+        parameters = solutions.solver.parameters
+        here = f" at this value of {quoted(parameters[0].joint)}" if len(parameters) == 1 else ""
+        others = "; `urdf-ik explain`, or arm.intervals(T), lists the values with solutions inside them" if here else ""
         outside = _out_of_limits(step.parent, step.amount)
         return f"{found} the pose{here}, none inside the joint limits; {outside}{others}"
     inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""

@@ -180,7 +180,7 @@ def _title(plan: Plan) -> str:
     if not plan.found:
         return f"{name}: no plan along {count} waypoints"
     changes = f", {len(plan.changes)} reconfigurations" if plan.changes else ""
-    return f"{name}: {count} waypoints, cost {plan.cost:.4g}{changes}"
+    return f"{name}: {count} waypoints, cost {plan.cost:.4g} [rad, m or s]{changes}"
 
 
 def _legend(plan: Plan, found: _Background | None, shades: list[Any]) -> list[Any]:
