@@ -131,18 +131,10 @@ class ArmOptions(Record):
 
     def _settings(self) -> dict[str, Any]:
         """The arguments of ``urdf_ik.load`` that were typed."""
-        settings = {
-            "base": self.base,
-            "tip": self.tip,
-            "chain": self.chain,
-            "srdf": None if self.srdf is None else str(self.srdf),
-            "locked": self._locked(),
-            "redundancy": self.redundancy_joint,
-            "mesh_roots": list(map(str, self.mesh_root or ())),
-            "xacro_args": self._xacro_args(),
-            "strict": self.strict,
-        }
-        return {name: value for name, value in settings.items() if value not in (None, False, {}, [])}
+        named: dict[str, Any] = {name: getattr(self, name) for name in ("base", "tip", "chain", "strict")}
+        named |= {"locked": self._locked(), "redundancy": self.redundancy_joint, "xacro_args": self._xacro_args()}
+        named |= {"srdf": self.srdf and str(self.srdf), "mesh_roots": list(map(str, self.mesh_root or ()))}
+        return {name: value for name, value in named.items() if value not in (None, False, {}, [])}
 
     @property
     def definition(self) -> str:
