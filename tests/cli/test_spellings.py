@@ -70,8 +70,9 @@ def test_the_task_is_named_and_asked_for() -> None:
         np.testing.assert_allclose(arm.cell.reference.pose(one["q"])[:3, 3], [0.1, 0.05, 0.0], atol=1e-9)
         assert one["error"]["position"] <= 1e-9
     assert len(found["poses"][0]["solutions"]) == 2
-    text = succeed("ik", "so101", "--task", "position", "--xyz", "0.2,0.1,0.05")
-    assert "error [m]" in text and "error [rad]" not in text and "quaternion" not in text
+    for robot, task in (("so101", "position"), ("planar_2r", "planar-position")):
+        text = succeed("ik", robot, "--task", task, "--xyz", "0.1,0.05,0")
+        assert "error [m]" in text and "error [rad]" not in text and "quaternion" not in text
     assert "are these mm?" in " ".join(
         succeed("ik", "so101", "--xyz", "200,100,50", "--rpy", "0,0,0", "--closest").split()
     )

@@ -67,6 +67,12 @@ class _CheckedSolutions:
         return np.asarray(self.solutions.count)
 
     @property
+    def has_turn(self) -> bool:
+        """Whether a direction or a rotation is asked for."""
+        solver = self.solutions.solver
+        return bool(solver.asked.has_turn and solver.task != "planar position")
+
+    @property
     def redundancy(self) -> Array | None:
         """(N,) or (N, k), the redundancy parameters of each pose, as shown."""
         values = self.solutions.redundancy
@@ -239,7 +245,7 @@ def as_text(answer: _CheckedSolutions, note: str) -> str:
             heading += f" at {', '.join(parts)}"
         where = "" if len(answer.poses) == 1 else f"pose {i}: "
         first, second = tables.pose_lines(pose)
-        second = second if answer.solutions.solver.asked.has_turn else ""
+        second = second if answer.has_turn else ""
         lines += ["", where + first, *filter(None, [second]), f"{heading}:", *_solutions(answer, i)]
     return tables.render(*lines)
 
@@ -285,7 +291,7 @@ def _checks(answer: _CheckedSolutions, pose: int, b: int) -> dict[str, str]:
     if answer.errors is not None:
         position, rotation = answer.columns["position_error"], answer.columns["rotation_error"]
         row["error [m]"] = f"{position[pose, b]:.1e}"
-        if answer.solutions.solver.asked.has_turn:
+        if answer.has_turn:
             row[f"error [{answer.angles.unit}]"] = f"{rotation[pose, b]:.1e}"
     return row
 
