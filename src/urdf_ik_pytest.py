@@ -236,9 +236,10 @@ class _CheckedArm(pytest.Collector):
         if report is None:
             pytest.skip(f"no lock file {given.lock_path.name}, and --urdf-no-lock")
         if wrong := tuple(difference for difference in report.differences if difference.kind == kind):
+            notes = [f"note: {note}" for note in report.notes if kind == "solutions"]
             lines = [
                 f"{report.title()}: {kind}",
-                *(f"  {line}" for line in (*summed(wrong), *(f"note: {note}" for note in report.notes))),
+                *(f"  {line}" for line in (*summed(wrong), *notes)),
                 given.definition,
                 f"replay: lock = urdf_ik.verify.Lock.load({str(given.lock_path)!r})",
                 *replays(wrong),
