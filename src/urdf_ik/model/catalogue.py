@@ -198,15 +198,13 @@ def _of_example_robot_data(name: str) -> str | None:
 
 def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
+    install = extras.command("robots")
     if share is None:
-        raise ArgumentError(
-            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {extras.command('robots')}"
-        )
+        raise ArgumentError(f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {install}")
     path = _robot_file(share, name)
     if not path.is_file():
-        raise ArgumentError(
-            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: {extras.command('robots')} --upgrade"
-        )
+        missing = f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing"
+        raise ArgumentError(f"{missing}: {install} --upgrade")
     return Entry(path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
 
 
@@ -239,8 +237,9 @@ def _near_and_here(name: str) -> str:
     """The arms with names like that one which need no download, in words."""
     here = [each for each in names() if is_here(each)]
     found = nearest(name.lower().removesuffix("_description"), here, cutoff=0.5)
-    listed = ", ".join(found)
-    return f"near to that name and here: {listed}" if found else "`urdf-ik robots` lists the arms that are here"
+    return (
+        f"near to that name and here: {', '.join(found)}" if found else "`urdf-ik robots` lists the arms that are here"
+    )
 
 
 def _alternatives(name: str) -> str:

@@ -78,13 +78,7 @@ def lock_beside(robot: str | os.PathLike[str], folder: str | os.PathLike[str] | 
     return path.with_name(name) if folder is None else Path(folder) / name
 
 
-def freeze(
-    arm: Arm,
-    poses: Any = None,
-    *,
-    collisions: str | bool = True,
-    progress: Progress | None = None,
-) -> "Lock":
+def freeze(arm: Arm, poses: Any = None, *, collisions: str | bool = True, progress: Progress | None = None) -> "Lock":
     """An arm's answers of today, to be compared with those of tomorrow.
 
     Kept are joints, axes, limits, shapes, Pinocchio's pose at 20 joint vectors, and every solution of 50 poses: random

@@ -182,10 +182,10 @@ def _structure(a: Arm, b: Arm) -> tuple["_Fact", ...]:
             out[axes] = what if " are " in str(relation) else f"meet {what}"
         return out
 
-    left, right = known(a), known(b)
-    facts = [_Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
-    left, right = related(a), related(b)
-    relations = [_Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    facts, relations = (
+        [_Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+        for left, right in ((known(a), known(b)), (related(a), related(b)))
+    )
     return (*facts, *(fact for fact in relations if not fact.same))
 
 
@@ -208,8 +208,7 @@ def _axes(a: Arm, b: Arm, order: list[int]) -> tuple["_AxisChange", ...]:
 
 def _farthest(arm: Arm, seed: int) -> float:
     """Greatest distance of the tip from the base's origin over sampled joint vectors."""
-    Q = _drawn(arm, _SAMPLES, seed)
-    return float(np.linalg.norm(arm.fk(Q)[:, :3, 3], axis=1).max())
+    return float(np.linalg.norm(arm.fk(_drawn(arm, _SAMPLES, seed))[:, :3, 3], axis=1).max())
 
 
 def _drawn(arm: Arm, n: int, seed: int) -> Array:
@@ -234,10 +233,8 @@ class _Answers:
 
     def reach(self, made_by: str) -> "Reach":
         """How many poses each has a solution for, and how many solutions."""
-        counts, within = (
-            [solutions.count for solutions in sides]
-            for sides in ((self.a, self.b), (self.a.within_limits(), self.b.within_limits()))
-        )
+        counts = self.a.count, self.b.count
+        within = self.a.within_limits().count, self.b.within_limits().count
         reached, inside = ((int((a > 0).sum()), int((b > 0).sum())) for a, b in (counts, within))
         every = int(counts[0].sum()), int(counts[1].sum())
         return Reach(made_by, len(counts[0]), reached, inside, every, int((counts[0] == counts[1]).sum()))
@@ -261,9 +258,8 @@ class _Answers:
             gaps = gaps[~np.isnan(gaps).any(axis=1)]  # where B has that solution
             nothing = np.full((1, len(order)), np.nan)
             spread = (tuple(of(gaps if len(gaps) else nothing, axis=0).tolist()) for of in (np.median, np.max))
-            out.append(
-                BranchChange(name, "name" if name in theirs else "nearest", len(gaps), len(rows) - len(gaps), *spread)
-            )
+            matched = "name" if name in theirs else "nearest"
+            out.append(BranchChange(name, matched, len(gaps), len(rows) - len(gaps), *spread))
         return tuple(out)
 
     def _gap(self, q: Array, other: Array) -> Array:
@@ -539,12 +535,11 @@ def _alignment_table(comparison: Comparison, found: Alignment) -> Section:
     lines = tuple(f"{what}: {moved(*apart(np.eye(4), matrix(row)))}" for what, row in ends)
     sides = zip(comparison.a.joint_names, comparison.b.joint_names, comparison.a.prismatic, strict=True)
     rows = tuple(
-        (_pair(a, b), "negated" if sign < 0.0 else "", _value(zero, slides), "mm" if slides else "deg")
+        (_pair(a, b), "negated" if sign < 0.0 else "", *((_mm(zero), "mm") if slides else (_deg(zero), "deg")))
         for (a, b, slides), sign, zero in zip(sides, found.signs, found.zeros, strict=True)
     )
-    return Section(
-        "aligned first: B in the conventions of A", ("joint", "sign", "zero", "unit"), rows, lines, ("joint",)
-    )
+    title = "aligned first: B in the conventions of A"
+    return Section(title, ("joint", "sign", "zero", "unit"), rows, lines, ("joint",))
 
 
 def _structure_table(comparison: Comparison) -> Section:
@@ -593,9 +588,8 @@ def _branches_table(comparison: Comparison) -> Section:
         rows.append((short(b.branch), *matched, str(b.poses), str(b.unmatched), *medians))
     worst = [np.nan_to_num(b.worst * scale) for b in comparison.branches]
     row, k = np.unravel_index(int(np.argmax(worst)), np.shape(worst))
-    farthest = (
-        f"{worst[row][k]:.4g} {'mm' if slides[k] else 'deg'}, q{k + 1} of {short(comparison.branches[row].branch)}"
-    )
+    branch = short(comparison.branches[row].branch)
+    farthest = f"{worst[row][k]:.4g} {'mm' if slides[k] else 'deg'}, q{k + 1} of {branch}"
     how = "" if several else f", matched by {comparison.branches[0].matched}"
     title = f"joint differences by branch [deg]: medians over {comparison.n} poses of A{how}"
     header = ("branch", *("matched by",) * several, "poses", "lost", *joints)
@@ -612,10 +606,6 @@ def _tool_table(tool: ToolError, slides: tuple[bool, ...]) -> Section:
 
 def _pair(a: str, b: str) -> str:
     return a if a == b else f"{a} / {b}"
-
-
-def _value(value: float, slides: bool) -> str:
-    return _mm(value) if slides else _deg(value)
 
 
 def _mm(value: float) -> str:

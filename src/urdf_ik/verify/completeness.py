@@ -18,13 +18,12 @@ from urdf_ik.errors import UnsupportedArm
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import largest_apart, shortest
-from urdf_ik.support.report import Report
 from urdf_ik.support.text import Section
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.support.watch import Progress, Watch
 from urdf_ik.typing import Array
 from urdf_ik.verify import second_method
-from urdf_ik.verify.crosscheck import EXACT
+from urdf_ik.verify.crosscheck import EXACT, PlantedReport
 from urdf_ik.verify.second_method import descend, errors
 
 _CHUNK = 16  # poses at a time
@@ -99,16 +98,8 @@ def compare(
                 error = sameness.reference.error(x, T[i])
                 differences.append(Difference(index, near, *pair, missed_by, branch, apart, sigma, *error))
     order = sorted(counts, key=lambda near: -np.inf if near is None else -near)
-    import pinocchio as pin
-
     return Completeness(
-        robot=arm.name,
-        base=arm.base,
-        tip=arm.tip,
-        joint_names=arm.joint_names,
-        n=n,
-        seed=seed,
-        reference=f"Pinocchio {pin.__version__}",
+        *PlantedReport.subject(arm, n, seed),
         solver=arm.structure.family,
         second=second_method.NAME,
         groups=tuple(Group(near, *counts[near].tolist()) for near in order),
@@ -275,7 +266,7 @@ class Difference:
 
 
 @dataclass(frozen=True, repr=False)
-class Completeness(Report):
+class Completeness(PlantedReport):
     """Two ways to all solutions of an arm, compared.
 
     Attributes:
@@ -293,13 +284,6 @@ class Completeness(Report):
         unlooked: what the time limit left out; '' where every pose was compared.
     """
 
-    robot: str
-    base: str
-    tip: str
-    joint_names: tuple[str, ...]
-    n: int
-    seed: int
-    reference: str
     solver: str
     second: str
     groups: tuple[Group, ...]

@@ -118,16 +118,8 @@ def check(
             solutions = tallies.inverse(part, Q, T)
             if shapes is not None:
                 left -= tallies.collisions(part, Q, solutions, shapes, left)
-    import pinocchio as pin
-
     return CrossCheck(
-        robot=arm.name,
-        base=reference.base,
-        tip=reference.tip,
-        joint_names=reference.joint_names,
-        n=n,
-        seed=seed,
-        reference=f"Pinocchio {pin.__version__}",
+        *PlantedReport.subject(arm, n, seed),
         # What time left nothing to compare of is no failure.
         rows=tuple(tally.row() for tally in tallies.of.values() if tally.checked or not watch.unlooked),
         skipped=tuple(tallies.skipped),
@@ -186,16 +178,34 @@ class Row:
 
     def place(self) -> str:
         """Where the worst value was found, in words."""
-        parts = [
-            "" if self.index is None else f"pose {self.index}",
-            self.detail,
-            "" if self.q is None else f"q = [{', '.join(map(repr, self.q))}]",
-        ]
-        return ", ".join(filter(None, parts))
+        pose = "" if self.index is None else f"pose {self.index}"
+        q = "" if self.q is None else f"q = [{', '.join(map(repr, self.q))}]"
+        return ", ".join(filter(None, (pose, self.detail, q)))
 
 
 @dataclass(frozen=True, repr=False)
-class CrossCheck(Report):
+class PlantedReport(Report):
+    """A report on an arm at the poses that Pinocchio makes of drawn joint vectors."""
+
+    robot: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    n: int
+    seed: int
+    reference: str
+
+    @staticmethod
+    def subject(arm: Arm, n: int, seed: int) -> tuple[str, str, str, tuple[str, ...], int, int, str]:
+        """These fields."""
+        import pinocchio as pin
+
+        own = arm.cell.reference
+        return arm.name, own.base, own.tip, own.joint_names, n, seed, f"Pinocchio {pin.__version__}"
+
+
+@dataclass(frozen=True, repr=False)
+class CrossCheck(PlantedReport):
     """An arm of this package against Pinocchio.
 
     Attributes:
@@ -211,13 +221,6 @@ class CrossCheck(Report):
         unlooked: what the time limit left out; '' where every pose was checked.
     """
 
-    robot: str
-    base: str
-    tip: str
-    joint_names: tuple[str, ...]
-    n: int
-    seed: int
-    reference: str
     rows: tuple[Row, ...]
     skipped: tuple[tuple[str, str], ...] = ()
     unlooked: str = ""

@@ -111,21 +111,11 @@ def within(change: tuple[float, float], tolerance: Tolerance) -> bool:
     return change[0] <= tolerance.distance and change[1] <= tolerance.angle
 
 
-def same_limit(a: float, b: float, tolerance: Tolerance = DEFAULT) -> bool:
-    """Whether two limits [rad or m] are the same to rounding."""
-    return a == b or abs(a - b) <= tolerance.limit * max(1.0, abs(a), abs(b))
-
-
 def moved(distance: float, angle: float) -> str:
     """How far something moved, in words."""
-    parts = [f"moved by {length(distance)}"] if distance > DEFAULT.distance or angle <= DEFAULT.angle else []
+    parts = [f"moved by {distance * 1e3:.4g} mm"] if distance > DEFAULT.distance or angle <= DEFAULT.angle else []
     parts += [f"turned by {math.degrees(angle):.4g} deg"] if angle > DEFAULT.angle else []
     return " and ".join(parts)
-
-
-def length(distance: float) -> str:
-    """A length in mm."""
-    return f"{distance * 1e3:.4g} mm"
 
 
 def apart(A: Array, B: Array) -> tuple[float, float]:
@@ -222,12 +212,10 @@ def _kinematics(a: Description, b: Description, tolerance: Tolerance, frames: bo
     if all(within(each, tolerance) for each in (*lines, tip)):
         return []
     if not frames:
-        places = [*zip(a.moving, lines, strict=True), (a.tip, tip)]
+        places = [(name, "its axis", change) for name, change in zip(a.moving, lines, strict=True)]
         return [
-            Difference(
-                "kinematics", name, f"{'the tip frame' if change is tip else 'its axis'} {moved(*change)}", *change
-            )
-            for name, change in places
+            Difference("kinematics", name, f"{what} {moved(*change)}", *change)
+            for name, what, change in (*places, (a.tip, "the tip frame", tip))
             if not within(change, tolerance)
         ]
     out = []
@@ -239,10 +227,9 @@ def _kinematics(a: Description, b: Description, tolerance: Tolerance, frames: bo
             out.append(Difference("kinematics", ", ".join(names), f"{what} {moved(*origin)}", *origin))
         if turned > tolerance.angle:
             flipped = turned > math.pi - 1e-6
-            words = (
-                "its axis is negated, so that it turns the other way" if flipped else f"its axis {moved(0.0, turned)}"
-            )
-            out.append(Difference("kinematics", name, words.replace("turns", "slides") if slid else words, 0.0, turned))
+            negated = f"its axis is negated, so that it {'slides' if slid else 'turns'} the other way"
+            words = negated if flipped else f"its axis {moved(0.0, turned)}"
+            out.append(Difference("kinematics", name, words, 0.0, turned))
     if out:
         return out
     # Frames that are written in another way, too small a change in each of them: the first axis that is elsewhere.
@@ -320,7 +307,7 @@ def _limits(a: Description, b: Description, tolerance: Tolerance) -> list[Differ
         slides = a.joint_types[k] == "prismatic"
         scale, unit = (1e3, "mm") if slides else (180.0 / math.pi, "deg")
         for what, was, now in zip(("lower", "upper"), a.limits[k], b.limits[k], strict=True):
-            if same_limit(was, now, tolerance):
+            if was == now or abs(was - now) <= tolerance.limit * max(1.0, abs(was), abs(now)):
                 continue
             before, after = _shown(was * scale, now * scale)
             words = f"its {what} limit was {before} {unit}, and is {after} {unit}"

@@ -424,10 +424,8 @@ class Judgement(Report):
             out += [str(each) for each in own[:_SHOWN]]
             out += [f"... {len(own) - _SHOWN} more {fault}"] if len(own) > _SHOWN else []
         if self.faults:
-            out.append(
-                f"replay: T = urdf_ik.verify.judging.replay(arm, n={self.n}, seed={self.seed}, "
-                f"index={self.faults[0].index})"
-            )
+            pose = f"n={self.n}, seed={self.seed}, index={self.faults[0].index}"
+            out.append(f"replay: T = urdf_ik.verify.judging.replay(arm, {pose})")
         further = sum(kind.further for kind in self.kinds)
         out += [f"note: {further} solutions hold that the reference lacks"] if further else []
         return tuple(out)

@@ -122,10 +122,8 @@ class ManyArms(Report):
             least = f"{min(margins.values()):.3g}" if margins else "-"
             rows.append((name, *map(str, numbers), str(sum(row.reachable for row in own)), least))
         header = ("arm", "reached", "within limits", "free of contact", "solutions", f"margin [{self.unit}]")
-        return (
-            Section("the same poses", header, tuple(rows), left=("arm",)),
-            *(self._branches(each) for each in self.arms if self.reached(each)),
-        )
+        first = Section("the same poses", header, tuple(rows), left=("arm",))
+        return (first, *(self._branches(each) for each in self.arms if self.reached(each)))
 
     def _branches(self, name: str) -> Section:
         """A line a branch of an arm: poses inside the limits, in contact, usable; its least margin."""
@@ -135,16 +133,11 @@ class ManyArms(Report):
             inside = [row for row in own if row.in_limits]
             usable = [row for row in inside if row.contact is not True]
             unchecked = any(row.contact == NOT_CHECKED for row in own)
-            count = len({row.pose for row in usable})
-            rows.append(
-                (
-                    branch,
-                    str(len({row.pose for row in inside})),
-                    "?" if unchecked else str(len({row.pose for row in own if row.contact is True})),
-                    "all" if count == self.poses else str(count),
-                    f"{min(row.limit_margin for row in usable):.3g}" if usable else "-",
-                )
-            )
+            touching = [row for row in own if row.contact is True]
+            within, hit, count = (len({row.pose for row in some}) for some in (inside, touching, usable))
+            least = f"{min(row.limit_margin for row in usable):.3g}" if usable else "-"
+            counts = "?" if unchecked else str(hit), "all" if count == self.poses else str(count)
+            rows.append((branch, str(within), *counts, least))
         rows.sort(key=lambda row: row[3] != "all")
         header = ("branch", "limits", "contact", "usable", f"margin [{self.unit}]")
         return Section(f"{name}: poses that a branch reaches", header, tuple(rows), left=("branch",))

@@ -79,9 +79,8 @@ def sarif(files: Sequence[VerifiedFile]) -> str:
             results.append({"ruleId": kind, "level": "error", "message": {"text": words}, "locations": [place]})
     rules = [{"id": kind} for kind in dict.fromkeys(each["ruleId"] for each in results)]
     driver = {"name": "urdf-ik", "version": __version__, "rules": rules}
-    return json_text(
-        {"$schema": _SARIF, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
-    )
+    runs = [{"tool": {"driver": driver}, "results": results}]
+    return json_text({"$schema": _SARIF, "version": "2.1.0", "runs": runs})
 
 
 def markdown(files: Sequence[VerifiedFile]) -> str:

@@ -3,8 +3,8 @@
 import itertools
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 
@@ -48,38 +48,24 @@ class Limb:
     joints: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Ending:
-    """A limb before it is named: its base, tip and joints, and the names of its joints and links."""
-
-    base: str
-    tip: str
-    joints: tuple[str, ...]
-    names: tuple[str, ...]
-
-    @property
-    def kind(self) -> str:
-        """The kind that most words of the names match; without a match, 'arm' or 'limb' by the number of joints."""
-        votes = Counter(kind for name in self.names for word in _words(name) if (kind := _kind_of(word)))
-        if len(self.joints) > _WHEEL_JOINTS:
-            del votes["wheel"]
-        if votes:
-            return votes.most_common(1)[0][0]
-        return "arm" if len(self.joints) >= _UNNAMED_ARM_JOINTS else "limb"
+def _numbered(limbs: Collection[Limb]) -> tuple[Limb, ...]:
+    """The limbs, those with the same name numbered."""
+    counts, taken = Counter(limb.name for limb in limbs), Counter[str]()
+    out = []
+    for limb in limbs:
+        taken[limb.name] += 1
+        out.append(limb if counts[limb.name] == 1 else replace(limb, name=f"{limb.name}_{taken[limb.name]}"))
+    return tuple(out)
 
 
-def named(endings: Sequence[_Ending]) -> tuple[Limb, ...]:
-    """The limbs, each with a unique name, in the given order."""
-    limbs: list[Limb] = []
-    kinds = [each.kind for each in endings]
-    wanted = [(kind, _name(each, kind)) for each, kind in zip(endings, kinds, strict=True)]
-    counts = Counter(name for _, name in wanted)
-    taken: Counter[str] = Counter()
-    for each, (kind, name) in zip(endings, wanted, strict=True):
-        taken[name] += 1
-        own = name if counts[name] == 1 else f"{name}_{taken[name]}"
-        limbs.append(Limb(own, kind, each.base, each.tip, each.joints))
-    return tuple(limbs)
+def _kind(names: Sequence[str], joints: int) -> str:
+    """The kind that most words of the names match; without a match, 'arm' or 'limb' by the number of joints."""
+    votes = Counter(kind for name in names for word in _words(name) if (kind := _kind_of(word)))
+    if joints > _WHEEL_JOINTS:
+        del votes["wheel"]
+    if votes:
+        return votes.most_common(1)[0][0]
+    return "arm" if joints >= _UNNAMED_ARM_JOINTS else "limb"
 
 
 def _words(name: str) -> list[str]:
@@ -91,9 +77,9 @@ def _kind_of(word: str) -> str | None:
     return _KIND_OF.get(word) or (_KIND_OF.get(word[1:]) if word[:1] in ("l", "r") else None)
 
 
-def _name(ending: _Ending, kind: str) -> str:
+def _name(names: Sequence[str], kind: str) -> str:
     sides: Counter[str] = Counter()
-    for name in ending.names:
+    for name in names:
         for word in set(_words(name)):
             if word in _SIDES:
                 sides[_SIDES[word]] += 1
@@ -101,7 +87,7 @@ def _name(ending: _Ending, kind: str) -> str:
                 sides[_SIDES[word[0]]] += 1
     # At least half of the names must agree: one frame called 'left' does not make an arm a left arm.
     side, votes = sides.most_common(1)[0] if sides else ("", 0)
-    return f"{side}_{kind}" if 2 * votes >= len(ending.names) and side else kind
+    return f"{side}_{kind}" if 2 * votes >= len(names) and side else kind
 
 
 _FINGER_JOINTS = 3
@@ -204,7 +190,7 @@ class Chains:
     def limbs(self) -> tuple[Limb, ...]:
         """Every limb, from its branching point on, in the file's order; fingers of hands are none."""
         ways = [way for way in self._ways() if _actuated(way)]
-        endings: dict[tuple[str, str], _Ending] = {}
+        limbs: dict[tuple[str, str], Limb] = {}
         for k, way in enumerate(ways):
             others = [other for j, other in enumerate(ways) if j != k]
             shared = [_common([way, other]) for other in others]
@@ -214,16 +200,17 @@ class Chains:
             for start, end in itertools.pairwise(stops):
                 last, own = end == len(way) - 1, way[start + 1 : end + 1]
                 if last or _actuated(own) >= _HAND_AFTER:
-                    ending = self._ending([way[start], *own])
-                    endings.setdefault((ending.base, ending.tip), ending)
-        return named(list(endings.values()))
+                    limb = self._limb([way[start], *own])
+                    limbs.setdefault((limb.base, limb.tip), limb)
+        return _numbered(limbs.values())
 
-    def _ending(self, way: Sequence[_Body]) -> _Ending:
+    def _limb(self, way: Sequence[_Body]) -> Limb:
         """The limb along bodies; the first body is its fixed base."""
         carriers = [body.carrier for body in way[1:] if body.carrier is not None]
         joints = tuple(joint.name for joint in carriers if _moves(joint))
-        words = (*joints, *(joint.child for joint in carriers))
-        return _Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words)
+        names = (*joints, *(joint.child for joint in carriers))
+        kind, tip = _kind(names, len(joints)), self._tip(way[-1])[0] or way[-1].links[0]
+        return Limb(_name(names, kind), kind, way[0].links[0], tip, joints)
 
     def _body(self, link: str, carrier: Joint | None) -> _Body:
         """``link`` and the links that fixed joints carry below it."""

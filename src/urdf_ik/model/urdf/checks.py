@@ -346,8 +346,10 @@ def check_joint(
             defects.add("turns", place.error(f"{problem}; are they degrees?", hint=hint, at=limit))
     lower, upper = limits
     if lower > upper:
-        ordered = partial(_refuse_bounds, place, lower, upper)
-        lower, upper = part("bounds", ordered, (upper, lower))
+        hint = "swap them, or correct a sign; where no limit is meant, as PyBullet reads it, write type='continuous'"
+        error = place.error(f"lower {lower:g} is greater than upper {upper:g}", hint=hint, at=limit)
+        defects.add("bounds", error, joints=[name])
+        lower, upper = upper, lower
     roll, pitch, yaw = map(float, origin.get("rpy", "0 0 0").split())
     direction = np.array([float(number) for number in (axis or "1 0 0").split()])
     axis_length = float(np.linalg.norm(direction))
@@ -471,12 +473,6 @@ def _bounds(place: Place, kind: str) -> tuple[float, float]:
         return -math.inf, math.inf
     lower, upper = (float(place.numbers(element, name, 1, "0")[0]) for name in ("lower", "upper"))
     return (lower, upper) if bounded else (-math.inf, math.inf)
-
-
-def _refuse_bounds(place: Place, lower: float, upper: float) -> NoReturn:
-    limit = child(place.element, "limit")
-    hint = "swap them, or correct a sign; where no limit is meant, as PyBullet reads it, write type='continuous'"
-    place.fail(f"lower {lower:g} is greater than upper {upper:g}", hint=hint, at=limit)
 
 
 def _capacity(place: Place, limit: Any, name: str) -> float:

@@ -271,8 +271,7 @@ class UrdfModel:
         close = nearest(link, self.links)
         what = "link" if role == "link" else f"{role} link"
         raise ChainError(
-            f"{self.source}: there is no {what} {link!r}{meant(link, self.links)}",
-            dict.fromkeys([*close, *self.links]),
+            f"{self.source}: there is no {what} {link!r}{meant(link, self.links)}", dict.fromkeys([*close, *self.links])
         )
 
     def _up_from(self, link: str) -> list[Joint]:

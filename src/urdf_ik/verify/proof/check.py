@@ -21,7 +21,7 @@ from urdf_ik.ik.solutions import IKSolutions, Proof
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.watch import Progress
 from urdf_ik.typing import Array
-from urdf_ik.verify.proof.loop import EIGHT, Loop, exact, ideal, largest
+from urdf_ik.verify.proof.loop import EIGHT, Loop, exact, ideal, largest, residual
 from urdf_ik.verify.proof.roots import ClusterEnclosure, Complex, Enclosure, enclosed, search, single_root
 
 SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
@@ -156,10 +156,8 @@ def check_proof(
 
 def _same_axes(a: Chain, b: Chain) -> bool:
     """Whether two chains have the same screw axes, to the last bit."""
-    return a is b or all(
-        np.array_equal(one, other)
-        for one, other in ((a.H, b.H), (a.P, b.P), (a.R_tip, b.R_tip), (a.prismatic, b.prismatic))
-    )
+    parts = ("H", "P", "R_tip", "prismatic")
+    return a is b or all(np.array_equal(getattr(a, part), getattr(b, part)) for part in parts)
 
 
 def examine(
@@ -255,7 +253,7 @@ def _answered(
             else:
                 undecided = f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
         elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
-            if not answer.clustered or not largest(loop.residual(loop.values(here))) < _SAME_POSE:
+            if not answer.clustered or not largest(residual(loop.values(here))) < _SAME_POSE:
                 return False, f"solution {n} is near no real root"
             undecided = f"solution {n} keeps the pose, and is near no real root"
     for k, group in enumerate(clusters):
@@ -277,4 +275,4 @@ def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:
     apart = root.distance(q)
     if apart < _SOLUTION:
         return True
-    return bool(apart < _BESIDE and largest(loop.residual(loop.values(root.towards(q)))) < _SAME_POSE)
+    return bool(apart < _BESIDE and largest(residual(loop.values(root.towards(q)))) < _SAME_POSE)

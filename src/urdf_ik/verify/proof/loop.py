@@ -1,6 +1,6 @@
 """The loop equations of six turning joints in ball arithmetic: every number is a ball that encloses the true value."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -76,14 +76,10 @@ class Loop:
         """X at q, six balls."""
         return self._swept(q)[0]
 
-    def residual(self, X: acb_mat) -> list[acb]:
-        """The six equations at X."""
-        return _six(X)
-
     def jacobian(self, q: Sequence[acb]) -> tuple[acb_mat, acb_mat]:
         """X and the (6, 6) derivatives of the six equations by the joints, joint 1 first."""
         X, moved = self._swept(q)
-        columns = {j: _six(moved[i] * X) for i, j in enumerate(ORDER)}
+        columns = {j: residual(moved[i] * X) for i, j in enumerate(ORDER)}
         return X, acb_mat([[columns[j][row] for j in range(6)] for row in range(6)])
 
     def hessian(self, q: Sequence[acb]) -> list[list[list[acb]]]:
@@ -93,7 +89,7 @@ class Loop:
         for a in range(6):
             for b in range(a, 6):
                 i, j = ORDER[a], ORDER[b]
-                out[i][j] = out[j][i] = _six(moved[a] * moved[b] * X)
+                out[i][j] = out[j][i] = residual(moved[a] * moved[b] * X)
         return out
 
     def _swept(self, q: Sequence[acb]) -> tuple[acb_mat, list[acb_mat]]:
@@ -200,7 +196,8 @@ def _identity() -> acb_mat:
     return acb_mat([[int(i == k) for k in range(4)] for i in range(4)])
 
 
-def _six(A: acb_mat) -> list[acb]:
+def residual(A: acb_mat) -> list[acb]:
+    """The six equations at X, or their derivatives from those of X."""
     skew = ((A[2, 1] - A[1, 2]), (A[0, 2] - A[2, 0]), (A[1, 0] - A[0, 1]))
     return [A[0, 3], A[1, 3], A[2, 3], *(each * _HALF for each in skew)]
 
@@ -283,18 +280,20 @@ def _difference(written: Axes, changed: Axes) -> tuple[arb, arb]:
     turn, move, behind = arb(0), arb(0), arb(0)
     for (h, p), (g, r) in reversed(list(zip(written, changed, strict=True))):
         S, Z = twist(h, [arb(0)] * 3), twist(g, [arb(0)] * 3)
-        rotated = (_frobenius(Z - S) + 2 * _frobenius(Z * Z - S * S)).upper()
+        rotated = (frobenius(Z - S) + 2 * frobenius(Z * Z - S * S)).upper()
         d = [a - b for a, b in zip(r, p, strict=True)]
-        shift = _length_above([h[1] * d[2] - h[2] * d[1], h[2] * d[0] - h[0] * d[2], h[0] * d[1] - h[1] * d[0]])
+        shift = norm([h[1] * d[2] - h[2] * d[1], h[2] * d[0] - h[0] * d[2], h[0] * d[1] - h[1] * d[0]])
         turn += rotated
-        move += rotated * (_length_above(r) + behind) + 2 * shift
-        behind += 2 * _length_above(p).max(_length_above(r))
+        move += rotated * (norm(r) + behind) + 2 * shift
+        behind += 2 * norm(p).max(norm(r))
     return turn.upper(), move.upper()
 
 
-def _length_above(v: list[arb]) -> arb:
-    return sum((x.abs_upper() ** 2 for x in v), arb(0)).sqrt().upper()
+def norm(values: Iterable[acb | arb]) -> arb:
+    """An upper bound on the 2-norm."""
+    return sum((value.abs_upper() ** 2 for value in values), arb(0)).sqrt().upper()
 
 
-def _frobenius(M: acb_mat) -> arb:
-    return sum((M[i, k].abs_upper() ** 2 for i in range(4) for k in range(4)), arb(0)).sqrt()
+def frobenius(M: acb_mat) -> arb:
+    """An upper bound on the Frobenius norm."""
+    return norm(M.entries())

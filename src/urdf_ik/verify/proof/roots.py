@@ -1,6 +1,6 @@
 """Single roots and clusters of the loop equations, enclosed by theorems that are evaluated in ball arithmetic."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import factorial
@@ -10,7 +10,18 @@ import numpy as np
 from flint import acb, acb_mat, arb
 from numpy.typing import NDArray
 
-from urdf_ik.verify.proof.loop import ORDER, Loop, box, exact, is_identity, largest, midpoints
+from urdf_ik.verify.proof.loop import (
+    ORDER,
+    Loop,
+    box,
+    exact,
+    frobenius,
+    is_identity,
+    largest,
+    midpoints,
+    norm,
+    residual,
+)
 
 _STEPS = 8  # from fifteen digits to the precision, where the root is single
 _LEAST, _GREATEST = arb(2) ** -150, arb(2) ** -4  # half widths of the boxes that are tried
@@ -63,7 +74,7 @@ def single_root(loop: Loop, start: Sequence[acb]) -> Enclosure | str:
     for _ in range(_STEPS):
         try:
             X, J = loop.jacobian(centre)
-            move = J.solve(_column(loop.residual(X)))
+            move = J.solve(_column(residual(X)))
         except ZeroDivisionError:
             return "the Jacobian cannot be told from a singular one"
         moved = midpoints([c - move[i, 0] for i, c in enumerate(centre)])
@@ -90,7 +101,7 @@ def enclosed(loop: Loop, centre: Sequence[acb], least: arb = _LEAST) -> Enclosur
     except ZeroDivisionError:
         return "the Jacobian cannot be told from a singular one"
     C = acb_mat([[acb(C[i, k].real.mid(), C[i, k].imag.mid()) for k in range(6)] for i in range(6)])
-    moved = C * _column(loop.residual(X))
+    moved = C * _column(residual(X))
     radius = (2 * largest([moved[i, 0] for i in range(6)])).max(least)
     while radius < _GREATEST:
         around = box(centre, radius)
@@ -152,7 +163,7 @@ def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho
     U, _, Vh = np.linalg.svd(np.array([[complex(J[i, k]) for k in range(6)] for i in range(6)]))
     left, V = _matrix(U.conj().T), _matrix(Vh.conj().T)
     linear = left * J * V
-    constant = left * _column(loop.residual(X))
+    constant = left * _column(residual(X))
     reach = (arb(R) ** 2 + arb(rho) ** 2).sqrt()
     around = box(here, reach)
     identity = is_identity(loop.values(around))
@@ -168,7 +179,7 @@ def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho
         return "its quadrics may have a common zero"
     A = acb_mat([[linear[i, k] for k in kept] for i in kept])
     try:
-        weakest = 1 / _frobenius(A.inv())
+        weakest = 1 / frobenius(A.inv())
     except ZeroDivisionError:
         return "more singular values are small"
 
@@ -177,14 +188,14 @@ def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho
 
     def others(rows: Sequence[int], leading: list[list[list[acb]]]) -> arb:
         """A bound on the terms of some rows of g but one: the constant, along t, and the second derivatives."""
-        along_t = _norm(leading[row][i][j] for row in rows for i in free for j in free)
-        mixed = _norm(second[row][i][j] for row in rows for i in free for j in kept)
-        along_y = _norm(second[row][i][j] for row in rows for i in kept for j in kept)
-        flat = _norm(constant[i, 0] for i in rows) + _norm(linear[i, k] for i in rows for k in free) * r
+        along_t = norm(leading[row][i][j] for row in rows for i in free for j in free)
+        mixed = norm(second[row][i][j] for row in rows for i in free for j in kept)
+        along_y = norm(second[row][i][j] for row in rows for i in kept for j in kept)
+        flat = norm(constant[i, 0] for i in rows) + norm(linear[i, k] for i in rows for k in free) * r
         return flat + along_t * r**2 / 2 + mixed * r * p + along_y * p**2 / 2
 
     on_y = others(kept, second)
-    on_t = others(free, changed) + _norm(linear[i, k] for i in free for k in kept) * p
+    on_t = others(free, changed) + norm(linear[i, k] for i in free for k in kept) * p
     if not weakest * p > on_y:
         return "Rouche's condition fails across the weak directions"
     if not least * r**2 > on_t:
@@ -212,8 +223,8 @@ def _least(quadrics: list[list[list[acb]]]) -> arb:
     M = acb_mat(table)
     approximate = np.linalg.pinv(np.array([[complex(x) for x in row] for row in table]))
     inverse = _matrix(approximate)
-    error = _frobenius(inverse * M - acb_mat([[int(i == k) for k in range(len(columns))] for i in range(len(columns))]))
-    return (1 - error) / _frobenius(inverse)
+    error = frobenius(inverse * M - acb_mat([[int(i == k) for k in range(len(columns))] for i in range(len(columns))]))
+    return (1 - error) / frobenius(inverse)
 
 
 def _weight(key: Sequence[int], r: int) -> arb:
@@ -238,18 +249,10 @@ def _column(values: Sequence[acb]) -> acb_mat:
     return acb_mat([[value] for value in values])
 
 
-def _frobenius(M: acb_mat) -> arb:
-    return _norm(M[i, k] for i in range(M.nrows()) for k in range(M.ncols()))
-
-
-def _norm(values: Iterable[acb]) -> arb:
-    return sum((value.abs_upper() ** 2 for value in values), arb(0)).sqrt()
-
-
 def _frobenius_bound(V: acb_mat) -> arb:
     """An upper bound on the 2-norm of a matrix that is unitary but for rounding."""
     off = V.conjugate().transpose() * V - acb_mat([[int(i == k) for k in range(6)] for i in range(6)])
-    return (1 + _frobenius(off)).sqrt()
+    return (1 + frobenius(off)).sqrt()
 
 
 def _between(a: Sequence[acb], b: Sequence[acb]) -> list[acb]:
