@@ -220,10 +220,11 @@ class ArmOptions(Record):
 
 
 def _pairs(texts: list[str] | None, sign: str, option: str, form: str) -> Iterator[tuple[str, str]]:
-    """What stands before the last sign and after it in each of the texts of an option."""
+    """What stands before and after a sign in texts of an option; a value of xacro may hold it, or be empty."""
+    xacro = sign == ":="
     for text in texts or ():
-        first, found, second = (part.strip() for part in text.rpartition(sign))
-        if not (first and found):
+        first, found, second = map(str.strip, (text.partition if xacro else text.rpartition)(sign))
+        if not (first and found and (second or xacro)):
             raise usage(f"{text!r} is not {form}", option)
         yield first, second
 
