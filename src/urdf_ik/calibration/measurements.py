@@ -112,8 +112,13 @@ def read_measurements(arm: Arm, source: str | os.PathLike[str] | IO[bytes], *, d
         return _named(name, lambda: measured(arm, table, values))
     if table.header is None:
         raise ArgumentError(f"{name}, line {table.first}: no header; {ACCEPTED}")
-    joints = _joint_columns(arm, name, table)
-    q = table.numbers(joints, table.header)
+    if absent := [joint for joint in arm.joint_names if table.header.count(joint) != 1]:
+        problem = "twice" if absent[0] in table.header else "no column for it"
+        raise ArgumentError(
+            f"{name}, line {table.first}: joint {absent[0]!r}: {problem}; the header is {','.join(table.header)}, and "
+            f"the joints are {', '.join(arm.joint_names)}"
+        )
+    q = table.numbers(list(arm.joint_names), table.header)
     if degrees:
         q = np.where(arm.chain.prismatic, q, np.deg2rad(q))
     lower = [column.lower() for column in table.header]
@@ -132,17 +137,6 @@ def _named(name: str, make: Any) -> Measurements:
     except (ArgumentError, PoseError) as error:
         raise ArgumentError(f"{name}: {error}") from None
     return made
-
-
-def _joint_columns(arm: Arm, name: str, table: Table) -> list[str]:
-    header = table.header or []
-    if missing := [joint for joint in arm.joint_names if header.count(joint) != 1]:
-        problem = "twice" if missing[0] in header else "no column for it"
-        raise ArgumentError(
-            f"{name}, line {table.first}: joint {missing[0]!r}: {problem}; the header is {','.join(header)}, and "
-            f"the joints are {', '.join(arm.joint_names)}"
-        )
-    return list(arm.joint_names)
 
 
 def _require_different(given: Measurements) -> None:

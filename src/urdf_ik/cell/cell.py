@@ -184,13 +184,9 @@ class Cell:
             flat = flat.spread(there)
         return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))
 
-    def with_collisions(self, changed: CollisionModel) -> Cell:
-        """This cell with another collision model of the same arm, such as one with other pairs to check."""
-        return replace(self, changed=changed)
-
     def allow(self, first: str, second: str) -> Cell:
         """This cell, two links being allowed to touch; see :meth:`urdf_ik.cell.CollisionModel.allow`."""
-        return self.with_collisions(self.collisions.allow(first, second))
+        return replace(self, changed=self.collisions.allow(first, second))
 
     def moved_to(self, model: UrdfModel, chain: Chain) -> Cell:
         """The cell of another URDF, with the changes that a user made to the allowed-collision table of this one."""

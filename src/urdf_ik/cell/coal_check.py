@@ -63,16 +63,11 @@ class ArmShapes:
             (self.ball_centres, np.array([radius for _, radius in single])),
             (np.array(covering), np.array([radii for _, radii in several])),
         )
-        self._work = _Work(reference.pin_model, geometry)
-
-    @property
-    def request(self) -> Any:
-        """The calling thread's request to coal; the caller sets its margin."""
-        return self._work.request
+        self.work = _Work(reference.pin_model, geometry)
 
     def place(self, q: Array) -> "_Placing":
         """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
-        work, model, base = self._work, self.reference.pin_model, self.reference.base_frame
+        work, model, base = self.work, self.reference.pin_model, self.reference.base_frame
         pin.updateGeometryPlacements(model, work.data, self.geometry, work.geometry, self.reference.configuration(q))
         frame = model.frames[base]
         return _Placing(work.geometry.oMg, work.data.oMi[frame.parentJoint] * frame.placement, {}, {})
@@ -177,7 +172,7 @@ class CoalCheck:
 
     def touches(self, placing: _Placing, pair: int, margin: float = 0.0, *, hulls: bool = False) -> bool:
         """Whether a pair comes within a margin [m], its convex hulls first; ``hulls``: whether these do."""
-        request = self.arm.request
+        request = self.arm.work.request
         for first, second, grown, (at, there) in self._solids(placing, pair, hulls):
             request.security_margin = margin + grown
             if not coal.collide(first, at, second, there, request, coal.CollisionResult()):
@@ -214,11 +209,7 @@ class CoalCheck:
             yield one.exact, other.exact, grown, poses
 
     def nearest(
-        self,
-        placing: _Placing,
-        pairs: Sequence[int],
-        least: Sequence[float],
-        known: dict[tuple[int, bool], float] | None = None,
+        self, placing: _Placing, pairs: Sequence[int], least: Sequence[float], known: dict[tuple[int, bool], float]
     ) -> tuple[int | None, float]:
         """The nearest of some pairs and its distance [m], zero in collision.
 
@@ -230,7 +221,6 @@ class CoalCheck:
                 added.
         """
         best, nearest = np.inf, None
-        known = {} if known is None else known
 
         def distance(pair: int, hulls: bool) -> float:
             if (pair, hulls) not in known:

@@ -51,13 +51,6 @@ class Nearest(NamedTuple):
     distance: float
 
 
-class _Current(NamedTuple):
-    """The check for one version of the world."""
-
-    version: int
-    check: CoalCheck
-
-
 class CollisionModel:
     """The collision shapes of a URDF and of a world, and the pairs that must not touch.
 
@@ -105,7 +98,7 @@ class CollisionModel:
         self._rank = {link: i for i, link in enumerate(model.links)}
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
-        self._current: _Current | None = None
+        self._current: tuple[int, CoalCheck] | None = None
         self._kept: list[ShapePair] | None = None
         # The last result of ``in_world``, as most callers use one world again and again.
         self._last: CollisionModel | None = None
@@ -151,7 +144,7 @@ class CollisionModel:
     @property
     def checked_pairs(self) -> tuple[Pair, ...]:
         """Pairs that must not touch, two links or a link and an obstacle."""
-        return () if self._error else self._table().checked
+        return () if self._error else self.table().checked
 
     def table(self) -> Table:
         """The allowed-collision table, to be read and printed; :meth:`allow` and :meth:`check` change it.
@@ -160,7 +153,10 @@ class CollisionModel:
             UrdfError: there are no collision shapes, or not all of them were found.
         """
         self._require_geometry()
-        return self._table()
+        names = [each.name for each in self.present_check().obstacles.standing]
+        allowed, pairs = allowed_collisions.with_obstacles(self.shapes, names)
+        pairs += [pair.names for pair in self._pairs]
+        return allowed_collisions.made({**self._allowed, **allowed}, pairs, self._changes, self._ranks(names))
 
     def in_world(self, world: World | None) -> "CollisionModel":
         """This model among the obstacles of a world, which may be changed later; itself where ``world`` is None.
@@ -243,29 +239,16 @@ class CollisionModel:
         """Every link and then every obstacle, to its place."""
         return {name: i for i, name in enumerate((*self._rank, *obstacles))}
 
-    def _table(self) -> Table:
-        """The table of the world as it is, all pairs listed."""
-        names = [each.name for each in self.present_check().obstacles.standing]
-        allowed, pairs = allowed_collisions.with_obstacles(self.shapes, names)
-        pairs += [pair.names for pair in self._pairs]
-        return allowed_collisions.made({**self._allowed, **allowed}, pairs, self._changes, self._ranks(names))
-
     def present_check(self) -> CoalCheck:
         """The check of all pairs for the world's present state."""
-        return self._at_present().check
-
-    def _at_present(self) -> _Current:
-        """The check for the world's present state."""
-        current, world = self._current, self.world
-        if current is None or (world is not None and current.version != world.version):
+        world = self.world
+        if self._current is None or (world is not None and self._current[0] != world.version):
             version, obstacles = (0, None) if world is None else world.snapshot()
             if same := next((link for link in self._rank if obstacles and obstacles.number(link) is not None), None):
                 raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
             excepted, added = allowed_collisions.exceptions(self.shapes, self._changes, self._rank)
-            self._current = current = _Current(
-                version, CoalCheck(self.shapes, self._checked(), obstacles, excepted, added)
-            )
-        return current
+            self._current = version, CoalCheck(self.shapes, self._checked(), obstacles, excepted, added)
+        return self._current[1]
 
     def _checked(self) -> list[ShapePair]:
         """The pairs of links that must not touch, which no world changes."""
@@ -290,7 +273,7 @@ class CollisionModel:
             ArgumentError: the last dimension is not n, or a value is not finite.
             ArgumentError: ``margin`` is negative or not finite.
         """
-        margin = swept_motions.check_margin(margin)
+        margin = inputs.number(margin, "margin", low=0.0, unit="m")
         Q, places, check = self._rows(q)
         if not places.all():
             row = np.argwhere(~places)[0].tolist()
@@ -376,13 +359,18 @@ class CollisionModel:
                 goes farther than ``swept_motions.LONGEST``.
             ArgumentError: ``margin`` is negative or not finite.
         """
-        margin = swept_motions.check_margin(margin)
+        margin = inputs.number(margin, "margin", low=0.0, unit="m")
         self._require_geometry()
         n = len(self.joint_names)
         start, end = (inputs.array(q, name, (None, n)) for name, q in (("q0", q0), ("q1", q1)))
         if start.shape != end.shape:
             raise ArgumentError(f"motions from {start.shape} to {end.shape} given; both must be (k, {n})")
-        swept_motions.check_length(start, end, self.joint_names)
+        if (bad := inputs.first_bad(end - start, swept_motions.LONGEST)) is not None:
+            motion, joint = bad
+            raise ArgumentError(
+                f"motion {motion}: joint {self.joint_names[joint]} goes from {start[bad]:g} to {end[bad]:g}; a motion "
+                f"of at most {swept_motions.LONGEST:g} rad or m is needed, a longer one in several"
+            )
         return swept_motions.motions(self.present_check(), start, end, margin)
 
     def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float:
@@ -404,7 +392,7 @@ class CollisionModel:
         if bad := next((link for link, T in poses.items() if inputs.first_bad(T) is not None), None):
             raise PoseError(f"the pose of link {quoted(bad)} is not finite: {poses[bad].tolist()}")
         pairs = check.every_pair()
-        return check.nearest(self.shapes.place_at(poses), pairs, [-np.inf] * len(pairs))[1]
+        return check.nearest(self.shapes.place_at(poses), pairs, [-np.inf] * len(pairs), {})[1]
 
     def _require_geometry(self) -> None:
         if self._error is not None:

@@ -244,10 +244,6 @@ class DistanceBounds:
             part = slice(start, start + size)
             yield part, self._bodies.place(q[part])
 
-    def reaches(self, placed: Placed, travel: Array) -> Array:
-        """(k, S, m, J) m; see :meth:`Bodies.reaches`."""
-        return self._bodies.reaches(placed, travel)
-
     def near_in_rows(self, placed: Placed, margin: float) -> Iterator[tuple[int, list[int]]]:
         """Each row in which pairs may be apart by no more than a margin [m], with these pairs."""
         links, k = self.links_near(placed, margin), len(placed.centres)

@@ -6,7 +6,6 @@ shrinks by at most the sum, over the joints between them, of how far each joint 
 piece is halved. Nothing is sampled: even the thinnest wall between two joint vectors is found.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,7 +14,6 @@ from numpy.typing import NDArray
 
 from urdf_ik.cell.distance_bounds import QUERY_ERROR, Open
 from urdf_ik.errors import ArgumentError
-from urdf_ik.support import inputs
 from urdf_ik.typing import Array
 
 if TYPE_CHECKING:  # coal and Pinocchio are imported where a motion is checked
@@ -114,21 +112,6 @@ class _Pieces(NamedTuple):
         return _Pieces._make([*of_pieces, number[self.piece[kept]], self.pair[kept]])
 
 
-def check_margin(margin: float) -> float:
-    """``margin`` [m] as a float."""
-    return inputs.number(margin, "margin", low=0.0, unit="m")
-
-
-def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
-    """Check that no joint goes farther than ``LONGEST`` on the motions from q0 (k, n) to q1 (k, n)."""
-    if (bad := inputs.first_bad(q1 - q0, LONGEST)) is not None:
-        motion, joint = bad
-        raise ArgumentError(
-            f"motion {motion}: joint {names[joint]} goes from {q0[bad]:g} to {q1[bad]:g}; a motion of at "
-            f"most {LONGEST:g} rad or m is needed, a longer one in several"
-        )
-
-
 def motions(check: "CoalCheck", q0: Array, q1: Array, margin: float) -> Motions:
     """Which of the motions from q0 (k, n) to q1 (k, n) are free; see :class:`Motions`."""
     k = len(q0)
@@ -155,9 +138,9 @@ def _halved(
     q = q0[motion] + middle[:, None] * way
     travel = half[:, None] * np.abs(way)
     rest = np.zeros(len(motion), dtype=np.bool_)
-    open_pairs: list[tuple[NDArray[np.intp], NDArray[np.intp]]] = []
+    open_pairs = [(pieces.piece[:0], pieces.pair[:0])]
     for part, placed in check.bounds.chunks(q):
-        reaches = check.bounds.reaches(placed, travel[part])
+        reaches = check.arm.bodies.reaches(placed, travel[part])
         links, links_closer = check.bounds.links_in_reach(placed, reaches, margin, pieces.links[part])
         mine = slice(*np.searchsorted(pieces.piece, [part.start, part.start + len(links)]))
         listed_pairs = pieces.piece[mine] - part.start, pieces.pair[mine]
@@ -178,8 +161,8 @@ def _halved(
             contact = _contact(check, q[i], margin, links[row], links_closer[row], world, own, still)
             if contact is not None:
                 # If the pair can come closer by at most TOUCH, the first half of the piece need not be searched.
-                first[motion[i]] = start[i] if contact.closer <= TOUCH else middle[i]
-                pair[motion[i]] = contact.pair
+                pair[motion[i]], closer = contact
+                first[motion[i]] = start[i] if closer <= TOUCH else middle[i]
         pieces.links[part] = links
         rest[part] = links.any(axis=1)
         rest[part.start + world.row[still]] = True
@@ -187,22 +170,13 @@ def _halved(
         pieces.listed[part] |= checked
         kept = still & pieces.listed[part][world.row]
         open_pairs.append((part.start + world.row[kept], world.pair[kept]))
-    piece, open_pair = (
-        (np.concatenate(parts) for parts in zip(*open_pairs, strict=True)) if open_pairs else (motion, motion)
-    )
+    piece, open_pair = (np.concatenate(parts) for parts in zip(*open_pairs, strict=True))
     order = np.lexsort((open_pair, piece))
     pieces = pieces._replace(piece=piece[order], pair=open_pair[order])
     left = pieces._replace(end=middle).some(rest & (start < first[motion]))
     right = pieces._replace(start=middle).some(rest & (middle < first[motion]))
     right = right._replace(piece=right.piece + len(left.motion))
     return _Pieces._make(np.concatenate(parts) for parts in zip(left, right, strict=True))
-
-
-class _Contact(NamedTuple):
-    """A pair in contact, and the distance by which it can come closer on the piece [m]."""
-
-    pair: int
-    closer: float
 
 
 def _contact(
@@ -214,8 +188,11 @@ def _contact(
     world: Open,
     own: NDArray[np.intp],
     still: NDArray[np.bool_],
-) -> _Contact | None:
-    """Check the open pairs with coal at the middle q (n,) of a piece, and close those that are proven free."""
+) -> tuple[int, float] | None:
+    """Check the open pairs with coal at the middle q (n,) of a piece, and close those that are proven free.
+
+    The pair in contact, and the distance by which it can come closer on the piece [m]; None without one.
+    """
     placing = check.arm.place(q)
     candidates = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
     ranked = own[np.argsort(world.pair[own])].tolist()
@@ -224,5 +201,5 @@ def _contact(
         if not check.touches(placing, pair, margin + closer + QUERY_ERROR):
             is_open[k] = False
         elif check.touches(placing, pair, margin + TOUCH):
-            return _Contact(pair, closer)
+            return pair, closer
     return None

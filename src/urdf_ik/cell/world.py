@@ -86,7 +86,8 @@ class World:
             )
         world, shapes = cls(), Counter[str]()
         for link, shape, placed in placed_shapes(model):
-            name = next(name for name in _numbered(link, shapes[link]) if name not in world)
+            names = (f"{link}/{number}" if number else link for number in itertools.count(shapes[link]))
+            name = next(name for name in names if name not in world)
             shapes[link] += 1
             try:
                 world.add(name, shape, placed)
@@ -270,11 +271,6 @@ def _pose(pose: Any) -> Array:
     # A rotation that is off by rounding would shear the shape.
     is_exact = np.abs(rotation.T @ rotation - np.eye(3)).max() <= ORTHOGONAL
     return frozen(checked.copy() if is_exact else poses.project_rotation(checked))
-
-
-def _numbered(link: str, first: int) -> Iterator[str]:
-    """Names for a link's shape: the link's own for its first one, then with a number behind it."""
-    return (f"{link}/{number}" if number else link for number in itertools.count(first))
 
 
 def _link_poses(model: urdf.UrdfModel) -> dict[str, Array]:

@@ -195,13 +195,11 @@ def fill(path: str | os.PathLike[str], question: Any, client: Any, progress: Pro
     folder = _checked(path)
     blocks = question.blocks
     asked = {"format": FORMAT, "version": VERSION, "block": list(blocks.shape), **question.described()}
-    store = BlockStore(folder) if (folder / "zarr.json").exists() else None
-    if store is not None:
-        _require_same(store, asked)
-    pending = list(range(blocks.count)) if store is None else store.pending()
-    if store is None:
+    if not (folder / "zarr.json").exists():
         _create(folder, question, asked)
-        store = BlockStore(folder)
+    store = BlockStore(folder)
+    _require_same(store, asked)
+    pending = store.pending()
     done = blocks.count - len(pending)
 
     def tick() -> None:

@@ -153,9 +153,7 @@ class Tracker:
             )
         )
         self._margin = inputs.number(margin, "margin", low=0.0, unit="m")
-        self._collision: Any = None
-        if world is not None:
-            self._collision = solver.arm.cell.in_world(world)
+        self._collision: Any = None if world is None else solver.arm.cell.in_world(world)
         # A pose is tracked and no collision is checked: the core does the whole cycle.
         chosen = inputs.choice(first or "position", "first", ("position", "orientation", "both"))
         few = chain.n < 6 and aim.kind == task.POSE and solver.asked.has_place and solver.asked.has_turn

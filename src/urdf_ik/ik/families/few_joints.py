@@ -96,7 +96,7 @@ FAMILY = Family(
 
 def prepare_position(chain: Chain) -> FamilyMember:
     """The plan of an arm with three joints for the tip's position."""
-    way = _Way(chain, chain.size, False, _joints(chain, chain.size), _tip(chain, chain.size))
+    way = _Way(chain, chain.size, False, joints_of(chain, chain.size), _tip(chain, chain.size))
     return _task_plan(chain, Aim(POSITION), "position", [way])
 
 
@@ -111,13 +111,13 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Family
         heading: (3,) axis of the tip whose direction in the plane counts; None: the position alone.
     """
     if heading is None:
-        joints = [Joint(normal, np.zeros(3), True, -1), *_joints(chain, chain.size)]
+        joints = [Joint(normal, np.zeros(3), True, -1), *joints_of(chain, chain.size)]
         way = _Way(chain, chain.size, False, joints, _tip(chain, chain.size))
         return _task_plan(chain, Aim(PLANAR_POSITION, normal=normal), "planar position", [way])
     for is_reversed in (False, True):
         seen = chain.reversed() if is_reversed else chain
         across = chain.R_tip.T @ normal if is_reversed else normal
-        full = [Joint(across, np.zeros(3), True, -1), *_joints(seen, chain.size, is_reversed)]
+        full = [Joint(across, np.zeros(3), True, -1), *joints_of(seen, chain.size, is_reversed)]
         if not full[-1].slides:
             way = _Way(seen, chain.size, is_reversed, full, next(_points(full)))
             return _task_plan(chain, Aim(PLANAR_POSE, heading, normal), "planar pose", [way])
@@ -142,7 +142,8 @@ def _tip(chain: Chain, size: float) -> Array:
     return np.asarray(chain.P.sum(axis=0) / size)
 
 
-def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[Joint]:
+def joints_of(chain: Chain, size: float, is_reversed: bool = False) -> list[Joint]:
+    """The joints of a chain, lengths as shares of ``size``; a reversed chain's have the numbers of the original."""
     order = range(chain.n - 1, -1, -1) if is_reversed else range(chain.n)
     points = chain.points / size
     return [Joint(h, p, bool(s), i) for h, p, s, i in zip(chain.H, points, chain.prismatic, order, strict=True)]
@@ -153,7 +154,7 @@ def _ways(chain: Chain) -> Iterator[tuple[float, _Way]]:
     rng = np.random.default_rng(1)
     for is_reversed in (False, True):
         seen = chain.reversed() if is_reversed else chain
-        joints = _joints(seen, chain.size, is_reversed)
+        joints = joints_of(seen, chain.size, is_reversed)
         tip = _tip(seen, chain.size)
         for full in _filled_up(joints, tip, rng):
             if any(joint.slides for joint in full[3:]):

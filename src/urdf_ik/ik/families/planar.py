@@ -57,9 +57,7 @@ FAMILY = Family(
 
 def for_points(chain: Chain, plan: FamilyMember) -> FamilyMember:
     """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
-    if not _matches(chain) or chain.n != 2:
-        return plan
-    plane = _plane(chain)
+    plane = _plane(chain) if _matches(chain) and chain.n == 2 else None
     if plane is None:
         return plan
     arm = Numbers(kind="planar points", **_ways(plan), **plane)

@@ -110,9 +110,8 @@ def of_six(structure: Structure, chain: Chain) -> FamilyMember | None:
     """How six joints are solved: in closed form from either end, else by elimination."""
     if singular := _first(SINGULAR_EVERYWHERE, structure, chain):
         return singular
-    if structure.slides:
-        return _with_slides(structure, chain) or _elimination(structure, chain)
-    return _closed_form(structure, chain) or _elimination(structure, chain)
+    closed_form = _with_slides if structure.slides else _closed_form
+    return closed_form(structure, chain) or _elimination(structure, chain)
 
 
 def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:

@@ -6,7 +6,7 @@ The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/co
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.ik.families.few_joints import Joint, position_step
+from urdf_ik.ik.families.few_joints import joints_of, position_step
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Numbers, written
 from urdf_ik.kinematics.chain import Chain, is_redundant, kinds_of
@@ -18,19 +18,13 @@ from urdf_ik.typing import Array
 def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm whose wrist meets, exactly or nearly."""
     wrist = structure.triple(4, "meet")
-    return None if wrist is None or wrist.point is None else _wrist(family, chain, wrist.imperfection, wrist.point)
-
-
-def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMember | None:
+    if wrist is None or wrist.point is None:
+        return None
     most = 8 if chain.prismatic.sum() == 1 else 4
-    error = off / chain.size
+    error = wrist.imperfection / chain.size
     exact = error <= DEFAULT.exact_structure
-    joints = [
-        Joint(h, p, bool(s), i)
-        for i, (h, p, s) in enumerate(zip(chain.H[:3], chain.points[:3] / chain.size, chain.prismatic[:3], strict=True))
-    ]
-    step = position_step(joints, centre / chain.size)
-    in_tip = chain.R_tip.T @ (centre - chain.P.sum(axis=0)) / chain.size
+    step = position_step(joints_of(chain, chain.size)[:3], wrist.point / chain.size)
+    in_tip = chain.R_tip.T @ (wrist.point - chain.P.sum(axis=0)) / chain.size
     arm = _arm(chain, np.arange(3, 6), most, 0.0 if exact else error, step, in_tip)
     if arm is None:
         return None
@@ -41,7 +35,7 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMem
         name=f"{kinds_of(chain)} spherical wrist",
         method=f"{'Closed form' if exact else 'Closed form of the arm whose wrist meets in a point'}: {family.steps}",
         branches=columns(most),
-        imperfection=(0.0, off),
+        imperfection=(0.0, wrist.imperfection),
     )
 
 

@@ -1,6 +1,7 @@
 """Paths of arms with one redundancy parameter: a coarse grid of its values, then finer ones around the best route."""
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -166,8 +167,7 @@ def improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | None
     guide = guide.spread(known.place, sparse.place)
     guide = guide._replace(value=nearest_values(settings.solver, guide.q, sparse.T)[:, 0])
     step = float(np.diff(_grid(settings, sparse, FEWEST_VALUES)[0, :2])[0])
-    last = _finished(settings, dense, sparse, _refined(settings, sparse, guide, step), step / FINER**3)
-    return None if last is None else made(settings, path, dense, *last, alone=True)
+    return _finished(settings, path, dense, sparse, step, _refined(settings, sparse, guide, step))
 
 
 def _closed(settings: CheckedSettings, dense: Refined, search: Search) -> bool:
@@ -241,9 +241,7 @@ def _plan(
     close = [_refined(settings, refined, guide, step) for guide, first in zip(guides, chosen, strict=True) if first]
     close.sort(key=lambda guide: guide.order)
 
-    def finished(guide: _Guide) -> Plan | None:
-        last = _finished(settings, dense, refined, guide, step / FINER**3)
-        return None if last is None else made(settings, path, dense, *last, alone=True)
+    finished = partial(_finished, settings, path, dense, refined, step)
 
     def others() -> tuple[Plan, ...]:
         refined_rest = (_refined(settings, refined, guide, step) for guide in rest)
@@ -283,24 +281,24 @@ def _refined(settings: CheckedSettings, refined: Refined, guide: _Guide, step: f
 
 
 def _finished(
-    settings: CheckedSettings, dense: Refined, refined: Refined, guide: _Guide, step: float
-) -> tuple[Search, Route] | None:
-    """The route at all waypoints, its motions proven and free of contact; None without one near the guide."""
+    settings: CheckedSettings, path: Array, dense: Refined, refined: Refined, step: float, guide: _Guide
+) -> Plan | None:
+    """The plan at all waypoints, its motions proven and free of contact; None without one near the guide."""
     if len(refined.T) < len(dense.T):
         guide = guide.spread(refined.place, dense.place)
-    for factor in (FINER**3, FINER**2):
+    for finer in (1, FINER):
         for _ in range(MOST_PASSES):
-            route = _around(settings, dense, guide, step * factor, NEIGHBOURS[-1], last=False).best()
+            route = _around(settings, dense, guide, step / finer, NEIGHBOURS[-1], last=False).best()
             if route is None:
                 return None
             before, guide = guide.cost, _guide(settings, route)
             if not guide.cost < WORTHWHILE * before:
                 break
-    if settings.smooth and not guide.changes.any():
-        proven = _proven(settings, dense, _smoothed(settings, dense, guide), step)
-        if proven is not None:  # smoothing ignores obstacles between waypoints
-            return proven
-    return _proven(settings, dense, guide, step)
+    last = None
+    if settings.smooth and not guide.changes.any():  # smoothing ignores obstacles between waypoints
+        last = _proven(settings, dense, _smoothed(settings, dense, guide), step / FINER**3)
+    last = last or _proven(settings, dense, guide, step / FINER**3)
+    return None if last is None else made(settings, path, dense, *last, alone=True)
 
 
 def _proven(settings: CheckedSettings, dense: Refined, guide: _Guide, step: float) -> tuple[Search, Route] | None:

@@ -79,7 +79,7 @@ class Search:
 
     def _clear_nodes(self, nodes: Ints) -> bool:
         """Whether all nodes are free of contact; if not, nodes near those in contact are checked as well."""
-        if self._check_nodes(nodes):
+        if self.check_nodes(nodes):
             return True
         layers = self.graph.layers
         near = []
@@ -87,10 +87,11 @@ class Search:
             same = self._same_branch(node)
             near.append(self._nearest(same, np.abs(layers.value[same] - layers.value[node])))
         if near:
-            self._check_nodes(np.unique(np.concatenate(near)))
+            self.check_nodes(np.unique(np.concatenate(near)))
         return False
 
-    def _check_nodes(self, nodes: Ints) -> bool:
+    def check_nodes(self, nodes: Ints) -> bool:
+        """Whether nodes are free of contact; those that are not are closed."""
         assert self.obstacles is not None  # called only with obstacles
         unknown = np.unique(nodes[~self._clear[nodes] & ~self.hits[nodes]])
         free = self.obstacles.free(self.graph.layers.q[unknown])

@@ -6,7 +6,6 @@ steps is a quadratic function of all a that couples only neighbours, so its mini
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from urdf_ik.ik.redundancy.values import nearest_values
@@ -52,8 +51,10 @@ def _least(settings: CheckedSettings, refined: Refined, q: Array, obstacles: Obs
         step *= min(1.0, LONGEST_STEP / longest) if longest else 1.0
         best = None
         for share in (1.0, 0.5, 0.25, 0.1):
-            trial, good = restored(settings, refined, q + share * step)
-            good &= ((trial >= low) & (trial <= high)).all(axis=1)
+            moved = q + share * step
+            values = nearest_values(settings.solver, moved, refined.T)
+            trial, distance = nearest_solutions(settings.solver, settings.joints, refined.T, moved, values)
+            good = (distance < LONGEST_STEP) & ((trial >= low) & (trial <= high)).all(axis=1)
             if obstacles is not None:
                 good[good] = obstacles.free(trial[good])
             trial = np.where(good[:, None] & ~fixed[:, None], trial, q)
@@ -97,10 +98,3 @@ def _null_space(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
     J = np.concatenate([J[:, :3] / solver.chain.size, J[:, 3:]], axis=1)
     # The last column of Q in J^T = Q R is at right angles to all rows of J, of whatever rank.
     return np.ascontiguousarray(np.linalg.qr(np.swapaxes(J, 1, 2), mode="complete")[0][:, :, -1])
-
-
-def restored(settings: CheckedSettings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The solutions of the waypoints nearest to joint vectors (k, n), and whether each is near enough."""
-    values = nearest_values(settings.solver, q, refined.T)
-    nearest, distance = nearest_solutions(settings.solver, settings.joints, refined.T, q, values)
-    return nearest, distance < LONGEST_STEP

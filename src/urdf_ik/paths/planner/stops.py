@@ -85,16 +85,10 @@ def _reached(settings: CheckedSettings, search: Search, first: NDArray[np.uint64
     graph = search.graph
     if search.obstacles is None or settings.solver.parameter is not None:
         return graph.reached(first)
-    checked = search.hits.copy()
     while True:
         marks = graph.reached(first * np.isfinite(graph.node_cost)[:, None])
-        nodes = np.flatnonzero((marks != 0).any(axis=1) & ~checked)
-        free = search.obstacles.free(graph.layers.q[nodes])
-        if free.all():
+        if search.check_nodes(np.flatnonzero((marks != 0).any(axis=1) & ~search.hits)):
             return marks
-        checked[nodes] = True
-        search.hits[nodes[~free]] = True
-        graph.node_cost[nodes[~free]] = np.inf
 
 
 def _out_of_all_reach(settings: CheckedSettings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:

@@ -78,13 +78,29 @@ def keeps_straight(
     straight = (position <= 8.0 * most) & (rotation <= 8.0 * allowed)
     share = np.maximum(position / most, rotation / allowed) / (8.0 * BETWEEN_SAMPLES)
     pieces = np.exp2(np.ceil(0.5 * np.log2(np.maximum(share, 1.0)))).clip(2.0)
+
+    def samples_within(k: NDArray[np.intp], count: int) -> Mask:
+        """Whether the samples at odd multiples of 1 / count are within 1 - ``BETWEEN_SAMPLES`` of the tolerance."""
+        shares = np.arange(1, count, 2) / count
+        real = solver.chain.fk(q[k, None] + shares[:, None] * dq[k, None])
+        segments, place = np.unique(waypoint[k], return_inverse=True)
+        ideal = interpolated(T[segments, None], T[segments + 1, None], shares, turns[segments, None])[place]
+        share = 1.0 - BETWEEN_SAMPLES
+        if solver.free_axis is None:
+            off = real[..., :3, 3] - ideal[..., :3, 3]
+            # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), sqrt(2) times 2 sin(angle / 2).
+            turned = np.sqrt(0.5) * (real[..., :3, :3] - ideal[..., :3, :3]).reshape(*off.shape[:-1], 9)
+        else:
+            off, turned = np.moveaxis((real - ideal)[..., :3, :] @ solver.free_axis.seen, -1, 0)
+        near = np.einsum("...i,...i", off, off) <= (share * most) ** 2
+        near &= np.einsum("...i,...i", turned, turned) <= (share * allowed) ** 2
+        return np.asarray(near.all(axis=1))
+
     undecided, count = ~straight & (pieces <= MOST_SAMPLES), 2
     while undecided.any():
         here = np.flatnonzero(undecided)
         parts = np.array_split(here, 1 + len(here) * count // _BATCH)
-        within = np.concatenate(
-            [_samples_within(solver, q[k], dq[k], T, waypoint[k], turns, count, most, allowed) for k in parts]
-        )
+        within = np.concatenate([samples_within(k, count) for k in parts])
         done = pieces[here] <= count
         straight[here[within & done]] = True
         undecided[here[~within | done]] = False
@@ -115,37 +131,6 @@ def curvature(chain: Chain, q: Array, dq: Array, turn: Array, lever: float = 0.0
     position = (steps * reach * (2.0 * before + turning)).sum(axis=1) + lever * turn * turn
     rate = turning.sum(axis=1) + turn
     return position, rate * rate + (turning * before).sum(axis=1) + turn * rate
-
-
-def _samples_within(
-    solver: Solver,
-    q: Array,
-    dq: Array,
-    T: Array,
-    waypoint: NDArray[np.intp],
-    turns: Array,
-    count: int,
-    most: float,
-    allowed: float,
-) -> Mask:
-    """Whether the samples at odd multiples of 1 / count are within 1 - ``BETWEEN_SAMPLES`` of a tolerance."""
-    shares = np.arange(1, count, 2) / count
-    real = solver.chain.fk(q[:, None] + shares[:, None] * dq[:, None])
-    segments, place = np.unique(waypoint, return_inverse=True)
-    ideal = interpolated(T[segments, None], T[segments + 1, None], shares, turns[segments, None])[place]
-    share = 1.0 - BETWEEN_SAMPLES
-    if solver.free_axis is None:
-        off = real[..., :3, 3] - ideal[..., :3, 3]
-        # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), sqrt(2) times 2 sin(angle / 2).
-        turned = np.sqrt(0.5) * (real[..., :3, :3] - ideal[..., :3, :3]).reshape(*off.shape[:-1], 9)
-    else:
-        off, turned = np.moveaxis((real - ideal)[..., :3, :] @ solver.free_axis.seen, -1, 0)
-    return np.asarray(
-        (
-            (np.einsum("...i,...i", off, off) <= (share * most) ** 2)
-            & (np.einsum("...i,...i", turned, turned) <= (share * allowed) ** 2)
-        ).all(axis=1)
-    )
 
 
 def bisected(

@@ -136,10 +136,7 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
 def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> Numbers:
     """Every variant, v of them, on the axes as they are and on axes moved a little."""
     shifts = np.array(_SHIFTS)[:, None, None]
-    turned = np.empty((len(_SHIFTS), 6, 3))
-    moved = np.empty_like(turned)
-    for k in range(len(_SHIFTS)):
-        turned[k], moved[k] = rng.standard_normal((6, 3)), rng.standard_normal((6, 3))
+    turned, moved = np.moveaxis(rng.standard_normal((len(_SHIFTS), 2, 6, 3)), 1, 0)
     turned = H + shifts * turned
     turned /= np.linalg.norm(turned, axis=-1, keepdims=True)
     moved = points + shifts * moved

@@ -46,11 +46,11 @@ def inexact(
         (3,) coefficients of 1, t, t^2, with the length t of the loop's motion; and ``PreciseFactors`` of the core, what
         rounding leaves out of the factors: left (15, 168), right (15, 32), inexact (3,), the bound with both.
     """
-    first, back = cut
+    first, is_back = cut
     rows, columns = 6 * 3**first, 3 ** (3 - first)
     rest = Numbers(left=np.zeros_like(left), right=np.zeros_like(right), inexact=np.full(3, UNKNOWN))
     axes = _axes(steps, centre, scale)
-    if back:
+    if is_back:
         axes = [(-h, p) for h, p in reversed(axes)]
     motions = [_motions(h, p) for h, p in axes]
     line = _line(axes[first + 2][1], axes[first + 2][0])
@@ -58,7 +58,8 @@ def inexact(
     inverse: Array = np.linalg.pinv(_floats(L)).astype(np.float64)
     if not np.linalg.norm(inverse @ _floats(L) - np.eye(9)) < 0.1:
         return np.full(3, UNKNOWN), rest
-    joints = [_back(motions[(first + k) % 6]) for k in (5, 4, 3)]
+    back = np.array([1, 1, -1])[:, None, None]  # of the sine
+    joints = [motions[(first + k) % 6] * back for k in (5, 4, 3)]
     N = _fixed(_null(left[:, :rows], joints[:first]))
     for _ in range(_ROUNDS):
         N = N - _times(_times(N, L), _fixed(inverse))
@@ -135,10 +136,6 @@ def _floats(a: Fixed) -> Array:
 def _times(a: Fixed, b: Fixed) -> Fixed:
     out: Fixed = (a @ b) >> _DIGITS
     return out
-
-
-def _back(motion: Fixed) -> Fixed:
-    return np.stack([motion[0], motion[1], -motion[2]])
 
 
 def _before(front: Fixed, motion: Fixed) -> Fixed:
