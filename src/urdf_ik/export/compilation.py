@@ -69,7 +69,17 @@ def compile(arm: Arm) -> str:  # noqa: A001  what it does, as re.compile
             "family": member.name,
             "branches": solver.branches,
             "joints": _joints(arm),
-            "parameters": _parameters(arm),
+            "parameters": [
+                {
+                    "kind": each.kind,
+                    "name": each.joint,
+                    "unit": each.unit,
+                    "lower": each.range[0],
+                    "upper": each.range[1],
+                    "default": each.default,
+                }
+                for each in solver.parameters
+            ],
             "chain": {
                 "steps": chain.motion.steps,
                 "slides": chain.axes.prismatic,
@@ -93,20 +103,6 @@ def _joints(arm: Arm) -> list[dict[str, Any]]:
             "velocity": speeds[k],
         }
         for k in range(chain.n)
-    ]
-
-
-def _parameters(arm: Arm) -> list[dict[str, Any]]:
-    return [
-        {
-            "kind": each.kind,
-            "name": each.joint,
-            "unit": each.unit,
-            "lower": each.range[0],
-            "upper": each.range[1],
-            "default": each.default,
-        }
-        for each in arm.solver.parameters
     ]
 
 

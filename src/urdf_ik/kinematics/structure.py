@@ -198,12 +198,10 @@ def analyse(chain: Chain) -> Structure:
         4
     """
     chain = chain.axes
-    size = chain.size
-    n = chain.n
     return Structure(
         joint_types=chain.joint_types,
-        pairs=tuple(_pair(chain, i, size) for i in range(n - 1)),
-        triples=tuple(t for i in range(n - 2) if (t := _triple(chain, i, size)) is not None),
+        pairs=tuple(_pair(chain, i, chain.size) for i in range(chain.n - 1)),
+        triples=tuple(t for i in range(chain.n - 2) if (t := _triple(chain, i, chain.size)) is not None),
     )
 
 

@@ -16,9 +16,10 @@ AXES = ("x", "y", "z")
 _ROUNDING = 1e-9
 """Share of a voxel by which bounds may exceed a whole number of voxels."""
 
-Shape = tuple[int, int, int]
-Part = tuple[slice, slice, slice]
-"""A box of voxels."""
+Shape = tuple[int, ...]
+"""Three numbers."""
+Part = tuple[slice, ...]
+"""A box of voxels: three slices."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +49,7 @@ class Grid:
     @property
     def whole(self) -> Part:
         """The box of all voxels."""
-        x, y, z = (slice(0, count) for count in self.shape)
-        return x, y, z
+        return tuple(slice(0, count) for count in self.shape)
 
     def coordinates(self, axis: int) -> Array:
         """Centres (shape[axis],) m along an axis, 0 to 2."""
@@ -71,8 +71,7 @@ class Grid:
                 f"no voxel has its centre inside {np.array([lower, upper]).tolist()}; the map is from "
                 f"{self.lower.tolist()} to {self.upper.tolist()} m"
             )
-        x, y, z = (slice(int(a), int(b) + 1) for a, b in zip(first, last, strict=True))
-        return x, y, z
+        return tuple(slice(int(a), int(b) + 1) for a, b in zip(first, last, strict=True))
 
     def layer(self, axis: str, at: float) -> tuple[int, int]:
         """Number of an axis, and of the layer of voxels across it that contains the coordinate ``at`` [m]."""
@@ -85,8 +84,8 @@ class Grid:
     def cut(self, part: Part) -> "Grid":
         """The grid of a box of voxels."""
         start = np.array([side.start for side in part])
-        x, y, z = (side.stop - side.start for side in part)
-        return Grid(np.asarray(self.lower + self.voxel * start), self.voxel, (x, y, z))
+        shape = tuple(side.stop - side.start for side in part)
+        return Grid(np.asarray(self.lower + self.voxel * start), self.voxel, shape)
 
     def described(self) -> dict[str, Any]:
         """The grid in JSON."""
@@ -124,13 +123,12 @@ class Blocks:
                     shape = wider
                     break
             else:
-                return cls(grid, (shape[0], shape[1], shape[2]))
+                return cls(grid, tuple(shape))
 
     @property
     def along(self) -> Shape:
         """Number of blocks along each axis."""
-        x, y, z = (-(-count // side) for count, side in zip(self.grid, self.shape, strict=True))
-        return x, y, z
+        return tuple(-(-count // side) for count, side in zip(self.grid, self.shape, strict=True))
 
     @property
     def count(self) -> int:
@@ -139,14 +137,12 @@ class Blocks:
 
     def place(self, block: int) -> Shape:
         """Number of a block along each axis; the last axis counts first."""
-        x, y, z = (int(k) for k in np.unravel_index(block, self.along))
-        return x, y, z
+        return tuple(int(k) for k in np.unravel_index(block, self.along))
 
     def part(self, block: int) -> Part:
         """The voxels of a block."""
         sides = zip(self.place(block), self.shape, self.grid, strict=True)
-        x, y, z = (slice(k * side, min((k + 1) * side, end)) for k, side, end in sides)
-        return x, y, z
+        return tuple(slice(k * side, min((k + 1) * side, end)) for k, side, end in sides)
 
     def parts(self) -> Iterator[Part]:
         """The voxels of all blocks, in their order."""

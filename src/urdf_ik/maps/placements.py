@@ -344,8 +344,7 @@ def _positions(bounds: ArrayLike, step: float) -> Grid:
             f"bounds {[lower.tolist(), upper.tolist()]} with a step of {step:g} m are {counts.prod():.3g} positions, "
             f"and at most {MOST_POSITIONS:,} are looked at; take a larger step"
         )
-    x, y, z = (int(count) for count in counts)
-    return Grid(np.asarray(lower - 0.5 * step), float(step), (x, y, z))
+    return Grid(np.asarray(lower - 0.5 * step), float(step), tuple(int(count) for count in counts))
 
 
 def _mount(mount: ArrayLike | None) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 
 from urdf_ik.ik.families.parts.explanations import beyond_reach
 from urdf_ik.ik.families.parts.family import Family, FamilyMember, self_motion
-from urdf_ik.ik.families.parts.ideal import snapped
+from urdf_ik.ik.families.parts.ideal import eight, snapped
 from urdf_ik.ik.families.parts.written import Numbers, ends, written
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.kinematics.chain.redundancy import SWIVEL, Redundancy
@@ -16,12 +16,7 @@ from urdf_ik.support.angles import amount
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
-NAMES = tuple(
-    f"shoulder {shoulder}, elbow {up}, wrist {wrist}"
-    for shoulder in ("noflip", "flip")
-    for up in ("up", "down")
-    for wrist in ("noflip", "flip")
-)
+NAMES = eight("shoulder {}, elbow {}, wrist {}", ("noflip", "flip"))
 # Axis 4 must be this far [of the arm's size] from shoulder and wrist.
 _CLEAR = 1e-3
 # How far below zero a squared sine may fall for an arm that is off by 1 [share of size]: its solutions may still exist.
@@ -39,11 +34,9 @@ def _matches(structure: Structure) -> bool:
 def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of such an arm; None where the elbow is too near to shoulder or wrist."""
     shoulder, wrist = structure.triple(1, "meet"), structure.triple(5, "meet")
-    if shoulder is None or wrist is None:
+    if shoulder is None or wrist is None or shoulder.point is None or wrist.point is None:
         return None
     S, W = shoulder.point, wrist.point
-    if S is None or W is None:
-        return None
     h, to_axis, to_wrist = chain.H[3], chain.points[3] - S, W - chain.points[3]
     to_axis, fore = to_axis - (h @ to_axis) * h, to_wrist - (h @ to_wrist) * h
     a, b = float(np.linalg.norm(to_axis)), float(np.linalg.norm(fore))

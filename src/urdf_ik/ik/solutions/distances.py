@@ -140,7 +140,10 @@ def least_columns(values: Array, n: int) -> NDArray[np.intp]:
 
 def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) -> Array:
     """``q_ref`` as (n,) or (..., n) finite float64, for poses of the shape ``batch``."""
-    array = _joint_vector(q_ref, "q_ref", names)
+    array = inputs.real(q_ref, "q_ref", f"an array of numbers (..., {len(names)})")
+    if array.shape[-1:] != (len(names),):
+        raise ArgumentError(f"q_ref has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}")
+    array = inputs.array(array, "q_ref", (..., len(names)))
     try:
         np.broadcast_to(array, (*batch, array.shape[-1]))
     except ValueError:
@@ -166,11 +169,3 @@ def per_joint(name: str, value: ArrayLike, names: Sequence[str], also: tuple[flo
             f"needed, or one for each of {', '.join(names)}"
         )
     return numbers
-
-
-def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:
-    """``value`` as (..., n) finite float64."""
-    array = inputs.real(value, what, f"an array of numbers (..., {len(names)})")
-    if array.shape[-1:] != (len(names),):
-        raise ArgumentError(f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}")
-    return inputs.array(array, what, (..., len(names)))

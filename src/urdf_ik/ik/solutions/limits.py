@@ -102,8 +102,7 @@ def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIM
     Returns:
         Two arrays (..., n) of whole numbers; first > last where no image is inside.
     """
-    first, last = _core.image_range(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
-    return first, last
+    return _core.image_range(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
 
 
 def nearest_image(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Mask]:
@@ -118,8 +117,7 @@ def nearest_image(q: Array, limits: Array, turning: Mask | Array, tol: float = L
     Returns:
         q (..., B, n), NaN rows where a joint has no image inside; (..., B) bool.
     """
-    image, inside = _core.nearest_image(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
-    return image, inside
+    return _core.nearest_image(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
 
 
 def has_image(q: Array, among: Mask, limits: Array, turning: Mask | Array) -> Mask:
@@ -155,8 +153,7 @@ def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> 
         shape = np.broadcast_shapes(q.shape, reference.shape)
         q, reference = np.broadcast_to(q, shape), np.broadcast_to(reference, shape)
     bounds = _bounds(limits, turning, LIMIT_TOLERANCE)
-    image, inside = _core.image_near(np.ascontiguousarray(q), np.ascontiguousarray(reference), *bounds)
-    return image, inside
+    return _core.image_near(np.ascontiguousarray(q), np.ascontiguousarray(reference), *bounds)
 
 
 def image_beside(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> Array:

@@ -31,9 +31,9 @@ def explanation(solutions: KeptSolutions) -> str:
     step = solutions.step
     if step is None:
         return str(solutions.arm.explain(solutions.poses, solutions._redundancy))
+    inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
     if step.how == "within":
-        inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
         return f"{found} the pose{inside}, none as near to the reference as asked; {_too_far(step)}"
     if step.how == "configuration":
         written, vendor = step.model
@@ -46,7 +46,6 @@ def explanation(solutions: KeptSolutions) -> str:
         others = "; `urdf-ik explain`, or arm.intervals(T), lists the values with solutions inside them" if here else ""
         outside = _out_of_limits(step.parent, step.amount)
         return f"{found} the pose{here}, none inside the joint limits; {outside}{others}"
-    inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
     near = f" or comes within {step.amount:g} m of one" if step.amount else ""
     return f"{found} the pose{inside}, and every one is in collision{near}{_touching(step)}"
 

@@ -236,7 +236,7 @@ class Question:
         """Shape of an array at positions of some shape."""
         return (*positions, self.lengths[VARIABLES[name].last])
 
-    def memory(self, box: tuple[int, int, int]) -> int:
+    def memory(self, box: tuple[int, ...]) -> int:
         """Memory that a box of voxels takes: its arrays, and what solving needs in addition [bytes]."""
         arrays = (math.prod(self.shape(name, box)) * np.dtype(VARIABLES[name].kind).itemsize for name in self.names)
         solved = 128 + 20 * self.lengths["branch"] * (self.arm.dof + 1) * 8
@@ -330,7 +330,7 @@ def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
     counts = [max(1, math.ceil(float(step) - _ROUNDING)) for step in steps]
     # Whole voxels, centred on the requested middle.
     lower = 0.5 * (lower + upper) - 0.5 * voxel * np.array(counts, dtype=np.float64)
-    return Grid(lower, float(voxel), (counts[0], counts[1], counts[2]))
+    return Grid(lower, float(voxel), tuple(counts))
 
 
 def _reach_box(arm: Arm) -> tuple[Array, Array]:

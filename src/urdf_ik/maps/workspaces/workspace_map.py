@@ -207,10 +207,10 @@ class WorkspaceMap:
         """
         k, layer = self.grid.layer(axis, at)
         one, two = (i for i in range(3) if i != k)
-        x, y, z = (slice(layer, layer + 1) if i == k else slice(0, count) for i, count in enumerate(self.grid.shape))
+        part = tuple(slice(layer, layer + 1) if i == k else side for i, side in enumerate(self.grid.whole))
         edges = [float(edge[i]) for i in (one, two) for edge in (self.grid.lower, self.grid.upper)]
         return MapSlice(
-            np.take(self._values(what, (x, y, z)), 0, axis=k),
+            np.take(self._values(what, part), 0, axis=k),
             (AXES[one], AXES[two]),
             (edges[0], edges[1], edges[2], edges[3]),
             axis,

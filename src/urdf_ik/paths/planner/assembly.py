@@ -121,9 +121,8 @@ def made(
 
 def offer(settings: CheckedSettings, plan: Plan | None) -> None:
     """Keep a plan of the whole search, in case the time limit passes before a better one is found."""
-    if plan is None or not plan.found or settings.solver is not settings.whole[0]:
-        return
-    if settings.obstacles is not settings.whole[1]:
+    whole = settings.solver is settings.whole[0] and settings.obstacles is settings.whole[1]
+    if plan is None or not plan.found or not whole:
         return
     best = settings.watch.best
     if best is None or plan.order < best.order:

@@ -182,22 +182,19 @@ class Drawing:
             places.astype(np.float32), turns.astype(np.float32), sizes.astype(np.float32)
         )  # fmt: skip
 
-    def _add_segments(self, name: str, shades: list[Any], widths: list[float]) -> list[Any]:
-        """An object of lines along the links for each shade; the last of the widths is that of all others."""
+    def _add_lines(self) -> None:
+        """Add an object of lines along the links for the arm, thick, and for each branch, and the links' frames."""
         shape = (max(len(self._edges), 1), 2, 3)
-        return [
+        self.lines = [
             self._scene.add_line_segments(
-                f"/robot/{name}_{k}",
+                f"/robot/line_{k}",
                 np.zeros(shape),
                 np.broadcast_to(shade, shape),
-                thickness=widths[min(k, len(widths) - 1)],
+                thickness=3.0 if k else 6.0,
                 thickness_units="screen",
             )
-            for k, shade in enumerate(shades)
+            for k, shade in enumerate([np.array(_LINE, dtype=np.uint8), *self._colours])
         ]
-
-    def _add_lines(self) -> None:
-        self.lines = self._add_segments("line", [np.array(_LINE, dtype=np.uint8), *self._colours], [6.0, 3.0])
         count = len(self._arm.model.links)
         self._axes = self._scene.add_batched_axes(
             "/robot/axes",

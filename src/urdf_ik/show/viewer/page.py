@@ -312,8 +312,7 @@ class Viewer:
 
     def _scrubbed(self, place: float) -> None:
         self._player.stop()
-        if self.path is not None:
-            self.path.show_playing(False)
+        self._ended()
         self._latest.put("place", lambda: self._go_to(place, scrubbed=True))
 
     def _ended(self) -> None:

@@ -18,10 +18,9 @@ from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.typing import Array
 
 
-def eight(pattern: str) -> tuple[str, ...]:
+def eight(pattern: str, first: tuple[str, str] = ("front", "back")) -> tuple[str, ...]:
     """Names of the eight branches of three square roots, in the order of ``SIGNS``."""
-    words = ("front", "back"), ("up", "down"), ("noflip", "flip")
-    return tuple(pattern.format(*each) for each in itertools.product(*words))
+    return tuple(pattern.format(*each) for each in itertools.product(first, ("up", "down"), ("noflip", "flip")))
 
 
 # The signs of the roots of shoulder, elbow and wrist (3, 8), and the names of the branches in the same order.
