@@ -293,7 +293,6 @@ def _one_each(values: list[str], option: str, n: int) -> list[str | None]:
     if len(values) <= 1:
         return [values[0] if values else None] * n
     if len(values) != n:
-        raise pytest.UsageError(
-            f"{option} is given {len(values)} times, --urdf {n} times: one for all, or one for each"
-        )
+        times = f"{option} is given {len(values)} times, --urdf {n} times"
+        raise pytest.UsageError(f"{times}: one for all, or one for each")
     return list(values)

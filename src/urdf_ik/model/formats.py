@@ -97,9 +97,8 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
         except Exception as error:  # its errors have no root of their own: those of Python expressions come as they are
             raise _refused(source, error, arguments) from None
     if unknown := sorted(set(arguments) & set(given) - arguments.known):
-        raise UrdfError(
-            f"it has no argument {unknown[0]!r}", source=source.name, element="<xacro:arg>", hint=_has(arguments)
-        )
+        problem, hint = f"it has no argument {unknown[0]!r}", _has(arguments)
+        raise UrdfError(problem, source=source.name, element="<xacro:arg>", hint=hint)
     return Source(document.toprettyxml(indent="  "), f"{source.name} (expanded)", source.path)
 
 
@@ -155,17 +154,13 @@ def _mujoco_as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
             model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         text = " ".join(str(error).split())
-        raise UrdfError(
-            f"MuJoCo refuses the model: {text}", source=source.name, hint="correct it until MuJoCo loads it"
-        ) from None
+        hint = "correct it until MuJoCo loads it"
+        raise UrdfError(f"MuJoCo refuses the model: {text}", source=source.name, hint=hint) from None
     try:
         writer = _Writer(mujoco, model, spec, source)
     except ValueError as error:  # of the XML library, and of poses
-        raise UrdfError(
-            f"it cannot be written as a URDF: {error}",
-            source=source.name,
-            hint="correct the name, or the number, that is no part of a URDF",
-        ) from None
+        hint = "correct the name, or the number, that is no part of a URDF"
+        raise UrdfError(f"it cannot be written as a URDF: {error}", source=source.name, hint=hint) from None
     text = etree.tostring(writer.robot, pretty_print=True).decode()
     return Source(text, f"{source.name} (as URDF)", source.path), (*lost, *writer.lost)
 

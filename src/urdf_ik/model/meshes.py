@@ -54,10 +54,8 @@ def resolve(filename: str, roots: Sequence[Path], source: str) -> Path:
 def _candidates(filename: str, roots: Sequence[Path]) -> list[Path] | None:
     """Paths that the filename may mean, in the order of the roots; None for an unknown kind of address."""
     scheme, separator, rest = filename.partition("://")
-    if not separator:
-        return [root / filename for root in roots]
-    if scheme == "file":
-        return [root / rest for root in roots]
+    if not separator or scheme == "file":
+        return [root / (rest if separator else filename) for root in roots]
     if scheme not in ("package", "model"):
         return None
     package, _, within = rest.partition("/")

@@ -83,9 +83,8 @@ def pose(
     try:
         batch = np.broadcast_shapes(p.shape[:-1], R.shape[:-2])
     except ValueError:
-        raise PoseError(
-            f"{p.shape[:-1]} positions and {R.shape[:-2]} orientations given; the shapes do not broadcast"
-        ) from None
+        shapes = f"{p.shape[:-1]} positions and {R.shape[:-2]} orientations given"
+        raise PoseError(f"{shapes}; the shapes do not broadcast") from None
     T = np.zeros((*batch, 4, 4))
     T[..., :3, :3] = R
     T[..., :3, 3] = p
@@ -347,7 +346,8 @@ def _problem(T: Array, tolerance: float) -> str:
         return f"entry [{far[0]}, 3] is {T[far[0], 3]}; {inputs.why_bad(T[far[0], 3])}, in m"
     if not np.abs(T[3] - _LAST_ROW).max() <= tolerance:
         transposed = " (is it transposed?)" if not T[:3, 3].any() and T[3, 3] == 1.0 else ""
-        return f"the last row is {_row(T[3])} and must be (0, 0, 0, 1){transposed}"
+        row = ", ".join(f"{x:.6g}" for x in T[3])
+        return f"the last row is ({row}) and must be (0, 0, 0, 1){transposed}"
     with np.errstate(over="ignore"):
         gram = T[:3, :3].T @ T[:3, :3]
     off = float(np.abs(gram - np.eye(3)).max())
@@ -360,7 +360,3 @@ def _problem(T: Array, tolerance: float) -> str:
         f"the 3x3 block is no rotation: R^T R differs from the identity by {off:.3g}, and {tolerance:.3g} is allowed "
         "(urdf_ik.model.poses.project_rotation gives the nearest rotation)"
     )
-
-
-def _row(row: Array) -> str:
-    return f"({', '.join(f'{x:.6g}' for x in row)})"

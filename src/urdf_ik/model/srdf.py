@@ -70,13 +70,10 @@ def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -
     if missing:
         first = next(iter(missing))
         shown = ", ".join(list(missing)[:_MOST]) + (f" ... ({len(missing)})" if len(missing) > _MOST else "")
-        error = UrdfError(
-            f"the URDF has no link{'s' * (len(missing) > 1)} {shown}{meant(first, links)}",
-            source=name,
-            line=missing[first].sourceline,
-            element=f"<{tag(missing[first])}>",
-            hint=f"links: {', '.join(links)}",
-        )
+        problem = f"the URDF has no link{'s' * (len(missing) > 1)} {shown}{meant(first, links)}"
+        element, hint = missing[first], f"links: {', '.join(links)}"
+        place = {"source": name, "line": element.sourceline, "element": f"<{tag(element)}>"}
+        error = UrdfError(problem, **place, hint=hint)
         found.add("srdf link", error)
     return tuple(found.found)
 
@@ -157,12 +154,8 @@ def _two_links(element: Any, first: str, second: str, links: Collection[str], so
     for attribute in (first, second):
         name = element.get(attribute)
         if name not in links:
-            raise UrdfError(
-                f"{attribute} is missing" if name is None else f"{attribute}={name!r}: the URDF has no such link",
-                source=source,
-                line=element.sourceline,
-                element=f"<{tag(element)}>",
-                hint=meant(name or "", links).removeprefix("; ") or f"links: {', '.join(links)}",
-            )
+            problem = f"{attribute} is missing" if name is None else f"{attribute}={name!r}: the URDF has no such link"
+            hint, label = meant(name or "", links).removeprefix("; ") or f"links: {', '.join(links)}", tag(element)
+            raise UrdfError(problem, source=source, line=element.sourceline, element=f"<{label}>", hint=hint)
         pair.append(name)
     return pair[0], pair[1]

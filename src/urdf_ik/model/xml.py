@@ -68,21 +68,12 @@ def parse(source: Source) -> Any:
     data = text.encode(errors="surrogatepass")  # the parser refuses halves of surrogate pairs, and says the line
     root = _tree(data, source.name)
     if root.getroottree().docinfo.internalDTD is not None:
-        raise UrdfError(
-            "a DOCTYPE is refused",
-            source=source.name,
-            line=text.count("\n", 0, text.index("<!DOCTYPE")) + 1,
-            element="<!DOCTYPE>",
-            hint="delete the DOCTYPE and write out its entities",
-        )
+        hint, line = "delete the DOCTYPE and write out its entities", text.count("\n", 0, text.index("<!DOCTYPE")) + 1
+        raise UrdfError("a DOCTYPE is refused", source=source.name, line=line, element="<!DOCTYPE>", hint=hint)
     if tag(root) != "robot":
-        raise UrdfError(
-            f"the root element is <{root.tag}>, not <robot>",
-            source=source.name,
-            line=root.sourceline,
-            element=f"<{root.tag}>",
-            hint=_ROOT_HINTS.get(str(root.tag), "a URDF is one <robot name=...> element"),
-        )
+        element, hint = f"<{root.tag}>", _ROOT_HINTS.get(str(root.tag), "a URDF is one <robot name=...> element")
+        problem = f"the root element is {element}, not <robot>"
+        raise UrdfError(problem, source=source.name, line=root.sourceline, element=element, hint=hint)
     return root
 
 
@@ -156,9 +147,8 @@ def _open_path(name: str | bytes) -> Source:
         there = ", ".join(sorted(file.name for file in path.glob("*.urdf"))[:5])
         hint = f"choose one of its files: {there}" if there else "give the path of a .urdf file"
         raise UrdfError("a directory, not a file", source=label, hint=hint)
-    raise UrdfError(
-        "neither an existing file nor XML text", source=label, hint="check the path; XML text begins with '<'"
-    )
+    hint = "check the path; XML text begins with '<'"
+    raise UrdfError("neither an existing file nor XML text", source=label, hint=hint)
 
 
 def _text(content: str | bytes, name: str) -> str:
@@ -174,12 +164,10 @@ def _text(content: str | bytes, name: str) -> str:
     try:
         return content.decode(encoding)
     except UnicodeDecodeError as error:
-        raise UrdfError(
-            f"not {encoding.removesuffix('-sig')} text: byte 0x{content[error.start]:02x}",
-            source=name,
-            line=content.count(b"\n", 0, error.start) + 1,
-            hint="save the file as UTF-8, or declare its encoding in <?xml ... encoding=...?>",
-        ) from None
+        problem = f"not {encoding.removesuffix('-sig')} text: byte 0x{content[error.start]:02x}"
+        hint = "save the file as UTF-8, or declare its encoding in <?xml ... encoding=...?>"
+        line = content.count(b"\n", 0, error.start) + 1
+        raise UrdfError(problem, source=name, line=line, hint=hint) from None
     except LookupError as error:
         raise UrdfError(f"unusable encoding: {error}", source=name, line=1, hint="save the file as UTF-8") from None
 
@@ -212,12 +200,8 @@ def _tree(data: bytes, name: str) -> Any:
     if not data.strip():
         raise UrdfError("empty: it holds no XML", source=name, line=1, hint="a URDF is one <robot> element") from None
     early = b"<robot" in data and b"</robot" not in data
-    raise UrdfError(
-        f"malformed XML: {problem}",
-        source=name,
-        line=line,
-        hint="the text ends early: </robot> is missing" if early else "correct the XML at this line",
-    ) from None
+    hint = "the text ends early: </robot> is missing" if early else "correct the XML at this line"
+    raise UrdfError(f"malformed XML: {problem}", source=name, line=line, hint=hint) from None
 
 
 def _first_fatal(log: Any) -> Any:

@@ -385,9 +385,7 @@ def _planted(baseline: Lock, reference: Reference, order: tuple[int, ...], toler
     # Small changes of every joint add up.
     longest = tolerance.distance * (1.0 + reference.dof) * max(1.0, reference.size)
     for index, planted in enumerate(baseline.planted):
-        q = np.empty(len(order))
-        q[list(order)] = planted.q
-        distance, angle = apart(matrix(planted.T), reference.pose(q))
+        distance, angle = apart(matrix(planted.T), reference.pose(np.array(planted.q)[np.argsort(order)]))
         if distance > longest or angle > tolerance.angle * (1 + len(order)):
             worst = max(worst, (distance / DEFAULT.distance + angle / DEFAULT.angle, distance, angle, index))
     _, distance, angle, index = worst
@@ -574,15 +572,11 @@ class _Same:
 
     def _sigma_min(self, q: Array) -> Array:
         """Smallest singular value (k,) of the Jacobian at q (k, n), lengths as shares of the arm's size."""
-        return np.maximum(least_singular_value(self.arm, self._in_arm_order(q)), 1e-300)
+        return np.maximum(least_singular_value(self.arm, q[..., np.argsort(self.order)]), 1e-300)
 
     def _one_root(self, q: Array, other: Array) -> bool:
         """Whether the arm is in the pose half way between two joint vectors (n,): one double root."""
         reference = self.arm.cell.reference
-        position, rotation = reference.error(self._in_arm_order(other + 0.5 * self._step(q, other)), self.T)
+        half = other + 0.5 * self._step(q, other)
+        position, rotation = reference.error(half[np.argsort(self.order)], self.T)
         return max(position / max(reference.size, 1e-300), rotation) <= 1e2 * SOLVERS.fold
-
-    def _in_arm_order(self, q: Array) -> Array:
-        out = np.empty_like(q)
-        out[..., list(self.order)] = q
-        return out

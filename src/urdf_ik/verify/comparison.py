@@ -302,9 +302,7 @@ def _tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> "Tool
     """Difference between the tip poses of A and B at joint vectors ``q`` (m, n) of A; None without one."""
     if not len(q):
         return None
-    swapped = np.empty_like(q)
-    swapped[:, order] = q
-    position, rotation = b.errors(swapped, a.pose(q))
+    position, rotation = b.errors(q[:, np.argsort(order)], a.pose(q))
     return ToolError(len(q), _spread(position), _spread(rotation), tuple(q[int(np.argmax(position))].tolist()))
 
 

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -219,20 +220,15 @@ def _steps(arm: Arm) -> tuple[Step, ...]:
 
 def _shapes(arm: Arm) -> tuple[Shape, ...]:
     tree, out = etree.fromstring(arm.model.xml), []
-    digests: dict[str, str] = {}
-    in_body: dict[str, Array] = {}
+    digest, in_body = cache(partial(_digest, arm)), cache(partial(_in_body, arm))
     for role in ("collision", "visual"):
         for body in tree.iterfind(f"link/{role}"):
             geometry = body.find("geometry")[0]
             size = tuple(x for name in _SIZES.get(geometry.tag, ()) for x in floats(geometry, name))
             name = geometry.get("filename") or ""
-            if geometry.tag == "mesh" and name not in digests:
-                digests[name] = _digest(arm, name)
             file = name.replace("\\", "/").rpartition("/")[2]
             link = body.getparent().get("name")
-            if link not in in_body:
-                in_body[link] = _in_body(arm, link)
-            T, sha256 = in_body[link] @ origin_of(body), digests.get(name, "")
+            T, sha256 = in_body(link) @ origin_of(body), digest(name) if geometry.tag == "mesh" else ""
             out.append(Shape(link, role, geometry.tag, size, flat(T), file, sha256))
     return tuple(out)
 

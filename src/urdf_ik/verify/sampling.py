@@ -118,15 +118,10 @@ def answered(arm: Arm, kind: str, T: Array, values: Array | None, shapes: "Colli
     within = solutions.within_limits().valid
     out = []
     for i in range(len(T)):
-        valid = solutions.valid[i]
-        rows = zip(
-            rounded(solutions.q[i, valid]),
-            map(str, solutions.names[i, valid]),
-            map(bool, within[i, valid]),
-            map(bool, solutions.singular[i, valid]),
-            contacts(shapes, solutions.q[i, valid]),
-            strict=True,
-        )
+        parts = (solutions.q, solutions.names, within, solutions.singular)
+        q, names, inside, singular = (part[i, solutions.valid[i]] for part in parts)
+        flags = map(bool, inside), map(bool, singular), contacts(shapes, q)
+        rows = zip(rounded(q), map(str, names), *flags, strict=True)
         redundancy = () if values is None else tuple(map(float, np.ravel(values[i])))
         out.append(Pose(kind, flat(T[i]), redundancy, tuple(Answer(*row) for row in rows)))
     return out

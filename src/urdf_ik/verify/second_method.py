@@ -184,11 +184,10 @@ def _roots(h: Array, a: Array, G: Array, shifts: Array) -> Array:
     q[:, 0], q[:, 1] = np.arctan2(terms[:, 5], terms[:, 2]), np.arctan2(terms[:, 1], terms[:, 0])
     # The last: how far a direction across its axis is turned.
     across = np.cross(h[5], np.eye(3)[np.argmin(np.abs(h[5]))])
-    seen, goal = np.zeros((len(q), 3)), np.tile(G[:3, :3] @ across, (len(q), 1))
+    goal = np.tile(G[:3, :3] @ across, (len(q), 1))
     for k in range(5):
         goal = _rotated(h[k], -q[:, k], goal)
-    seen[:] = across
-    q[:, 5] = np.arctan2(np.cross(seen, goal) @ h[5], np.einsum("ij,ij->i", seen, goal))
+    q[:, 5] = np.arctan2(np.cross(across, goal) @ h[5], goal @ across)
     return shortest(q)
 
 

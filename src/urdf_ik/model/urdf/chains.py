@@ -235,10 +235,6 @@ class Chains:
             heights[link] = max((int(_moves(joint)) + heights[joint.child] for joint in carried), default=0)
         return heights
 
-    def _height(self, joint: Joint) -> int:
-        """Greatest number of joints without a mimic on a path down, this one included."""
-        return int(_moves(joint)) + self._heights[joint.child]
-
     def _ways(self) -> list[list[_Body]]:
         """Paths from the base down to the ends of arms; a floating or planar joint starts a new path."""
         ways: list[list[_Body]] = []
@@ -260,7 +256,7 @@ class Chains:
 
     def _is_finger(self, joint: Joint, beside: int, depth: int) -> bool:
         """Whether a joint moves a finger and not the arm: one of several joints in a hand, or the last of an arm."""
-        height = self._height(joint)
+        height = int(_moves(joint)) + self._heights[joint.child]
         if beside > 1 and not height:
             return True
         if depth < _HAND_AFTER:

@@ -464,11 +464,9 @@ def _bounds(place: Place, kind: str) -> tuple[float, float]:
     """Lower and upper bound; a missing one is 0, as the URDF standard says."""
     element, bounded = child(place.element, "limit"), kind in ("revolute", "prismatic")
     if element is None and bounded:
-        place.fail(
-            f"a {kind} joint without <limit>",
-            hint='write <limit lower="..." upper="..." effort="..." velocity="..."/>'
-            + (", or make it continuous" if kind == "revolute" else ""),
-        )
+        hint = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
+        hint += ", or make it continuous" * (kind == "revolute")
+        place.fail(f"a {kind} joint without <limit>", hint=hint)
     if element is None or kind not in MOVABLE:
         return -math.inf, math.inf
     lower, upper = (float(place.numbers(element, name, 1, "0")[0]) for name in ("lower", "upper"))

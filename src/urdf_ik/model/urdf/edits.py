@@ -32,11 +32,8 @@ def with_numbers(source: object, changes: Mapping[str, Mapping[str, Mapping[str,
     joints = _joints(robot)
     for name, elements in changes.items():
         if name not in joints:
-            raise UrdfError(
-                f"there is no joint {name!r} in the text",
-                source=opened.name,
-                hint="give a URDF, not a program that makes one (xacro)",
-            )
+            hint = "give a URDF, not a program that makes one (xacro)"
+            raise UrdfError(f"there is no joint {name!r} in the text", source=opened.name, hint=hint)
         for element, attributes in elements.items():
             changed = child(joints[name], element)
             if changed is None:

@@ -80,11 +80,7 @@ def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -
     return tuple(Path(root).absolute() for root in ([roots] if isinstance(roots, str | os.PathLike) else roots))
 
 
-_SHAPES: dict[str, dict[str, int]] = {
-    "box": {"size": 3},
-    "cylinder": {"radius": 1, "length": 1},
-    "sphere": {"radius": 1},
-}
+_SHAPES = {"box": {"size": 3}, "cylinder": {"radius": 1, "length": 1}, "sphere": {"radius": 1}}
 _SHAPES["capsule"] = _SHAPES["cylinder"]
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

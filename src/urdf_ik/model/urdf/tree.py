@@ -81,11 +81,9 @@ def check_tree(
         other = parent_of.setdefault(joint.child, joint)
         if other is not joint:
             place = written[joint.name].place
-            error = place.error(
-                f"link {joint.child!r} has two parents: this joint and {other.name!r} at line {other.line}",
-                hint="a link is the child of one joint only; a closed loop cannot be written as a URDF",
-                at=child(place.element, "child"),
-            )
+            problem = f"link {joint.child!r} has two parents: this joint and {other.name!r} at line {other.line}"
+            hint = "a link is the child of one joint only; a closed loop cannot be written as a URDF"
+            error = place.error(problem, hint=hint, at=child(place.element, "child"))
             defects.add("two parents", error, joints=[other.name, joint.name])
     first = next((link for link in links if link not in parent_of), "")
     if len(parent_of) + 1 == len(links) == len(_below(first, parent_of)):  # one tree

@@ -160,9 +160,7 @@ class UrdfModel:
     def _chains_below(self, base: str | None) -> Chains:
         # A joint that was read as fixed because of a defect may still belong to the chain that the caller means.
         still = {name for each in self.warnings if each.assumed == TAKEN_FOR_FIXED for name in each.joints}
-        joints = self.joints
-        if still:
-            joints = tuple(replace(each, type="continuous") if each.name in still else each for each in joints)
+        joints = tuple(replace(each, type="continuous") if each.name in still else each for each in self.joints)
         return Chains(self._require(self.root if base is None else base, "base"), joints)
 
     def resolve_chain(
@@ -197,10 +195,8 @@ class UrdfModel:
                 return base, tips[0]
             start = self.root if base is None else base
             joints = f"no {', '.join(MOVABLE)} joint"
-            raise ChainError(
-                f"{self.source}: {joints} below base {start!r}"
-                + ("; name the tip with tip=... (--tip)" if whole else ": there is no movable chain")
-            )
+            way_out = "; name the tip with tip=... (--tip)" if whole else ": there is no movable chain"
+            raise ChainError(f"{self.source}: {joints} below base {start!r}{way_out}")
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
         if len(meant) == 1:
             return meant[0].base if base is None else base, meant[0].tip
@@ -221,12 +217,7 @@ class UrdfModel:
         path = self.path_between(base, tip)
         links = {base, tip}.union(*((joint.parent, joint.child) for joint in path))
         joints = {each.name for joint in path for each in self._row(joint)}
-        used = [
-            warning.error
-            for warning in self.warnings
-            if not (joints.isdisjoint(warning.joints) and links.isdisjoint(warning.links))
-        ]
-        if used:
+        if used := [each.error for each in self.warnings if joints & {*each.joints} or links & {*each.links}]:
             raise together(used)
 
     def _row(self, joint: Joint) -> list[Joint]:

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
-from math import factorial
+from itertools import combinations_with_replacement, product
+from math import factorial, prod
 from typing import Self
 
 import numpy as np
@@ -109,8 +109,7 @@ def enclosed(loop: Loop, centre: Sequence[acb], least: arb = _LEAST) -> Enclosur
         rest = acb_mat([[int(i == k) for k in range(6)] for i in range(6)]) - C * J
         image = rest * _column(box([acb(0)] * 6, radius)) - moved
         if all(abs(image[i, 0].real) < radius and abs(image[i, 0].imag) < radius for i in range(6)):
-            identity = is_identity(X)
-            if not identity:
+            if not is_identity(X):
                 return "it is half a turn off the pose"
             return Enclosure(tuple(centre), radius, all(c.imag.is_zero() for c in centre))
         radius *= 8
@@ -166,8 +165,7 @@ def cluster(loop: Loop, centre: NDArray[np.complex128], lost: int, R: float, rho
     constant = left * _column(residual(X))
     reach = (arb(R) ** 2 + arb(rho) ** 2).sqrt()
     around = box(here, reach)
-    identity = is_identity(loop.values(around))
-    if not identity:
+    if not is_identity(loop.values(around)):
         return "it is half a turn off the pose, or may be"
     second = _in_coordinates(loop.hessian(around), left, V)
     at_centre = _in_coordinates(loop.hessian(here), left, V)
@@ -228,10 +226,7 @@ def _least(quadrics: list[list[list[acb]]]) -> arb:
 
 
 def _weight(key: Sequence[int], r: int) -> arb:
-    many = factorial(len(key))
-    for i in range(r):
-        many //= factorial(list(key).count(i))
-    return arb(many).sqrt()
+    return arb(factorial(len(key)) // prod(factorial(list(key).count(i)) for i in range(r))).sqrt()
 
 
 def _in_coordinates(H: list[list[list[acb]]], left: acb_mat, V: acb_mat) -> list[list[list[acb]]]:
@@ -345,11 +340,10 @@ def _cluster_at(loop: Loop, centre: Complex) -> ClusterEnclosure | None:
     _, J = loop.jacobian(exact(centre))
     sizes = np.linalg.svd(np.array([[complex(J[i, k]) for k in range(6)] for i in range(6)]), compute_uv=False)
     lost = int((sizes < _WEAK * sizes[0]).sum())
-    for R in (1e-5, 1e-4, 1e-6, 1e-7, 1e-3, 1e-8):
-        for share in (3.0, 30.0, 300.0):
-            found = cluster(loop, centre, lost, R, share * R * R)
-            if not isinstance(found, str):
-                return found
+    for R, share in product((1e-5, 1e-4, 1e-6, 1e-7, 1e-3, 1e-8), (3.0, 30.0, 300.0)):
+        found = cluster(loop, centre, lost, R, share * R * R)
+        if not isinstance(found, str):
+            return found
     return None
 
 
