@@ -62,8 +62,7 @@ def html(arm: Arm, *, faces: int = FACES, q: ArrayLike | None = None) -> str:
         "wasm": _packed(_built("urdf_ik.wasm")),
         "script": _built("page.bundle.js").decode(),
     }
-    page = (WEB / "page" / "page.html").read_text()
-    pieces = page.split("@@")
+    pieces = (WEB / "page" / "page.html").read_text().split("@@")
     return "".join(parts[piece] if k % 2 else piece for k, piece in enumerate(pieces))
 
 

@@ -155,9 +155,7 @@ class WrittenChain(Frozen):
         """
         Q, numbers = self._checked(q, values)
         frames = self._frames(Q, numbers)
-        return self._asked(self._rates(Q, numbers, frames, frames[-1][..., :3, 3]), parameters)
-
-    def _asked(self, rates: Array, parameters: Sequence[Any] | None) -> Array:
+        rates = self._rates(Q, numbers, frames, frames[-1][..., :3, 3])
         return rates if parameters is None else rates[..., self.columns(parameters)]
 
     def _own(self, k: int, numbers: Array) -> Array:

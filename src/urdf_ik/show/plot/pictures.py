@@ -183,8 +183,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     axes = figure.add_subplot()
     image = axes.imshow(layer.values.T, origin="lower", extent=layer.extent, cmap="viridis", vmin=0.0)
     figure.colorbar(image, ax=axes, label=VALUES[what])
-    axes.set_xlabel(f"{layer.axes[0]} [m]")
-    axes.set_ylabel(f"{layer.axes[1]} [m]")
+    axes.set(xlabel=f"{layer.axes[0]} [m]", ylabel=f"{layer.axes[1]} [m]")
     axes.locator_params(nbins=6)
     axes.set_title(f"{draw.words(found.about['robot'])}: {axis} = {layer.at:.3g} m")
     return figure
@@ -224,8 +223,7 @@ def placements(found: PlacementMap, what: str = "reached") -> "Figure":
     figure.colorbar(image, ax=axes, label=draw.words(SHOWN[what]))
     axes.plot(*found.targets[:, :2, 3].T, ".", color="tab:red", markersize=2, label="targets")
     axes.plot(best[0], best[1], "x", color="white", markersize=9, markeredgewidth=2, label="best place")
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_title(f"{draw.words(str(found.about['robot']))}: base at z = {found.grid.coordinates(2)[layer]:.3g} m")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8, facecolor="0.8")
     return figure
