@@ -177,12 +177,8 @@ def _without_missing_files(spec: Any, source: Source, folder: Path) -> tuple[Urd
             spec.delete(geom)
         else:
             geom.material = ""
-    for kind in (spec.skins, spec.materials, spec.textures):
-        for each in list(kind):
-            spec.delete(each)
-    for mesh in list(spec.meshes):
-        if mesh in absent:
-            spec.delete(mesh)
+    for each in (*spec.skins, *spec.materials, *spec.textures, *absent):
+        spec.delete(each)
     spec.compiler.boundmass = max(spec.compiler.boundmass, 1e-9)  # a body may have lost all that it weighs
     spec.compiler.boundinertia = max(spec.compiler.boundinertia, 1e-12)
     return tuple(lost)

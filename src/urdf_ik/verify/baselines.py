@@ -282,14 +282,10 @@ class Lock:
             poses = [{**pose, "answers": pose["solutions"]} for pose in data["poses"]]
             made_by = sorted((key, str(value)) for key, value in data["made_by"].items())
             contacts = "" if data["contacts"] == "checked" else data["contacts"]
-            baseline = cls(
-                arm,
-                from_plain(tuple[Planted, ...], data["planted"], "planted"),
-                from_plain(tuple[Pose, ...], poses, "poses"),
-                str(contacts),
-                tuple(made_by),
-                from_plain(Origin | None, data.get("origin"), "origin"),
-            )
+            planted = from_plain(tuple[Planted, ...], data["planted"], "planted")
+            solved = from_plain(tuple[Pose, ...], poses, "poses")
+            origin = from_plain(Origin | None, data.get("origin"), "origin")
+            baseline = cls(arm, planted, solved, str(contacts), tuple(made_by), origin)
             baseline._require_complete()
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"{type(error).__name__} {error}"

@@ -89,8 +89,7 @@ def compare(
             found = [(names[k], SECOND, x) for k, x in answer.only_first]
             found += [(f"number {k + 1} of the second way", SOLVER, x) for k, x in answer.only_second]
             found += [("planted", BOTH, vectors[index])] * answer.planted_lost
-            how = answer.how[DOUBLE_ROOT], answer.how[CONTINUUM]
-            numbers = (1, valid[i].sum(), len(theirs), *how, len(found))
+            numbers = (1, valid[i].sum(), len(theirs), answer.how[DOUBLE_ROOT], answer.how[CONTINUUM], len(found))
             counts[near] = counts.get(near, np.zeros(6, np.intp)) + numbers
             for branch, missed_by, x in found:
                 pair = tuple(map(float, vectors[index])), tuple(map(float, x))

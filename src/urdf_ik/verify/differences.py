@@ -359,9 +359,8 @@ def _changed_shape(kind: str, before: Shape, after: Shape, tolerance: Tolerance)
         words = "is missing: its file cannot be read" if after.digest == MISSING else "has another content"
         words = "was missing, and is there" if before.digest == MISSING else words
         return [Difference(kind, after.link, f"its {_called(after)} {words}")]
-    if len(before.size) != len(after.size) or np.abs(np.subtract(before.size, after.size)).max(initial=0.0) > max(
-        tolerance.distance, DEFAULT.distance
-    ):
+    room = max(tolerance.distance, DEFAULT.distance)
+    if len(before.size) != len(after.size) or np.abs(np.subtract(before.size, after.size)).max(initial=0.0) > room:
         return [Difference(kind, after.link, f"its {_called(after)} has another size")]
     if before.file != after.file and before.digest == MISSING:
         return [Difference(kind, after.link, f"its {_called(after)} was {before.file}")]

@@ -158,10 +158,8 @@ def _poses(arm: Arm, kind: str, n: int, seed: int) -> tuple[Array, Array | None,
     q = rng.uniform(lower, upper, (n, reference.dof))
     if kind == "round":
         q = round_vectors(reference, rng, n)
-    elif kind == "near singularity":
-        q = near_singularity(arm, rng, n)
-    elif kind == "at singularity":
-        q = near_singularity(arm, rng, n, away=False)
+    elif kind in ("near singularity", "at singularity"):
+        q = near_singularity(arm, rng, n, away=kind == "near singularity")
     T = reference.pose(q)
     if kind != "tool down" or arm.task != "pose" or reference.dof < 6:
         return T, q, redundancy_at(arm, q)
