@@ -22,7 +22,7 @@ from urdf_ik.paths.planned_motion import Plan
 from urdf_ik.show.viewer import guard, playback
 from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import Drawing
-from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, add_sources, plain
+from urdf_ik.show.viewer.panels import READING, STYLE, Panel, PathPanel, WorkPanel, add_sources, plain
 from urdf_ik.show.viewer.playback import Latest
 from urdf_ik.show.viewer.state import State
 from urdf_ik.show.viewer.surroundings import Obstacles, add_path, points_beside
@@ -38,6 +38,7 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
+        work: the widgets to paste and copy.
         path: the widgets of the plan that is shown, or None.
         path_line: the path in the scene, or None.
         plan: the plan that is shown, or None.
@@ -224,6 +225,7 @@ class Viewer:
         self._show_plan(None)
         self.drawing.remove()
         self.panel.remove()
+        self.work.remove()
         self.obstacles.remove()
         self._show_arm(state)
         return None
@@ -238,6 +240,7 @@ class Viewer:
         self.drawing = Drawing(self.server.scene, arm)
         self.panel = Panel(self.server.gui, arm, self.choose, self._slid, self._turned)
         self.obstacles = Obstacles(self.server.scene, state.world, arm.chain.size)
+        self.work = WorkPanel(self.server.gui, arm, lambda step: self._update(object(), step), self._say)
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         first = self.server.initial_camera
@@ -284,6 +287,7 @@ class Viewer:
         with self.server.atomic():
             self.drawing.show(state, keep_target=held is self.drawing.target)
             self.panel.show(state, keep=held)
+            self.work.show(state)
             self.obstacles.update()
         self.server.flush()
 

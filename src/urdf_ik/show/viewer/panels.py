@@ -1,6 +1,7 @@
-"""The widgets of the viewer's page: arm, path, another arm; they mirror a State."""
+"""The widgets of the viewer's page: arm, path, text, another arm; they mirror a State."""
 
 import math
+import re
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -11,14 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.arm import Arm
-from urdf_ik.errors import MissingPackage
+from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.branch_names import short
 from urdf_ik.model import catalogue
+from urdf_ik.model.poses import check_poses, pose
 from urdf_ik.paths.planned_motion import Plan
+from urdf_ik.show.viewer import state as states
 from urdf_ik.show.viewer.arm_and_gizmo import colours
 from urdf_ik.show.viewer.playback import last
 from urdf_ik.show.viewer.state import State
+from urdf_ik.typing import Array
 
 READING = threading.Lock()
 """Held while a page's value is read and requested: viser calls in several threads, and a slow one would request an
@@ -26,7 +30,6 @@ older value after a newer one."""
 _STEP, _DIGITS = 0.001, 3  # rad or m
 _PLACE_STEP = 0.1  # waypoints
 _NO_CHOICE = "catalogue ..."
-_SHOWN_DIGITS = 9
 _LETTERS = 54
 """As many fit on a button of a wide window."""
 STYLE = """<style>
@@ -49,7 +52,6 @@ class Panel:
         sliders: one a joint.
         redundancies: sliders of the redundancy parameters.
         strip: picture of the intervals of a single parameter by branch; None without a parameter.
-        copied: the joint vector and the target as Python, to be selected and copied.
     """
 
     def __init__(
@@ -89,15 +91,10 @@ class Panel:
             ]
         for index, slider in enumerate(self.sliders):
             on_change(slider, partial(on_joint, index))
-        self._folders.append(gui.add_folder("Copy", expand_by_default=False, order=5e8))
-        with self._folders[-1]:
-            self.copied = gui.add_markdown("")
 
     def show(self, state: State, *, keep: object = None) -> None:
         """Set every widget to what ``state`` says, except for ``keep``, which is being moved."""
         self.status.content = _status(state)
-        joints, pose = ((np.round(each, _SHOWN_DIGITS) + 0.0).tolist() for each in (state.q, state.target))
-        self.copied.content = f"```\nq = {joints}\npose = {pose}\n```"
         chosen, by_column = state.chosen, {ghost.column: k for k, ghost in enumerate(state.ghosts)}
         for column, button in enumerate(self.branches):
             k = by_column.get(column)
@@ -243,6 +240,51 @@ def _plan_status(plan: Plan) -> str:
     return "\n\n".join(lines)
 
 
+class WorkPanel:
+    """A pose or joint vector to paste or copy, and keys.
+
+    Attributes:
+        text: where a pose or a joint vector is pasted.
+        copied: the joint vector and the target as Python, to be selected and copied.
+    """
+
+    def __init__(
+        self, gui: Any, arm: Arm, change: Callable[[Callable[[State], State]], None], say: Callable[[str], None]
+    ) -> None:
+        """Add the widgets; ``change`` is called with what makes the next state, ``say`` with what is wrong."""
+        self._arm, self._change, self._say = arm, change, say
+        self._folder = gui.add_folder("Paste, copy", expand_by_default=False, order=5e8)
+        with self._folder:
+            hint = "q = [...], 16 numbers of a matrix, or x y z and a quaternion"
+            self.text = gui.add_text("Pose or q", "", hint=hint)
+            self.copied = gui.add_markdown("")
+        self._keys = [gui.add_command("Next solution", hotkey="N"), gui.add_command("Previous solution", hotkey="P")]
+        on_change(self.text, self._typed)
+        for key, step in zip(self._keys, (1, -1), strict=True):
+            key.on_trigger(lambda _, step=step: change(lambda state: states.with_next(state, step)))
+
+    def show(self, state: State) -> None:
+        """Write the joint vector and the target of ``state``."""
+        self.copied.content = f"```\n{written(state.q, state.target)}\n```"
+
+    def remove(self) -> None:
+        """Take the widgets out of the panel again."""
+        for part in (self._folder, *self._keys):
+            part.remove()
+
+    def _typed(self, text: str) -> None:
+        if not text.strip():
+            return
+        try:
+            kind, value = read(text, self._arm)
+        except UrdfIkError as error:
+            self._say(str(error))
+            return
+        self._say("")
+        step = states.with_joints if kind == "q" else states.with_target
+        self._change(lambda state: step(state, value))
+
+
 def add_sources(gui: Any, choose: Callable[[str], None], name: Callable[[], str], page: Callable[[], str]) -> None:
     """Add the widgets that stay whatever arm is shown: the catalogue, and a button that saves the scene.
 
@@ -264,3 +306,60 @@ def add_sources(gui: Any, choose: Callable[[str], None], name: Callable[[], str]
 
     on_change(names, lambda chosen: choose(chosen) if chosen in catalogue.names() else None)
     save.on_click(saved)
+
+
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_BESIDE = re.compile(r"[\s,;()\[\]]|np\.|array|tensor")
+_SHOWN_DIGITS = 9
+
+
+def read(text: str, arm: Arm) -> tuple[str, Array]:
+    """What a text says: ('q', (n,) rad or m) or ('pose', (4, 4) m).
+
+    Numbers in brackets or without: as many as the arm has joints are a joint vector, 16 a matrix, 7 a position and a
+    quaternion (x, y, z, w), 6 a position and roll, pitch, yaw [rad]. Where that leaves a doubt, a word says what they
+    are: ``q=...``, ``pose=...``.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> read("q = [0, 0.5, 0, 0, 0, 0]", arm)[0], read("1.2 0.4 0.9 0 0 0 1", arm)[1][:3, 3].tolist()
+        ('q', [1.2, 0.4, 0.9])
+    """
+    kind, values = _parsed(text)
+    n = arm.dof
+    if kind == "q" or (not kind and len(values) == n):
+        if len(values) != n:
+            raise ArgumentError(f"{len(values)} numbers given; {arm.name} has {n} joints: {', '.join(arm.joint_names)}")
+        return "q", arm.chain.check(values)
+    if len(values) == 16:
+        return "pose", check_poses(values.reshape(4, 4))
+    if len(values) == 7:
+        return "pose", pose(values[:3], quat_xyzw=values[3:])
+    if len(values) == 6:
+        return "pose", pose(values[:3], rpy=values[3:])
+    raise ArgumentError(
+        f"{len(values)} numbers given; {n} are a joint vector, 16 a matrix, 7 x,y,z and a quaternion x,y,z,w, 6 x,y,z "
+        "and roll,pitch,yaw"
+    )
+
+
+def written(q: Array, target: Array) -> str:
+    """A joint vector and the target's pose as lines of Python, each of which :func:`read` takes."""
+    joints, matrix = ((np.round(each, _SHOWN_DIGITS) + 0.0).tolist() for each in (q, target))
+    return f"q = {joints}\npose = {matrix}"
+
+
+def _parsed(text: str) -> tuple[str, Array]:
+    """The word that says what the numbers are, 'q', 'pose' or '', and the numbers."""
+    word, sign, rest = text.partition("=")
+    if sign and word.strip() in ("q", "pose", "T"):
+        return "q" if word.strip() == "q" else "pose", _numbers(rest)
+    return "", _numbers(text)
+
+
+def _numbers(text: str) -> Array:
+    left = _BESIDE.sub("", _NUMBER.sub(" ", text)).strip()
+    if left:
+        raise ArgumentError(f"{left!r} is no number; paste numbers, such as 0.5, 0.1, 0.3, 0, 0, 0, 1")
+    return np.array([float(each) for each in _NUMBER.findall(text)])

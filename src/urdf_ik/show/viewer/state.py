@@ -140,6 +140,16 @@ def with_branch(state: State, column: int) -> State:
     return replace(state, q=found[0].q) if found else state
 
 
+def with_next(state: State, step: int) -> State:
+    """The arm moved to the next solution of its target inside the limits, by branch; ``step`` -1: to the one before."""
+    inside = [ghost for ghost in state.ghosts if not ghost.outside]
+    if not inside:
+        return state
+    at = state.nearest(tuple(inside))
+    there = state.chosen is not None and at is not None and state.ghosts[state.chosen] is inside[at]
+    return replace(state, q=inside[((at or 0) + step * there) % len(inside)].q)
+
+
 def _moved(state: State) -> State:
     """The intervals of a target that has moved."""
     if len(state.arm.solver.parameters) != 1:
