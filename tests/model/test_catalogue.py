@@ -74,6 +74,7 @@ def test_missing_package_says_how_to_install_it(installed: str, monkeypatch: pyt
         return None if installed == "without a list of files" else [metadata.PackagePath("share/else/package.xml")]
 
     monkeypatch.setattr(metadata, "files", files)
+    catalogue._found_share.cache_clear()  # as in a process that has not asked yet
     with pytest.raises(ArgumentError, match=r"'ur5' .* example-robot-data.*pip install 'example-robot-data>="):
         catalogue.resolve("ur5")
     assert catalogue.resolve("dh_6r").path.is_file()

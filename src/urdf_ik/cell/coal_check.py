@@ -5,7 +5,7 @@ Pinocchio places the arm's shapes. An obstacle is placed when a pair with it is 
 
 import heapq
 import threading
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import coal
@@ -64,19 +64,21 @@ class ArmShapes:
             (np.array(covering), np.array([radii for _, radii in several])),
         )
         self.work = _Work(reference.pin_model, geometry)
+        base = frames[reference.base_frame]
+        self._base = base.parentJoint, pin.SE3(base.placement)
 
     def place(self, q: Array) -> "_Placing":
-        """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
-        work, model, base = self.work, self.reference.pin_model, self.reference.base_frame
-        pin.updateGeometryPlacements(model, work.data, self.geometry, work.geometry, self.reference.configuration(q))
-        frame = model.frames[base]
-        return _Placing(work.geometry.oMg, work.data.oMi[frame.parentJoint] * frame.placement, {}, {})
+        """Every shape where Pinocchio puts it at ``q`` (n,), in memory of the thread: until it places them again."""
+        work, (joint, base) = self.work, self._base
+        configuration = self.reference.configuration(q)
+        pin.updateGeometryPlacements(self.reference.pin_model, work.data, self.geometry, work.geometry, configuration)
+        return _Placing(work.geometry.oMg, lambda: work.data.oMi[joint] * base, work.poses, {}, {})
 
     def place_at(self, link_poses: Mapping[str, Array]) -> "_Placing":
         """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
         shapes = [se3[link] * offset for link, offset in zip(self.links, self.offsets, strict=True)]
-        return _Placing(shapes, se3.get(self.reference.base), {}, {})
+        return _Placing(shapes, lambda: se3[self.reference.base], self.work.poses, {}, {})
 
 
 class _Placing(NamedTuple):
@@ -84,20 +86,29 @@ class _Placing(NamedTuple):
 
     Attributes:
         shapes: poses of the arm's shapes, each a ``pinocchio.SE3``.
-        base: the base link's pose, a ``pinocchio.SE3``.
-        links: coal's poses of the arm's shapes by their numbers, made when they are first needed.
+        find_base: gives ``base``, which obstacles alone need.
+        poses: memory of the thread for coal's poses of the arm's shapes.
+        links: those that are set, by the shapes' numbers: when they are first needed.
         obstacles: the same of obstacles by their names.
     """
 
     shapes: Any
-    base: Any
+    find_base: Callable[[], Any]
+    poses: list[Any]
     links: dict[int, Any]
     obstacles: dict[str, Any]
+
+    @property
+    def base(self) -> Any:
+        """The base link's pose, a ``pinocchio.SE3``."""
+        return self.find_base()
 
     def link(self, shape: int) -> Any:
         """Coal's pose of a shape of the arm."""
         if shape not in self.links:
-            self.links[shape] = _transform(self.shapes[shape])
+            placed, pose = self.shapes[shape], self.poses[shape]
+            pose.setTransform(placed.rotation, placed.translation)
+            self.links[shape] = pose
         return self.links[shape]
 
     def obstacle(self, obstacle: Obstacle) -> Any:
@@ -117,8 +128,9 @@ class _Work(threading.local):
 
     def __init__(self, model: Any, geometry: Any) -> None:
         self.data = model.createData()
+        self.poses = [coal.Transform3s() for _ in range(geometry.ngeoms)]
         self.geometry = geometry.createData()
-        self.request = coal.CollisionRequest()
+        self.request, self.result = coal.CollisionRequest(), coal.CollisionResult()
 
 
 class CoalCheck:
@@ -172,41 +184,35 @@ class CoalCheck:
 
     def touches(self, placing: _Placing, pair: int, margin: float = 0.0, *, hulls: bool = False) -> bool:
         """Whether a pair comes within a margin [m], its convex hulls first; ``hulls``: whether these do."""
-        request = self.arm.work.request
-        for first, second, grown, (at, there) in self._solids(placing, pair, hulls):
-            request.security_margin = margin + grown
-            if not coal.collide(first, at, second, there, request, coal.CollisionResult()):
+        one, other, grown, at, there = self._placed(placing, pair)
+        request, result = self.arm.work.request, self.arm.work.result
+        request.security_margin = margin + grown
+        if one.hull is not None or other.hull is not None:
+            result.clear()
+            if not coal.collide(one.hull or one.exact, at, other.hull or other.exact, there, request, result):
                 return False
-        return True
+            if hulls:
+                return True
+        result.clear()
+        return bool(coal.collide(one.exact, at, other.exact, there, request, result))
 
     def distance(self, placing: _Placing, pair: int, hulls: bool = False) -> float:
         """Distance of a pair [m], or of its hulls, which is a lower bound; zero or less in collision."""
-        *_, (first, second, grown, (at, there)) = self._solids(placing, pair, hulls)
+        one, other, grown, at, there = self._placed(placing, pair)
+        first, second = (hulls and one.hull) or one.exact, (hulls and other.hull) or other.exact
         result = coal.DistanceResult()
         coal.distance(first, at, second, there, coal.DistanceRequest(), result)
         return float(result.min_distance) - grown
 
-    def _both(self, pair: int) -> tuple[Solid, Solid]:
-        """Coal's geometries of the two shapes of a pair."""
+    def _placed(self, placing: _Placing, pair: int) -> tuple[Solid, Solid, float, Any, Any]:
+        """The two shapes of a pair, the second one's inflation [m], and coal's poses of both."""
+        solids = self.arm.solids
         if pair < len(self.pairs):
-            return self.arm.solids[self.pairs[pair].first], self.arm.solids[self.pairs[pair].second]
+            _, first, second = self.pairs[pair]
+            return solids[first], solids[second], 0.0, placing.link(first), placing.link(second)
         shape, obstacle = self._with_obstacle(pair)
-        return self.arm.solids[shape], self.obstacles.bounds[obstacle].solid
-
-    def _solids(self, placing: _Placing, pair: int, hulls: bool) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
-        """Coal's geometries of a pair, the second one's inflation [m], and the poses of both."""
-        one, other = self._both(pair)
-        if pair < len(self.pairs):
-            poses, grown = (placing.link(self.pairs[pair].first), placing.link(self.pairs[pair].second)), 0.0
-        else:
-            shape, obstacle = self._with_obstacle(pair)
-            standing = self.obstacles.standing[obstacle]
-            poses, grown = (placing.link(shape), placing.obstacle(standing)), standing.shape.inflation
-        has_hulls = one.hull is not None or other.hull is not None
-        if has_hulls:
-            yield one.hull or one.exact, other.hull or other.exact, grown, poses
-        if not (hulls and has_hulls):
-            yield one.exact, other.exact, grown, poses
+        standing, other = self.obstacles.standing[obstacle], self.obstacles.bounds[obstacle].solid
+        return solids[shape], other, standing.shape.inflation, placing.link(shape), placing.obstacle(standing)
 
     def nearest(
         self, placing: _Placing, pairs: Sequence[int], least: Sequence[float], known: dict[tuple[int, bool], float]
@@ -234,7 +240,7 @@ class CoalCheck:
             bound, of_hulls, pair = heapq.heappop(waiting)
             if bound >= best:
                 break
-            if not of_hulls and any(each.hull is not None for each in self._both(pair)):
+            if not of_hulls and any(each.hull is not None for each in self._placed(placing, pair)[:2]):
                 heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, pair))
             elif (distance_of_pair := max(distance(pair, False), 0.0)) < best:
                 best, nearest = distance_of_pair, pair

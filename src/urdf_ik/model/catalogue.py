@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from urdf_ik.errors import ArgumentError
@@ -198,13 +199,14 @@ def _of_example_robot_data(name: str) -> str | None:
 
 def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
-    install = extras.command("robots")
     if share is None:
-        raise ArgumentError(f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {install}")
+        raise ArgumentError(
+            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {extras.command('robots')}"
+        )
     path = _robot_file(share, name)
     if not path.is_file():
         missing = f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing"
-        raise ArgumentError(f"{missing}: {install} --upgrade")
+        raise ArgumentError(f"{missing}: {extras.command('robots')} --upgrade")
     return Entry(path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
 
 
@@ -221,16 +223,20 @@ def _bundled_folder() -> Path:
 
 def _example_robot_data_share() -> Path | None:
     """The ``share`` folder of example-robot-data, or None where it is not installed."""
+    try:
+        return _found_share()
+    except ImportError:
+        return None
+
+
+@cache  # what is found, not an error: the package may be installed later
+def _found_share() -> Path:
     from importlib import metadata  # 10 ms that ``import urdf_ik`` need not pay
 
-    try:
-        files = metadata.files(_DISTRIBUTION) or ()
-    except metadata.PackageNotFoundError:
-        return None
-    for file in files:
+    for file in metadata.files(_DISTRIBUTION) or ():
         if file.as_posix().endswith(_MARKER):
             return Path(str(file.locate())).resolve().parents[1]
-    return None
+    raise ImportError(f"{_DISTRIBUTION} without {_MARKER}")
 
 
 def _near_and_here(name: str) -> str:
