@@ -10,15 +10,15 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Axes moved by 1e-16, 115 digits decide every pose of 30 arms that was tried, and 77 nearly all.
 inline constexpr int FEW_LIMBS = 4, MANY_LIMBS = 6;
-// Where the chain is cut, and whether it is reversed; those that leave the fewest poses open come first. Where two cuts fail with
-// few limbs, more limbs help more often than another cut.
+// Where the chain is cut, and whether it is reversed; those that leave the fewest poses open come first. After two cuts with few
+// limbs all are tried with many.
 struct Cut {
     int first;
     bool back;
 };
 inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0, true}, {1, false}, {2, true}, {3, false}};
 inline constexpr int ALL_CUTS = 8, CUTS_WITH_FEW = 2;
-// The referee accepts a zero only if its joint vector misses the pose by less than this [rad, share of size].
+// A cut is of no use where the joint vector of a zero near real misses the pose by this or more [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL. It counts where
 // its joint vector reaches the pose: a change of the pose by what it misses makes the pair real.
@@ -275,7 +275,9 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
             if (!is_new(arm, goal, columns, q)) continue;
             const int b = free_column(columns, ~0u);
             if (b >= 0) keep(columns, b, q, singular_marks(arm, goal, q, 0));
-            status = b < 0 || status == Status::incomplete ? Status::incomplete : Status::clustered;
+            // A regular solution has a zero of its own near real: this cut has lost it.
+            const bool lost = b < 0 || weakest_at(arm, goal, q).value > BESIDE_A_ZERO;
+            status = lost || status == Status::incomplete ? Status::incomplete : Status::clustered;
         }
         many = 0;
     };

@@ -5,6 +5,9 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// A second harmonic below this share of the largest coefficient is zero to rounding.
+inline constexpr double NO_HARMONIC = 1e-14;
+
 // Real roots as (cos, sin), in the order of their angles.
 struct Quartic {
     Turn<double> root[4];
@@ -80,7 +83,7 @@ PART Quartic trigonometric_roots(const TrigonometricPolynomial& p, double error 
     const Complex first = {0.5 * p.cosine, 0.5 * p.sine}, second = {0.5 * p.cosine2, 0.5 * p.sine2};
     const double largest = max(abs(p.constant), max(max(abs(first.re), abs(first.im)), max(abs(second.re), abs(second.im))));
     if (!(largest > 0.0)) return out;
-    if (max(abs(second.re), abs(second.im)) < VANISHING * largest) {
+    if (max(abs(second.re), abs(second.im)) < NO_HARMONIC * largest) {
         // z divides out once at each end. The discs are those of another polynomial.
         out = first_harmonic_roots(p.constant, p.cosine, p.sine, error);
         out.whole = false;

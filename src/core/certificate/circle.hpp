@@ -122,7 +122,8 @@ template <class S> PART Block zeros_on(const OnCircle<S>& p, const Block& centre
 }
 
 // A bound on the number of zeros on the circle and in the arcs' lenses; -1 if none is found. Where two zeros may be the same, they
-// count as two. known: angles of zeros [rad], which are sorted; they decide the cost only, and which pairs need not be separated.
+// count as two; three are separated, since what is proven of null vectors is so of a plane of them at most. known: angles of zeros
+// [rad], which are sorted; they decide the cost only, and which pairs need not be separated.
 template <class S> PART int zeros_on_circle(const OnCircle<S>& p, double* known, int many) {
     struct Arc {
         double centre, half;
@@ -175,7 +176,7 @@ template <class S> PART int zeros_on_circle(const OnCircle<S>& p, double* known,
                 }
             }
             if (high - last > widest) widest = high - last, start = last;
-            if (found[l] <= max(here, 1)) {
+            if (found[l] <= (here > 1 ? 2.0 : 1.0)) {
                 zeros += int(found[l]);
                 continue;
             }

@@ -139,7 +139,7 @@ PART Rooted root_of(const Loop& loop, const Block (&middle)[6], const Block& hal
     turns_of(q, turn);
     at = loop_at(loop, turn);
     const Certificate root = certify(loop, at, factors, growth_of(q), holding);
-    out.radius = holding - step();
+    out.radius = root.outer - INFLATED * step() - 8.0 * UNIT;
     turns_of(q, turn);
     const auto converged = largest(loop_at(loop, turn).error) <= Block(CONVERGED);
     out.found = wanted & bits(root.holds & (root.outer >= holding) & converged);
