@@ -141,6 +141,18 @@ def test_the_command(tmp_path: object) -> None:
     assert "inside the limits" in " ".join(call("ik", path, "--xyz=-0.05,0.04,0.21", "--task=position").stdout.split())
 
 
+@pytest.mark.parametrize("within_limits", [False, True])
+@pytest.mark.parametrize("task", TASKS[1:])
+def test_the_closest_of_a_part_of_a_pose(task: str, within_limits: bool) -> None:
+    """What a joint vector does is missed by nothing."""
+    arm, axis = arm_of("puma_560"), np.array([1.0, 0.0, 0.0])
+    T = arm.oracle.pose(np.linspace(-0.6, 0.7, 6))
+    asked = urdf_ik.Task.read(task, axis if task in ("position and axis", "axis", "look at") else None)
+    T[:3, 3] += 0.3 * (T[:3, :3] @ axis) * (task == "look at")
+    found = arm.arm.ik_closest(T, task=asked, within_limits=within_limits)[0]
+    assert missed(task, axis, T, arm.oracle.pose(found.q)) < 1e-9
+
+
 def test_a_region_of_five_joints() -> None:
     """Any orientation at the point where the arm stands: the nearest joint vector is the one it has."""
     arm = arm_of("hobby")

@@ -2,8 +2,8 @@
 
 Conservative advancement: on the way from the middle of a piece of the motion to either end, the distance of two shapes
 shrinks by at most the sum, over the joints between them, of how far each joint can carry their points
-(:mod:`.bodies`). A pair that is farther apart than this sum at the middle is free over the whole piece; otherwise the
-piece is halved. Nothing is sampled: even the thinnest wall between two joint vectors is found.
+(:mod:`.distance_bounds`). A pair that is farther apart than this sum at the middle is free over the whole piece;
+otherwise the piece is halved. Nothing is sampled: even the thinnest wall between two joint vectors is found.
 """
 
 from dataclasses import dataclass

@@ -47,7 +47,7 @@ Found = tuple[Array, NDArray[np.intp], NDArray[np.bool_]]
 """Joint vectors (k, n), the target of each (k,), and whether they are all minima of a target (m,)."""
 
 
-def prepare(chain: Chain, asked: Task) -> "Planar | Placed | None":
+def prepare(chain: Chain, asked: Task) -> "Planar | Placed | Beside | None":
     """What finds the minima of the rotation's misfit, the position first; None where no closed form does."""
     if chain.axes is not chain or not (asked.has_place and asked.has_turn):
         return None
@@ -60,7 +60,7 @@ def prepare(chain: Chain, asked: Task) -> "Planar | Placed | None":
             found = Planar.of(chain, front, tip) or (Placed.of(chain) if front == 3 else None)
             if found is not None:
                 return found
-    return None
+    return Beside.of(chain) if asked == POSE else None
 
 
 def in_closed_form(closed: Callable[[Wanted], Found], wanted: Wanted) -> tuple[Array, NDArray[np.bool_]]:

@@ -36,6 +36,7 @@ def closest(
     *,
     task: Any = None,
     within_limits: bool = False,
+    unsolved: bool = False,
 ) -> IKSolutions:
     """The joint vectors that miss least of targets: every local minimum that is found, the best first.
 
@@ -44,7 +45,8 @@ def closest(
     behind turn about axes through it, all minima with the position first follow in closed form: ``status`` is
     'complete'. Where a roll misses the tip a little, the minima are those of a function of its angle, which are looked
     for on a grid; else minima are searched from 48 joint vectors spread evenly over the ranges of the joints, by
-    Newton's method with the exact Hessian: ``status`` is 'incomplete', since neither proves anything.
+    Newton's method with the exact Hessian, beside those in closed form and the solutions of a pose: ``status`` is
+    'incomplete', since neither proves anything.
 
     Args:
         solver: of the arm.
@@ -55,6 +57,7 @@ def closest(
             other way round.
         task: what is asked for, see :class:`urdf_ik.Task`; default: what the arm was made for, a pose.
         within_limits: whether only joint vectors inside the joint limits count.
+        unsolved: whether it is known that the targets have no solution.
 
     Returns:
         One column a minimum, named 'closest', 'closest 2', ...
@@ -81,16 +84,16 @@ def closest(
     stack = target.reshape(-1, 4, 4)
     wanted = Wanted(seen, stack[:, :3, 3], *asked.matrix(stack))
     closed = None if weights is not None or first != "position" else _closed(solver, asked)
-    exact = closed is None and asked == solver.asked == POSE and solver.member is not None and not solver.parameters
+    exact = closed is None and asked == solver.asked == POSE and solver.targets is None and not unsolved
+    exact = exact and solver.member is not None and not solver.parameters
     parts, proven = [], np.zeros(len(stack), dtype=np.bool_)
     for block in _blocks(np.arange(len(stack)), _CLOSED_BLOCK):
-        known = solve(solver, stack[block]).q if exact else np.empty((len(block), 0, solver.dof))
+        known = solve(solver, stack[block]).q if exact else np.empty((len(block), 0, seen.n))
         if closed is not None:
             known, proven[block] = in_closed_form(closed, wanted[block])
         if within_limits:
-            known, inside = nearest_image(known, bounds, solver.chain.image_turns)
-            known[~inside], proven[block] = np.nan, False
-        parts.append((block[proven[block]], known[proven[block]]))
+            known, proven[block] = nearest_image(known, bounds, seen.image_turns)[0], False
+        parts.append((block[proven[block]], known[proven[block]][..., : solver.dof]))
         for part in _blocks(np.flatnonzero(~proven[block]), _BLOCK):
             q = searched(wanted[block[part]], bounds, first, place, turn, known[part])
             parts.append((block[part], q[..., : solver.dof]))
@@ -127,4 +130,4 @@ def _weights(weights: ArrayLike | None, first: str | None, size: float) -> tuple
 
 @lru_cache(maxsize=64)
 def _closed(solver: Solver, asked: Task) -> Planar | Placed | Beside | None:
-    return prepare(solver.chain, asked) or (Beside.of(solver.chain) if asked == POSE else None)
+    return prepare(solver.chain, asked)

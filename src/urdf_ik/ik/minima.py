@@ -31,13 +31,12 @@ def searched(
     """(m, B, n) minima for targets (m), the best first, padded with NaN; ``known`` (m, K, n): some of them, or NaN."""
     chain = wanted.chain
     m, n = len(wanted.place), chain.n
-    low, high = np.clip(bounds.T, -np.pi * wanted.unit, np.pi * wanted.unit)
-    low, high = np.where(low > high, bounds.T, (low, high))
-    starts = low + spread_evenly(STARTS, n) * (high - low)
+    starts = spread_inside(bounds, wanted.unit, STARTS)
     q = np.tile(starts, (m, 1))
     owner = np.repeat(np.arange(m), STARTS)
-    which, column = np.nonzero(np.zeros((m, 0)) if known is None else ~np.isnan(known[..., 0]))
-    sure = np.empty((0, n)) if known is None else known[which, column]
+    known = np.empty((m, 0, n)) if known is None else known
+    which, column = np.nonzero(~np.isnan(known[..., 0]))
+    sure = known[which, column]
     if first is None:
         q = descended(wanted[owner], q, bounds, place, turn, 60)
         q, owner = distinct(wanted, *_joined(sure, which, q, owner))
@@ -71,7 +70,7 @@ def searched(
     q, owner = q[keep], owner[keep]
     if not reached.all():
         lost = np.repeat(np.flatnonzero(~reached), STARTS)
-        more = descended(wanted[lost], np.tile(starts, (m, 1))[: len(lost)], bounds, 1.0 - part, float(part), 40)
+        more = descended(wanted[lost], np.tile(starts, (len(lost) // STARTS, 1)), bounds, 1.0 - part, float(part), 40)
         more = descended(wanted[lost], more, bounds, *hard, 12)
         q, owner = _joined(q, owner, more, lost)
     q, owner = distinct(wanted, q, owner)
@@ -87,7 +86,7 @@ def _joined(q: Array, owner: NDArray[np.intp], more: Array, whose: NDArray[np.in
 
 def distinct(wanted: Wanted, q: Array, owner: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
     """Joint vectors with angles in (-pi, pi], of nearly equal ones of a target the first."""
-    turning = ~wanted.chain.prismatic
+    turning = wanted.chain.image_turns == 1.0  # a joint that others follow by halves is not there after a turn
     inside = (np.abs(q) <= np.pi) | ~turning
     seen = np.where(inside, q, wrapped(q))
     rounded = np.where(turning, (seen + np.pi) % (2 * np.pi), seen / wanted.unit)
@@ -115,7 +114,7 @@ def ranked(wanted: Wanted, q: Array, owner: NDArray[np.intp], bounds: Array, key
     start = np.searchsorted(owner, np.arange(m))
     column = np.arange(len(owner)) - start[owner]
     out = np.full((m, max(int(column.max(initial=0)) + 1, 1), n), np.nan)
-    out[owner, column] = np.where(np.isinf(bounds).all(axis=1) & ~wanted.chain.prismatic, wrapped(q), q)
+    out[owner, column] = np.where(np.isinf(bounds).all(axis=1) & (wanted.chain.image_turns == 1.0), wrapped(q), q)
     return out
 
 
@@ -124,6 +123,13 @@ def missed(wanted: Wanted, q: Array) -> tuple[Array, Array]:
     T = wanted.chain.fk(q)
     off = np.linalg.norm(T[:, :3, 3] - wanted.place, axis=1) / wanted.chain.size
     return off, angle_missed(T[:, :3, :3], wanted.matrix, wanted.constant)
+
+
+def spread_inside(bounds: Array, unit: Array, count: int) -> Array:
+    """(count, n) joint vectors spread evenly inside bounds (n, 2), within half a turn or a ``unit`` (n,) pi."""
+    low, high = np.clip(bounds.T, -np.pi * unit, np.pi * unit)
+    low, high = np.where(low > high, bounds.T, (low, high))
+    return np.asarray(low + spread_evenly(count, len(bounds)) * (high - low))
 
 
 def spread_evenly(count: int, wide: int) -> Array:

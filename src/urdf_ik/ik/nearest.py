@@ -89,7 +89,8 @@ def nearest(
         within_limits: whether only what lies inside the joint limits counts.
         region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
             those that were chosen in it. The optimum is local, see
-            :mod:`urdf_ik.ik.redundancy.region`; so it is for an arm with several redundancy parameters.
+            :mod:`urdf_ik.ik.redundancy.region`; so it is for an arm with several redundancy parameters, and for a part
+            of a pose that a search solves: with another metric than 'l2' only what ``ik`` finds there counts.
         threads: number of threads that share the work, or 'auto'.
 
     Returns:
@@ -103,8 +104,9 @@ def nearest(
     """
     options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
     asked = solver.asked
-    searched = not solver.parameters and asked.components != "look at" and NUMBERS[asked.components] < solver.dof
-    if region is not None or len(solver.parameters) > 1 or (searched and asked != POSE):
+    searched = asked != POSE and not solver.parameters and NUMBERS[asked.components] < solver.dof
+    searched = searched and asked.components != "look at" and metric == "l2"
+    if region is not None or len(solver.parameters) > 1 or searched:
         solver.require_member()
         if solver.targets is not None:
             raise ArgumentError(f"{solver.name}: a region is one of poses, not of the task {solver.task!r}")

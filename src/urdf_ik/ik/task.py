@@ -112,16 +112,21 @@ class Task:
         if width is None or self.frame == "base" or target.shape[-1:] != (width,):
             numbers = "" if width is None or self.frame == "base" else f", or of shape (..., {width})"
             raise PoseError(f"a target of shape {target.shape} given; the task {self} takes poses (..., 4, 4){numbers}")
-        if inputs.first_bad(target) is not None:
-            raise PoseError(f"a target of the task {self} is not finite")
+        if (bad := inputs.first_bad(target)) is not None:
+            raise PoseError(
+                f"a target of the task {self}: {target[bad]} given; {inputs.why_bad(target[bad])}", bad[:-1] or None
+            )
         out = np.tile(np.eye(4), (*target.shape[:-1], 1, 1))
         if self.components != "axis":
             out[..., :3, 3] = target[..., :3]
         if self.components in ("axis", "position and axis"):
             directions = target[..., -3:].reshape(-1, 3)
+            largest = np.abs(directions).max(axis=1, keepdims=True)  # lest squares overflow
+            if not largest.all():
+                at = np.argwhere(largest.reshape(target.shape[:-1]) == 0.0)[0]
+                raise PoseError("a direction of the target has no length", tuple(at.tolist()) or None)
+            directions = directions / largest
             length = np.linalg.norm(directions, axis=1, keepdims=True)
-            if not (length > 0.0).all():
-                raise PoseError("a direction of the target has no length")
             out[..., :3, :3] = turn_to(np.array(self.axis), directions / length).reshape(*target.shape[:-1], 3, 3)
         return out
 

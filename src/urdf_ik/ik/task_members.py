@@ -126,9 +126,14 @@ class _Search(PythonSolver):
         for k in range(0, len(stack), 64):
             found = _minima(self._chain, self._asked, stack[k : k + 64], q_ref)[:, :COLUMNS]
             q[k : k + 64, : found.shape[1]] = found
-        off, angle = self._asked.errors(stack[:, None], self._chain.fk(q))
-        missed = ~((off <= _REACHED * self._chain.size) & (angle <= _REACHED))
-        q[missed] = np.nan
-        flags[...] = ~missed
-        flags[:, 0] |= _INCOMPLETE
+        q[...], flags[...] = answered(self._chain, self._asked, stack, q)
         return -1
+
+
+def answered(chain: Chain, asked: Task, T: Array, q: Array) -> tuple[Array, NDArray[np.uint8]]:
+    """Q (m, B, n), NaN where it misses what is asked of poses (m, 4, 4), and the flags (m, B) of a search."""
+    off, angle = asked.errors(T[:, None], chain.fk(q))
+    reached = (off <= _REACHED * chain.size) & (angle <= _REACHED)
+    flags = reached.astype(np.uint8)
+    flags[:, 0] |= _INCOMPLETE
+    return np.where(reached[..., None], q, np.nan), flags

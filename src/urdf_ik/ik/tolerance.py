@@ -39,7 +39,7 @@ def solve_within(solver: Solver, T: Any, tolerance: ArrayLike, **options: Any) -
         return kept
     poses = found._poses.reshape(-1, 4, 4)
     open_ = np.flatnonzero(np.asarray(kept.count).reshape(-1) == 0)
-    near = _within(closest(solver, poses[open_], 1.0 / pair), pair)
+    near = _within(closest(solver, poses[open_], 1.0 / pair, unsolved=True), pair)
     return joined(kept, open_, near)
 
 

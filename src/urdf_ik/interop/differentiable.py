@@ -1,5 +1,6 @@
 """The answers of ``ik`` that torch and jax differentiate: joint vectors, and the inverses that lead on from them."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,10 @@ from urdf_ik.typing import Array
 
 FOLDS = ("raise", "nan", "clip")
 """What happens to the derivative at a singular solution: refused in words, NaN, or that of damped least squares."""
+
+
+KEPT = 32
+"""Arms whose functions are kept."""
 
 
 class Branches(NamedTuple):
@@ -177,3 +182,9 @@ class Differentiable:
                 f"{lost[0]!r}; keep its structure, or take smaller changes"
             )
         return [names.index(name) for name in self._solver.branches]
+
+
+@lru_cache(maxsize=KEPT)
+def differentiable(arm: Arm, at_folds: str) -> Differentiable:
+    """The arm as a function, made once."""
+    return Differentiable(arm, at_folds)

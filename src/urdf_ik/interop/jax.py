@@ -8,11 +8,9 @@ import numpy as np
 
 from urdf_ik.arm import Arm
 from urdf_ik.errors import ArgumentError
-from urdf_ik.interop.differentiable import Answers, Branches, Differentiable
+from urdf_ik.interop.differentiable import KEPT, Answers, Branches, Differentiable, differentiable
 from urdf_ik.interop.newton import step
 from urdf_ik.support import extras
-
-_KEPT = 32  # arms whose compiled functions are kept
 
 
 def geometry(arm: Arm) -> Any:
@@ -52,22 +50,19 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
     jnp = _jax().numpy
     T = jnp.asarray(T, dtype=jnp.float64)
     at = () if redundancy is None else (jnp.asarray(redundancy, dtype=jnp.float64),)
-    function = _differentiable(arm, at_folds)
+    function = differentiable(arm, at_folds)
     numbers = jnp.asarray(function.geometry.values) if geometry is None else jnp.asarray(geometry, dtype=jnp.float64)
+    if numbers.ndim != 1:
+        raise ArgumentError(f"geometry of shape {numbers.shape} given; one row of numbers is needed")
     return Branches(*_compiled(arm, at_folds)(T, numbers, *at))
 
 
-@lru_cache(maxsize=_KEPT)
-def _differentiable(arm: Arm, at_folds: str) -> Differentiable:
-    return Differentiable(arm, at_folds)
-
-
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=KEPT)
 def _compiled(arm: Arm, at_folds: str) -> Any:
     """The function of poses, numbers and redundancy parameters, compiled once for each shape."""
     jax = _jax()
     jnp = jax.numpy
-    function = _differentiable(arm, at_folds)
+    function = differentiable(arm, at_folds)
     n, k, rows = arm.dof, function.count, len(function.held)
 
     def answers(T: Any, numbers: Any, *at: Any) -> Answers:

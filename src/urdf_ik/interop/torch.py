@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from urdf_ik.arm import Arm
-from urdf_ik.interop.differentiable import Answers, Branches, Differentiable
+from urdf_ik.errors import ArgumentError
+from urdf_ik.interop.differentiable import Answers, Branches, Differentiable, differentiable
 from urdf_ik.interop.newton import step
 from urdf_ik.support import extras
 
@@ -59,8 +60,10 @@ def ik(arm: Arm, T: Any, *, geometry: Any = None, redundancy: Any = None, at_fol
         >>> urdf_ik.torch.ik(arm, T).q.sum().backward()  # doctest: +SKIP
     """
     torch = _torch()
-    function = Differentiable(arm, at_folds)
+    function = differentiable(arm, at_folds)
     numbers = torch.as_tensor(function.geometry.values.copy()) if geometry is None else geometry
+    if numbers.dim() != 1:
+        raise ArgumentError(f"geometry of shape {tuple(numbers.shape)} given; one row of numbers is needed")
     at = None if redundancy is None else torch.as_tensor(redundancy, dtype=torch.float64)
     still = [each.detach() for each in (T, numbers, at) if each is not None]
     ranks = (T.dim() - 2,) if at is None else (T.dim() - 2, at.dim() - (function.count > 1))

@@ -16,6 +16,7 @@ from urdf_ik.kinematics import velocity
 from urdf_ik.paths.path_settings import Obstacles
 from urdf_ik.paths.timing import Timed, timed, write_rows
 from urdf_ik.support.report import Report
+from urdf_ik.support.text import Section
 from urdf_ik.typing import Array
 
 
@@ -41,7 +42,7 @@ EVERY_BRANCH = "every branch"
 
 
 class Stop(NamedTuple):
-    """Where the paths from one branch of the first waypoint stop of the first waypoint.
+    """Where all paths from one branch of the first waypoint end.
 
     Attributes:
         branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
@@ -229,19 +230,24 @@ class Plan(Report):
         return ", ".join(filter(None, ("found" if self.found else "no plan", unchecked, self.unlooked)))
 
     def lines(self) -> tuple[str, ...]:
-        """Branches, cost, largest step and least margins; or the reason why each branch stops."""
+        """Branches, cost and largest step; or the reason why each branch stops."""
         if not self.found:
             return tuple(map(str, self.stops))
         steps = np.abs(np.diff(self.q, axis=0)).max(axis=0, initial=0.0)
         joint = int(np.argmax(steps))
-        least = (f"{name} {values.min():.4g}" for name, values in zip(Margins._fields, self.margins, strict=True))
         return (
             " then ".join(dict.fromkeys(self.branches)),
             f"cost {self.cost:.6g}, {len(self.changes)} reconfigurations",
             f"largest step {steps[joint]:.4g} of {self.solver.joint_names[joint]}",
             f"{len(self.motion) - len(self.q)} waypoints added between those given",
-            f"least margins: {', '.join(least)}",
         )
+
+    def sections(self) -> tuple[Section, ...]:
+        """The least margins."""
+        names = ("room to a limit [rad or m]", "clearance [m]", "manipulability")
+        least = zip(names, self.margins if self.found else (), strict=self.found)
+        rows = tuple((name, f"{values.min():.4g}") for name, values in least if not np.isnan(values).any())
+        return (Section("margins", ("least", "value"), rows, left=("least",)),) if rows else ()
 
 
 def followed(plan: Plan) -> Plan:

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.descent import Wanted, descended
-from urdf_ik.ik.minima import spread_evenly
+from urdf_ik.ik.minima import spread_evenly, spread_inside
 from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions import IKSolutions, distances, limits
 from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.task import POSE
+from urdf_ik.ik.task_members import answered
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
@@ -198,6 +199,7 @@ def nearest_in_region(
         ArgumentError: another metric than 'l2'.
         ArgumentError: ``q_ref`` does not fit.
     """
+    part = solver.asked != POSE and region is None
     if inputs.choice(metric, "metric", distances.METRICS) != "l2":
         what = "a region" if region is not None else "several redundancy parameters"
         raise ArgumentError(f"metric={quoted(metric)} given; with {what} the distance is metric='l2'")
@@ -215,7 +217,9 @@ def nearest_in_region(
     values = np.tile([parameter.default for parameter in solver.parameters], (len(stack), 1))
     starts = near.copy()
     for k, (pose, q) in enumerate(zip(stack, near, strict=True)):
-        kept = sought if region is not None or solver.asked == POSE else _asked_region(solver, pose)
+        if part and not solver.asked.has_place:  # places that the arm reaches are near it
+            pose = np.block([[pose[:3, :3], solver.chain.points[0][:, None]], [np.eye(4)[3]]])
+        kept = _asked_region(solver, pose) if part else sought
         found = _nearest(solver.fixed, pose, q, sought, kept, bounds, measure.factors, threads)
         if found is not None:
             starts[k] = found
@@ -225,11 +229,11 @@ def nearest_in_region(
             else:
                 stack[k] = pose if region is None else sought.clipped(pose, solver.chain.fk(found))
             values[k] = nearest_values(solver, found[None], stack[k][None])[0] if solver.parameters else []
-    if solver.asked != POSE and not solver.parameters:  # solved by search, which keeps what it starts from
-        each = [solve(solver, pose, q) for pose, q in zip(target.reshape(-1, 4, 4), starts, strict=True)]
-        q, info = (np.array([getattr(one, part) for one in each]) for part in ("_q", "_info"))
-        q, info = q.reshape(*shape, *q.shape[1:]), info.reshape(*shape, *info.shape[1:])
-        every = IKSolutions(solver, target, q, info, solver.branches)
+    if part and not solver.parameters:  # what a search would look for again
+        wanted = Wanted(solver.chain, stack[:, :3, 3], *solver.asked.matrix(stack))
+        parts = float(solver.asked.has_place), float(solver.asked.has_turn)
+        q, info = answered(solver.chain, solver.asked, stack, descended(wanted, starts, bounds, *parts, 60)[:, None])
+        every = IKSolutions(solver, target, q.reshape(*shape, 1, solver.dof), info.reshape(*shape, 1), ("nearest",))
         return every.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
     count = len(solver.parameters)
     at = values.reshape(shape if count == 1 else (*shape, count)) if count else None
@@ -292,8 +296,8 @@ def _starts(solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Arra
     """
     few = solver.dof < 6 or solver.asked != POSE
     q = _nearest_postures(solver, T, q_ref, bounds) if few else _sampled(solver, T, region, threads)
-    turning = ~solver.chain.prismatic
-    image, inside = (q, np.ones(len(q), np.bool_)) if few else limits.image_near(q, q_ref, bounds, turning)
+    turning = solver.chain.image_turns
+    image, inside = limits.image_near(q, q_ref, bounds, turning)
     if inside.any():
         order = np.argsort((((image[inside] - q_ref) * scale) ** 2).sum(axis=-1), kind="stable")
         candidates = image[inside][order]
@@ -330,10 +334,9 @@ def _sampled(solver: Solver, T: Array, region: Region, threads: int) -> Array:
 
 def _nearest_postures(solver: Solver, T: Array, q_ref: Array, bounds: Array) -> Array:
     """(k, n) the reference, and postures near a pose that the joints need not reach."""
-    low, high = np.clip(bounds.T, -np.pi * solver.chain.size, np.pi * solver.chain.size)
-    q = np.vstack([q_ref, low + spread_evenly(SAMPLES, solver.dof) * (high - low)]).clip(*bounds.T)
-    asked = solver.asked
-    wanted = Wanted(solver.chain, np.tile(T[:3, 3], (len(q), 1)), *asked.matrix(np.tile(T, (len(q), 1, 1))))
+    asked, count = solver.asked, SAMPLES + 1
+    wanted = Wanted(solver.chain, np.tile(T[:3, 3], (count, 1)), *asked.matrix(np.tile(T, (count, 1, 1))))
+    q = np.vstack([q_ref.clip(*bounds.T), spread_inside(bounds, wanted.unit, SAMPLES)])
     turn = 0.01 if asked == POSE else float(asked.has_turn)
     return np.vstack([q[:1], descended(wanted, q, bounds, float(asked.has_place), turn, 30)])
 

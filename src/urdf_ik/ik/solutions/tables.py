@@ -31,7 +31,9 @@ def explanation(solutions: KeptSolutions) -> str:
     step = solutions.step
     if step is None:
         return str(solutions.arm.explain(solutions.poses, solutions._redundancy))
-    inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
+    filters = set(step.parent.filters)  # a configuration may be that of an image outside
+    bounded = "limits" in filters or ("turns" in filters and "configuration" not in filters)
+    inside = " inside the joint limits" if bounded else ""
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
     if step.how == "within":
         return f"{found} the pose{inside}, none as near to the reference as asked; {_too_far(step)}"

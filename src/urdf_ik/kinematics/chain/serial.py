@@ -348,6 +348,8 @@ class Chain(Frozen):
 
 def _held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
+    if not isinstance(values, Mapping):
+        raise ArgumentError(f"locked={values!r} given; names of joints with values are needed, such as {{name: 0.0}}")
     held = {
         name: inputs.number(value, f"joint {name!r} cannot be locked: its value", unit="rad or m")
         for name, value in values.items()
