@@ -90,7 +90,8 @@ def load(
     try:
         ends = choose_chain(model, entry, base, tip, chain=chain, srdf=srdf)
     except ChainError as error:  # the SRDF's slips may be why
-        error.args = ("; ".join(map(str, (error, *(each.error for each in defects)))),)
+        if chain is not None:
+            error.args = ("; ".join(map(str, (error, *(each.error for each in defects)))),)
         raise
     joints = from_urdf(model, *ends).lock({} if locked is None else locked)
     chosen = (redundancy,) if isinstance(redundancy, str) else redundancy
@@ -173,7 +174,7 @@ def _is_name(source: str) -> bool:
         return True
 
 
-def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positioner") -> Arm:
+def with_positioner(arm: Robot, positioner: Robot, pose: Any, name: str = "positioner") -> Arm:
     """An arm with a positioner from another URDF that carries the workpiece; poses are in the positioner's tip frame.
 
     The new arm is the chain from the positioner's tip, back to its base, and up the arm: its base is the link
@@ -182,8 +183,8 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
     enough.
 
     Args:
-        arm: the arm.
-        positioner: the chain from its base to the link that carries the workpiece, as ``load`` returns it.
+        arm: the arm, or the source of one.
+        positioner: the chain from its base to the link that carries the workpiece, likewise.
         pose: (4, 4) m of the positioner's root link in the arm's base, or a ``pinocchio.SE3``.
         name: prefix of the names of the positioner's links and joints.
 
@@ -200,7 +201,7 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
         >>> cell.base, cell.dof, cell.redundancy.joint
         ('table_link_1', 7, 'table_joint_1')
     """
-    at = check_poses(pose)
+    arm, positioner, at = loaded(arm), loaded(positioner), check_poses(pose)
     if at.ndim != 2:
         raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")
     require_name(name, "the positioner")

@@ -307,7 +307,8 @@ def _summary(answer: _CheckedSolutions) -> list[str]:
     lines += [f"{name}: {int(flags.sum())} of {total} solutions" for name, flags in shares.items()]
     if answer.errors is not None and total:
         position, rotation = (np.nanmax(columns[name]) for name in ("position_error", "rotation_error"))
-        lines.append(f"worst error as Pinocchio measures it: {position:.1e} m, {rotation:.1e} {answer.angles.unit}")
+        turn = f", {rotation:.1e} {answer.angles.unit}" if answer.has_turn else ""
+        lines.append(f"worst error as Pinocchio measures it: {position:.1e} m{turn}")
     if (far := answer.distance) is not None and total:
         where, (metric, unit) = np.unravel_index(int(np.nanargmax(far)), far.shape)[0], answer.metric
         lines.append(f"farthest from --nearest ({metric}): {np.nanmax(far):.4g} {unit}, pose {where}")

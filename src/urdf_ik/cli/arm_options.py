@@ -12,7 +12,7 @@ from typing import Any, Self, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from urdf_ik.arm import Arm
+from urdf_ik.arm import Arm, is_compiled
 from urdf_ik.cell import World
 from urdf_ik.cli import console, options
 from urdf_ik.cli.console import Angles, usage
@@ -101,7 +101,7 @@ class ArmOptions(Record):
             name = next(name for name in names if name not in arm.model.links)
             arm = arm.with_tool(tool, self._tool_shapes(), name=name)
         for first, second in _pairs(self.allow, ",", "--allow", "LINK,LINK"):
-            arm = arm.with_cell(arm.cell.allow(first, second))
+            arm = arm.with_cell(arm.cell.allow(first, second.strip()))
         if self.free_axis is None:
             if self.free_at is not None:
                 raise usage("a point on an axis needs the axis: --free-axis z", "--free-at")
@@ -120,7 +120,7 @@ class ArmOptions(Record):
         return model
 
     def _loaded(self) -> Arm:
-        from urdf_ik.arm import is_compiled, load, load_compiled
+        from urdf_ik.arm import load, load_compiled
 
         source = self._source()
         if is_compiled(source):
@@ -143,7 +143,10 @@ class ArmOptions(Record):
         names = ("allow", "tool_xyz", "tool_rpy", "tool_cylinder", "tool_urdf", "free_axis", "free_at")
         further = [f"--{name.replace('_', '-')}" for name in names if getattr(self, name)]
         tail = f"  # without {', '.join(further)}" if further else ""
-        return f"import urdf_ik; arm = urdf_ik.load({self.robot!r}{typed}){tail}"
+        if is_compiled(self.robot):
+            return f"import urdf_ik; arm = urdf_ik.load_compiled({self.robot!r}){tail}"
+        source = "sys.stdin.buffer" if self.robot == "-" else repr(self.robot)
+        return f"import sys, urdf_ik; arm = urdf_ik.load({source}{typed}){tail}"
 
     def _source(self) -> Any:
         if self.robot == "-" and sys.stdin is None:
@@ -154,9 +157,9 @@ class ArmOptions(Record):
         """Joint names and values [rad or m] of ``NAME=VALUE``; a value that ends in ``deg`` is in degrees."""
         out, form = {}, "NAME=VALUE, such as joint_7=0.5 or joint_7=30deg"
         for name, value in _pairs(self.lock, "=", "--lock", form):
-            number = value.removesuffix("deg")
+            number, degrees, _ = value.strip().partition("deg")
             try:
-                out[name] = math.radians(float(number)) if number != value else float(number)
+                out[name] = math.radians(float(number)) if degrees else float(number)
             except ValueError:
                 raise usage(f"{name}={value} holds no number; give {form}", "--lock") from None
         return out
@@ -220,13 +223,12 @@ class ArmOptions(Record):
 
 
 def _pairs(texts: list[str] | None, sign: str, option: str, form: str) -> Iterator[tuple[str, str]]:
-    """What stands before and after a sign in texts of an option; a value of xacro may hold it, or be empty."""
-    xacro = sign == ":="
+    """The name before a sign in texts of an option, and what stands after it, verbatim."""
     for text in texts or ():
-        first, found, second = map(str.strip, (text.partition if xacro else text.rpartition)(sign))
-        if not (first and found and (second or xacro)):
+        name, found, value = text.partition(sign)
+        if not (name.strip() and found):
             raise usage(f"{text!r} is not {form}", option)
-        yield first, second
+        yield name.strip(), value
 
 
 @dataclass(frozen=True)

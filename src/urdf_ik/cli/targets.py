@@ -10,17 +10,15 @@ from urdf_ik.arm import Arm
 from urdf_ik.arm import example as examples
 from urdf_ik.cli import console
 from urdf_ik.cli.console import Angles
-from urdf_ik.cli.options import PartOfPose, PoseOptions, texts
+from urdf_ik.cli.options import PartOfPose, PoseOptions
+from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.model.poses import ORIENTATIONS as NOTATIONS
 from urdf_ik.model.poses import pose
 from urdf_ik.support import files
+from urdf_ik.support.angles import TURN, shown, unit_of
 from urdf_ik.typing import Array
 
-ORIENTATIONS = {
-    f"--{name.replace('_', '-')}": text.metavar.lower().split(",")
-    for name, text in texts(PoseOptions).items()
-    if name in NOTATIONS and text.metavar
-}
+ORIENTATIONS = {f"--{name.replace('_', '-')}": names for name, names in NOTATIONS.items()}
 """The options that are orientations, and what their numbers are called."""
 EXACT = 1e-9
 """Distance from a planar arm's plane up to which a point lies in it [m]."""
@@ -130,8 +128,11 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
         turns = np.tile([parameter.unit == "rad" for parameter in arm.solver.parameters], len(values) // count)
         values = np.where(turns, np.deg2rad(values), values)
     for parameter, column in zip(arm.solver.parameters, values.reshape(-1, count).T, strict=True):
-        if outside := [f"{x:g}" for x in column if not parameter.range[0] <= x <= parameter.range[1]]:
-            console.say(f"warning: --redundancy: {', '.join(outside)} {parameter.unit} is outside the {parameter}")
+        room, past = np.diff(parameter.range) + 2.0 * LIMIT_TOLERANCE, column - parameter.range[0] + LIMIT_TOLERANCE
+        past = past % TURN if parameter.unit == "rad" else past
+        if len(beyond := shown(column[(past < 0.0) | (past > room)], parameter.unit)):
+            outside = f"{', '.join(f'{x:g}' for x in beyond)} {unit_of(parameter.unit)} is outside the {parameter}"
+            console.say(f"warning: --redundancy: {outside}")
     values = values if count == 1 else values.reshape(-1, count)
     poses = np.repeat(target.poses, len(values), axis=0)
     return replace(target, poses=poses, redundancy=np.concatenate([values] * len(target.poses)))

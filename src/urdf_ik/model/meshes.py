@@ -55,7 +55,7 @@ def _candidates(filename: str, roots: Sequence[Path]) -> list[Path] | None:
     """Paths that the filename may mean, in the order of the roots; None for an unknown kind of address."""
     scheme, separator, rest = filename.partition("://")
     if not separator or scheme == "file":
-        return [root / (rest if separator else filename) for root in roots]
+        return [root / (rest or filename) for root in roots]
     if scheme not in ("package", "model"):
         return None
     package, _, within = rest.partition("/")

@@ -11,9 +11,11 @@ from urdf_ik.support.tolerances import DEFAULT, LARGEST
 from urdf_ik.typing import Array
 
 ORIENTATIONS = {
-    "quat_xyzw": 4, "quat_wxyz": 4, "rotvec": 3, "rpy": 3, "euler_zyx": 3,
-    "abb": 4, "fanuc": 3, "kuka": 3, "motoman": 3, "staubli": 3,
+    "quat_xyzw": "xyzw", "quat_wxyz": "wxyz", "rotvec": ("rx", "ry", "rz"), "rpy": ("roll", "pitch", "yaw"),
+    "euler_zyx": ("yaw", "pitch", "roll"), "abb": ("q1", "q2", "q3", "q4"), "fanuc": "wpr", "kuka": "abc",
+    "motoman": ("rx", "ry", "rz"), "staubli": ("rx", "ry", "rz"),
 }  # fmt: skip
+"""The notations of an orientation, and the names of their numbers."""
 _SAME = {"abb": "quat_wxyz", "fanuc": "rpy", "motoman": "rpy", "kuka": "euler_zyx"}
 """Notations of makers that have another name."""
 PROJECTION_TOLERANCE = 0.1
@@ -78,8 +80,8 @@ def pose(
     p = _numbers(position, "position", 3)
     R = np.eye(3)
     for name, value in chosen.items():
-        numbers = _numbers(value, name, ORIENTATIONS[name])
-        R = _rotation(_SAME.get(name, name), np.deg2rad(numbers) if degrees and ORIENTATIONS[name] == 3 else numbers)
+        numbers = _numbers(value, name, len(ORIENTATIONS[name]))
+        R = _rotation(_SAME.get(name, name), np.deg2rad(numbers) if degrees and numbers.shape[-1] == 3 else numbers)
     try:
         batch = np.broadcast_shapes(p.shape[:-1], R.shape[:-2])
     except ValueError:
@@ -223,9 +225,10 @@ def check_poses(T: Any) -> Array:
 
 
 def nearest_rotation(M: Array) -> Array:
-    """The rotation nearest to a matrix (3, 3) (Kabsch 1976)."""
+    """The rotations nearest to matrices (..., 3, 3) (Kabsch 1976)."""
     U, _, V = np.linalg.svd(M)
-    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V)
+    U[..., 2] *= np.linalg.det(U @ V)[..., None]
+    return np.asarray(U @ V)
 
 
 def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
@@ -251,8 +254,7 @@ def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
     """
     tolerance = inputs.number(tolerance, "tolerance", PoseError, low=0.0)
     out = _checked(as_pose_array(T), tolerance).copy()
-    left, _, right = np.linalg.svd(out[..., :3, :3])
-    out[..., :3, :3] = left @ right  # a rotation, since _checked found the determinant positive
+    out[..., :3, :3] = nearest_rotation(out[..., :3, :3])
     out[..., 3, :] = _LAST_ROW
     return out
 

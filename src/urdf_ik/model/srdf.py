@@ -55,26 +55,26 @@ def defects_of(source: str | os.PathLike[str] | bytes, links: Collection[str]) -
     """
     root, name = _opened(source)
     found, missing = Defects(), dict[str, Any]()
+
+    def slip(rule: str, at: Any, problem: str, wrong: str, valid: Collection[str]) -> None:
+        problem, hint = f"{problem}{meant(wrong, valid)}", f"one of {', '.join(valid)}"
+        found.add(rule, UrdfError(problem, source=name, line=at.sourceline, element=f"<{tag(at)}>", hint=hint))
+
     for element in root.iterchildren("{*}*"):
         kind = tag(element)
-        problem = f"SRDF has no such element{meant(kind, _ELEMENTS)}" * bool(kind and kind not in _ELEMENTS)
-        for each in element.iter("{*}*"):
-            unknown = [key for key in each.attrib if key not in _ATTRIBUTES and "}" not in key]
-            if unknown and not problem and kind != "specificities":
-                problem = f"SRDF has no attribute {unknown[0]!r}{meant(unknown[0], _ATTRIBUTES)}"
+        if kind and kind not in _ELEMENTS:
+            slip("srdf element", element, "SRDF has no such element", kind, _ELEMENTS)
+        for each in filter(tag, element.iter("{*}*")):
+            for key in each.attrib if kind in _ELEMENTS and kind != "specificities" else ():
+                if key not in _ATTRIBUTES and "}" not in key:
+                    slip("srdf element", each, f"SRDF has no attribute {key!r}", key, _ATTRIBUTES)
             named = [each.get(key) for key in _LINKS] + ([each.get("name")] if tag(each) == "link" else [])
             missing |= {link: each for link in named if link and link not in links and link not in missing}
-        if problem:
-            place = {"source": name, "line": element.sourceline, "element": f"<{kind}>"}
-            found.add("srdf element", UrdfError(problem, **place))
     if missing:
         first = next(iter(missing))
         shown = ", ".join(list(missing)[:_MOST]) + (f" ... ({len(missing)})" if len(missing) > _MOST else "")
-        problem = f"the URDF has no link{'s' * (len(missing) > 1)} {shown}{meant(first, links)}"
-        element, hint = missing[first], f"links: {', '.join(links)}"
-        place = {"source": name, "line": element.sourceline, "element": f"<{tag(element)}>"}
-        error = UrdfError(problem, **place, hint=hint)
-        found.add("srdf link", error)
+        problem = f"the URDF has no link{'s' * (len(missing) > 1)} {shown}"
+        slip("srdf link", missing[first], problem, first, links)
     return tuple(found.found)
 
 

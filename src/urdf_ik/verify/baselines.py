@@ -223,8 +223,7 @@ class Lock:
             except UnsupportedArm as error:
                 if self.poses:
                     differing.append(Difference("solutions", "", f"the arm cannot be solved any more: {error}"))
-            limited = any(each.kind == "limits" for each in differing)
-            differing += _solutions(self, solved, arm, order, tolerance, limited, notes)
+            differing += _solutions(self, solved, arm, order, tolerance, notes)
         unlooked = ""
         if watch.is_over and len(solved) < len(self.poses):
             unlooked = watch.ended(f"with {len(solved)} of {len(self.poses)} poses: the others were")
@@ -388,7 +387,9 @@ def _planted(baseline: Lock, reference: Reference, order: tuple[int, ...], toler
     if index < 0:
         return []
     name = f"forward kinematics, {baseline.arm.tip}"
-    replay = f"arm.fk(lock.planted[{index}].q)  # the lock has lock.planted[{index}].T, its upper three rows"
+    q = baseline.planted[index].q
+    vector = f"lock.planted[{index}].q" if list(order) == sorted(order) else [q[k] for k in np.argsort(order)]
+    replay = f"arm.fk({vector})  # the lock has lock.planted[{index}].T, its upper three rows"
     return [Difference("kinematics", name, f"{moved(distance, angle)} at most", distance, angle, replay)]
 
 
@@ -437,37 +438,35 @@ _WORDS = {
 
 
 def _solutions(
-    baseline: Lock, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance, limited: bool,
-    notes: list[str],
-) -> list[Difference]:  # fmt: skip
-    """Differences of the solutions at the poses that were solved today; notes say what was not counted.
-
-    ``limited``: whether joint limits differ, which then explain what is inside them or not.
-    """
-    changes: dict[str, list[tuple[int, str]]] = {what: [] for what in (*_WORDS, "uncounted lost", "uncounted gained")}
+    baseline: Lock, today: dict[int, Pose], arm: Arm, order: tuple[int, ...], tolerance: Tolerance, notes: list[str]
+) -> list[Difference]:
+    """Differences of the solutions at the poses that were solved today; notes say what was not counted."""
+    changes = {(what, counts): list[tuple[int, str]]() for counts in (True, False) for what in _WORDS}
     near = f"the tolerance of {tolerance.distance * 1e3:g} mm and {math.degrees(tolerance.angle):.2g} deg"
     near = "rounding" if tolerance == DEFAULT else near
     moves: list[tuple[float, int, int]] = []
-    distance, angle = greatest_change(baseline.arm, described(arm, shapes=False))
+    own = described(arm, shapes=False)
+    distance, angle = greatest_change(baseline.arm, own)
+    # Another limit, a tolerated one too, explains what is inside the limits or not.
+    limited = tuple(own.limits[k] for k in order) != baseline.arm.limits
     size = max(arm.cell.reference.size, 1e-300)
     change = min(distance, tolerance.distance) / size + min(angle, tolerance.angle)
     for index, now in today.items():
         then = baseline.poses[index]
         same = _Same(arm, order, then.matrix, change, np.array(baseline.arm.limits))
-        for what, branch in same.changes(then, now, index, moves):
-            changes[what].append((index, branch))
+        for what, branch, counts in same.changes(then, now, index, moves):
+            changes[what, counts].append((index, branch))
     out = []
-    for what, places in changes.items():
-        if what == "limits" and moves:
+    for (what, counts), places in changes.items():
+        if what == "limits" and counts and moves:
             gap, index, joint = max(moves)
             name, slides = baseline.arm.joint_names[joint], baseline.arm.joint_types[joint] == "prismatic"
             far = f"{gap * 1e3:.4g} mm" if slides else f"{math.degrees(gap):.4g} deg"
             words = f"{len(moves)} solutions have other joint values, {name} by up to {far} at pose {index}"
             sizes = (gap, 0.0) if slides else (0.0, gap)
             out.append(Difference("solutions", "", words, *sizes, replay=_replay(index)))
-        if places and what.startswith("uncounted"):
-            which = what.removeprefix("uncounted ")
-            notes.append(f"{which}, not counted, being within {near} of a singularity: {_places(places)}")
+        if places and not counts:
+            notes.append(f"{what}, not counted, being within {near} of a singularity: {_places(places)}")
         elif places:
             kind, words = _WORDS[what]
             kind = kind if what != "limits" or limited else "solutions"
@@ -512,8 +511,8 @@ class _Same:
 
     def changes(
         self, then: Pose, now: Pose, index: int, moves: list[tuple[float, int, int]]
-    ) -> Iterator[tuple[str, str]]:
-        """Pair the solutions of a pose, and tell what is different, and in which branch."""
+    ) -> Iterator[tuple[str, str, bool]]:
+        """Pair the solutions of a pose, and tell what is different, in which branch, and whether it counts."""
         before, after, paired = list(then.answers), list(now.answers), dict[int, int]()
         if before and after:
             gaps = np.abs(self._step(then.q[:, None], now.q[None]))
@@ -529,16 +528,16 @@ class _Same:
         alone = [("lost", a, now) for i, a in enumerate(before) if i not in paired]
         alone += [("gained", a, then) for k, a in enumerate(after) if k not in set(paired.values())]
         for what, answer, others in alone:
-            yield what if self._is_missed(answer, others) else f"uncounted {what}", answer.branch
+            yield what, answer.branch, self._is_missed(answer, others)
         for i, k in paired.items():
             old, new, gap = before[i], after[k], np.array(before[i].q)[:, None] - self.limits
             # Beside a limit, modulo full turns, rounding decides.
             turned = np.abs(shortest(np.where(np.isfinite(gap), gap, np.pi)))
             beside = np.minimum(np.abs(gap), turned).min(initial=np.inf) <= max(room[i], LIMIT_MARGIN)
             if old.within_limits != new.within_limits and not beside:
-                yield "limits", old.branch
+                yield "limits", old.branch, True
             if None not in (old.contact, new.contact) and old.contact != new.contact:
-                yield "contacts", old.branch
+                yield "contacts", old.branch, True
 
     def _is_missed(self, answer: Answer, others: Pose) -> bool:
         """Whether a solution without an equal among the others is a difference."""

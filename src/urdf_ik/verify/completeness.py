@@ -98,7 +98,7 @@ def compare(
                 differences.append(Difference(index, near, *pair, missed_by, branch, apart, sigma, *error))
     order = sorted(counts, key=lambda near: -np.inf if near is None else -near)
     return Completeness(
-        *PlantedReport.subject(arm, n, seed),
+        **PlantedReport.subject(arm, n, seed),
         solver=arm.structure.family,
         second=second_method.NAME,
         groups=tuple(Group(near, *counts[near].tolist()) for near in order),

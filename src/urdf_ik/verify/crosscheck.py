@@ -119,7 +119,7 @@ def check(
             if shapes is not None:
                 left -= tallies.collisions(part, Q, solutions, shapes, left)
     return CrossCheck(
-        *PlantedReport.subject(arm, n, seed),
+        **PlantedReport.subject(arm, n, seed),
         # What time left nothing to compare of is no failure.
         rows=tuple(tally.row() for tally in tallies.of.values() if tally.checked or not watch.unlooked),
         skipped=tuple(tallies.skipped),
@@ -196,12 +196,12 @@ class PlantedReport(Report):
     reference: str
 
     @staticmethod
-    def subject(arm: Arm, n: int, seed: int) -> tuple[str, str, str, tuple[str, ...], int, int, str]:
+    def subject(arm: Arm, n: int, seed: int) -> dict[str, Any]:
         """These fields."""
         import pinocchio as pin
 
-        own = arm.cell.reference
-        return arm.name, own.base, own.tip, own.joint_names, n, seed, f"Pinocchio {pin.__version__}"
+        fields = {name: getattr(arm.cell.reference, name) for name in ("base", "tip", "joint_names")}
+        return {"robot": arm.name, **fields, "n": n, "seed": seed, "reference": f"Pinocchio {pin.__version__}"}
 
 
 @dataclass(frozen=True, repr=False)
