@@ -65,8 +65,8 @@ def test_each_pose_at_each_value(ending: str) -> None:
         assert all(one["q"][6] == pytest.approx(pose["redundancy"]) for one in pose["solutions"])
     table = call(*arguments, "--q", q, "--redundancy", "35").stdout
     assert "joint_7 35.0000 deg" in table
-    beyond = call(*arguments, "--q", q, "--redundancy", "35,9000").stderr
-    assert "--redundancy: 157.08 rad is outside the value of joint 'joint_7'" in beyond
+    beyond = call("ik", "panda", "--q", q, "--degrees", "--redundancy", "9000,9170", "--no-check").stderr
+    assert "--redundancy: 9170 deg is outside the value of joint 'panda_joint7'" in beyond
     text = call(*arguments, "--q", q, "--redundancy", "35", "-f", "csv").stdout
     rows = np.genfromtxt(io.StringIO(text), delimiter=",", names=True, usecols=range(10))
     np.testing.assert_allclose(np.atleast_1d(rows["redundancy"]), 35.0)

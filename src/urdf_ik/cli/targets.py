@@ -18,7 +18,7 @@ from urdf_ik.support import files
 from urdf_ik.support.angles import TURN, shown, unit_of
 from urdf_ik.typing import Array
 
-ORIENTATIONS = {f"--{name.replace('_', '-')}": names for name, names in NOTATIONS.items()}
+ORIENTATIONS = {f"--{name.replace('_', '-')}": names for name, names in NOTATIONS.items() if hasattr(PoseOptions, name)}
 """The options that are orientations, and what their numbers are called."""
 EXACT = 1e-9
 """Distance from a planar arm's plane up to which a point lies in it [m]."""

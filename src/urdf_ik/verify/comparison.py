@@ -569,7 +569,8 @@ def _reach_table(comparison: Comparison) -> Section:
         for k, letter in enumerate("AB"):
             counts = map(str, (r.solved[k], r.within_limits[k], r.solutions[k]))
             mean, same = f"{r.solutions[k] / r.poses:.2f}", "" if k else str(r.same_number)
-            rows.append((f"{r.poses} poses of {'yours' if r.made_by == 'you' else r.made_by}", letter, *counts, mean, same))
+            maker = "yours" if r.made_by == "you" else r.made_by
+            rows.append((f"{r.poses} poses of {maker}", letter, *counts, mean, same))
     header = ("asked for", "arm", "reached", "within limits", "solutions", "a pose", "same in both")
     return Section("reach and solutions", header, tuple(rows), left=("asked for", "arm"))
 
