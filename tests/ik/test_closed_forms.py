@@ -214,4 +214,5 @@ def test_solutions_where_singularities_meet(
     apart = np.where(s.valid, angle_distance(s.q, q[:, None]), np.inf).min(axis=1)
     # A pose's rounding moves its solution by the rounding over the smallest singular value.
     regular = weakest > 1e-9
-    assert (apart <= 1e-6 + 1e-11 / weakest)[regular].all(), q[regular & (apart > 1e-6 + 1e-11 / weakest)]
+    rounded = 1e-6 + 1e-11 / np.maximum(weakest, 1e-9)
+    assert (apart <= rounded)[regular].all(), q[regular & (apart > rounded)]

@@ -324,7 +324,8 @@ def _unobservable(eq: Equations, best: _Fit) -> tuple[tuple[str, ...], ...]:
     rank = len(best.x) - best.directions.shape[1]
     if not rank:
         return ()
-    _, R, order = qr(lost, pivoting=True)
+    # Of columns equal to rounding the first is taken, on every processor.
+    _, R, order = qr(lost * (1.0 - 1e-6 * np.arange(len(lost))), pivoting=True)
     # Each row: one parameter, and those that can compensate its change.
     rows = np.linalg.solve(R[:rank, :rank], R[:rank])
     groups = []

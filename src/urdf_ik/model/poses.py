@@ -228,7 +228,9 @@ def nearest_rotation(M: Array) -> Array:
     """The rotations nearest to matrices (..., 3, 3) (Kabsch 1976)."""
     U, _, V = np.linalg.svd(M)
     U[..., 2] *= np.linalg.det(U @ V)[..., None]
-    return np.asarray(U @ V)
+    R = U @ V
+    # The factors are orthonormal to a few roundings, which Newton's iteration for the polar factor takes out.
+    return np.asarray(1.5 * R - 0.5 * R @ (np.swapaxes(R, -1, -2) @ R))
 
 
 def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:

@@ -35,6 +35,8 @@ AT_ONCE = 8
 """Poses that are solved before the time is looked at."""
 
 _TRIES, _ROUNDS = 64, 12
+_TIED = 1e-13
+"""Singular values this close are equal to rounding, which differs from processor to processor."""
 
 
 @dataclass(frozen=True)
@@ -199,16 +201,18 @@ def near_singularity(arm: Arm, rng: np.random.Generator, count: int, *, away: bo
         for joint in (first, (first + 1) % reference.dof, (first + 2) % reference.dof):
             low, high = lower[joint], upper[joint]
             for _ in range(_ROUNDS):  # ever finer about the least, down to rounding
-                line: Array = np.tile(q, (_TRIES, 1))
-                line[:, joint] = np.linspace(low, high, _TRIES)
-                q = line[int(np.argmin(least_singular_value(arm, line)))]
+                line: Array = np.tile(q, (1 + _TRIES, 1))  # the present one first: it stays where no other is better
+                line[1:, joint] = np.linspace(low, high, _TRIES)
+                value = least_singular_value(arm, line)
+                q = line[int(np.argmax(value <= value.min() + _TIED))]
                 step = (high - low) / (_TRIES - 1)
                 low, high = max(lower[joint], q[joint] - step), min(upper[joint], q[joint] + step)
         if away:
             beside = NEAR[k % len(NEAR)] * np.minimum(1.0, upper - lower)
             moved = q + np.diag(np.where(q + beside <= upper, beside, -beside))
-            # The joint that leads out of the singularity.
-            q = moved[int(np.argmax(least_singular_value(arm, moved)))]
+            # The joint that leads out of the singularity, the first of several.
+            value = least_singular_value(arm, moved)
+            q = moved[int(np.argmax(value >= 0.99 * value.max()))]
         Q[k] = q
     return Q
 
