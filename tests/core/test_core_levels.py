@@ -25,7 +25,7 @@ LEVELS = _core.levels()
 # What rounding moves a pose by, in shares of the arm's size and rad: joint values differ by as much over the Jacobian's
 # smallest singular value.
 ROUNDED = 2e-12
-POSES = 300
+POSES = 100
 HERE = Path(__file__).resolve().parent
 
 

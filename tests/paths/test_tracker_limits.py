@@ -46,7 +46,7 @@ def test_random_targets_break_no_limit(name: str) -> None:
     centre, half = middle(arm)
     limits = np.minimum(arm.tracker(centre, DT).velocity_limits, 3.0)
     targets = []
-    for k in range(60):
+    for k in range(12 if name in FEW else 60):  # a cycle of few joints towards a target far away takes milliseconds
         reachable = arm.fk(centre + half * rng.uniform(-1.0, 1.0, arm.dof))
         far = urdf_ik.pose(3.0 * rng.normal(size=3), rpy=rng.uniform(-3.0, 3.0, 3))
         targets += [reachable if k % 4 else far] * int(rng.integers(1, 40))

@@ -46,9 +46,9 @@ def check(
     ROBOT may be a folder: every URDF in it is checked, and one table shows the result of each.
 
     Examples:
-        urdf-ik check zyyzyz_6r -n 200
-        urdf-ik check ur5 --complete -n 80
-        urdf-ik check ur5 --proof -n 10
+        urdf-ik check zyyzyz_6r -n 50
+        urdf-ik check ur5 --complete -n 20
+        urdf-ik check ur5 --proof -n 3
         urdf-ik check my_arm.urdf --tip tool0 --no-collisions --json
         urdf-ik check lab/ --complete -n 2
 
