@@ -125,12 +125,6 @@ bool is_settled(const Written<6>& arm, const Goal<double>& goal, const Boxes& bo
 unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const Goal<double>& goal, const Boxes& boxes,
                           const Boxes& folds, const Columns<6>& columns);
 
-// The boxes, by branch, that lie in a ball with a counted number of roots (certificate/cluster.hpp) which are nearer to each other
-// than rounding, about a solution in the columns: where two or three steps lose their roots at once, each box has room for all of
-// them.
-unsigned boxes_in_clusters(const Written<6>& arm, const Goal<double>& goal, const double (&offset)[6], const Columns<6>& columns,
-                           const Boxes& boxes);
-
 // The boxes of one pose of an exact arm, for all targets within `beyond` [rad, share of size] of it. Its rotation is a rotation.
 template <class Family>
 PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal, const double (&signs)[3][8], double beyond = 0.0) {
@@ -175,7 +169,7 @@ STEP bool may_be_joined(const Boxes& boxes, Status status) {
     return out && status == Status::clustered;
 }
 
-// The status where the boxes alone leave it open: of a curve through a solution, of folds, or of clusters.
+// The status where the boxes alone leave it open: of a curve through a solution, or of folds.
 template <class Family>
 PART Status decided_closely(const typename Family::Arm& arm, const Goal<double>& goal, const Boxes& boxes,
                             const Columns<6>& columns) {
@@ -188,10 +182,7 @@ PART Status decided_closely(const typename Family::Arm& arm, const Goal<double>&
     const Boxes folds = boxes_of<Family>(arm, goal, signs, 2.0 * FINISHED);
     const unsigned folded = boxes_with_folds(arm.written, arm.ideal, goal, boxes, folds, columns);
     const Filled filled = filled_by(arm.ideal, boxes, columns);
-    const Status status = decided(arm.ideal, boxes, filled, folded);
-    if (status != Status::incomplete) return status;
-    const unsigned counted = boxes_in_clusters(arm.written, goal, arm.ideal.offset, columns, boxes);
-    return counted ? decided(arm.ideal, boxes, filled, folded | counted) : Status::incomplete;
+    return decided(arm.ideal, boxes, filled, folded);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -56,16 +56,11 @@ static nb::object prove(const PySolver& self, const Seen& T) {
         return nb::cast(nb::ndarray<nb::numpy, double>(copy, shape, owner));
     };
     const std::size_t roots = proof->roots;
-    nb::list real, clusters;
+    nb::list real;
     for (std::size_t i = 0; i < roots; ++i) real.append(proof->real[i]);
-    for (int i = 0; i < proof->clusters; ++i) {
-        const ProvenCluster& each = proof->cluster[i];
-        clusters.append(nb::make_tuple(array(&each.centre[0][0], {6, 2}), array(&each.directions[0][0][0], {6, 6, 2}), each.across,
-                                       each.along, each.lost, each.many));
-    }
     nb::dict out;
     out["expected"] = proof->expected.many, out["why"] = int(proof->expected.why), out["status"] = int(proof->status);
-    out["roots"] = array(&proof->root[0][0][0], {roots, 6, 2}), out["real"] = real, out["clusters"] = clusters;
+    out["roots"] = array(&proof->root[0][0][0], {roots, 6, 2}), out["real"] = real;
     out["inner"] = array(proof->inner, {roots}), out["outer"] = array(proof->outer, {roots});
     return out;
 }

@@ -22,31 +22,14 @@ struct PairOfRoots {
     double z[6][2], inner, outer;
 };
 
-// A ball with a number of roots, counted by multiplicity; see cluster.hpp. Columns of V; the larger ball holds the same roots.
-struct Cluster {
-    Number q[6], direction[6][6];
-    double across, along, larger_across, larger_along;
-    int lost, many;  // ranks, roots
-    bool blurred;  // whether the roots are nearer to each other than rounding
-    bool apart;    // whether none of them is real
-    int starts;    // joint vectors from which Newton's method leads to its real members, to first order
-    double start[2][6];
-};
-
 struct Account {
     static constexpr int most = 16;
     Expected expected = {most, Why::theorem};
     RealRoot real[most];
     PairOfRoots pair[most / 2];
-    Cluster cluster[ProvenCluster::most];
-    int reals = 0, pairs = 0, clusters = 0;
+    int reals = 0, pairs = 0;
 
-    STEP int counted() const {
-        int sum = reals + 2 * pairs;
-        for (int i = 0; i < clusters; ++i) sum += cluster[i].many;
-        return sum;
-    }
-    STEP bool all() const { return counted() == expected.many && expected.why != Why::unproven; }
+    STEP bool all() const { return reals + 2 * pairs == expected.many && expected.why != Why::unproven; }
 };
 
 // A lower bound on the greatest |difference| of two joints, whole turns aside: for x = |e^(i d) - 1| it is |d| >= x / (1 + x). The
@@ -69,75 +52,9 @@ STEP void conjugate(const double (&z)[6][2], double (&out)[6][2]) {
     }
 }
 
-STEP void q_of(const double (&z)[6][2], Number (&q)[6]) {
-    for (int k = 0; k < 6; ++k) { q[k] = {atan2(z[k][1], z[k][0]), -0.5 * logarithm(z[k][0] * z[k][0] + z[k][1] * z[k][1])}; }
-}
-// How far joint values are from a cluster's centre, across and along its small directions, whole turns aside; at most, within
-// `wide` of each.
-struct FromCentre {
-    double across, along;
-};
-STEP FromCentre from_centre(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = {}) {
-    Number d[6];
-    double parts[2] = {0.0, 0.0};
-    for (int k = 0; k < 6; ++k) d[k] = {wrap(wrap(q[k].re) - wrap(cluster.q[k].re)), q[k].im - cluster.q[k].im};
-    for (int k = 0; k < 6; ++k) {
-        double part = sqrt(square(inner_product(cluster.direction[k], d)));
-        for (int j = 0; j < 6; ++j) part += sqrt(square(cluster.direction[k][j])) * wide[j];
-        parts[k >= 6 - cluster.lost] += part * part;
-    }
-    return {sqrt(parts[0]), sqrt(parts[1])};
-}
-// Whether a ball (of each joint) lies outside of the cluster's. The root of six is from joints to the Euclidean norm.
-STEP bool is_outside(const Cluster& cluster, const Number (&q)[6], double radius) {
-    const FromCentre at = from_centre(cluster, q);
-    const double r = 2.45 * radius + 1e-14;
-    return at.across > cluster.across + r || at.along > cluster.along + r;
-}
-STEP bool is_inside_larger(const Cluster& cluster, const Number (&q)[6], const double (&wide)[6] = {}) {
-    const FromCentre at = from_centre(cluster, q, wide);
-    return at.across <= cluster.larger_across && at.along <= cluster.larger_along;
-}
-STEP double radius_of(const Cluster& c) { return sqrt(c.across * c.across + c.along * c.along); }
-// Adds a cluster unless its ball meets that of a known one. Roots that are not certainly outside of it count as its own.
-STEP bool add_cluster(Account& account, const Cluster& cluster) {
-    if (account.clusters == ProvenCluster::most) return false;
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& other = account.cluster[i];
-        double square_apart = 0.0;
-        for (int k = 0; k < 6; ++k) {
-            const double re = wrap(wrap(cluster.q[k].re) - wrap(other.q[k].re)), im = cluster.q[k].im - other.q[k].im;
-            square_apart += re * re + im * im;
-        }
-        if (!(sqrt(square_apart) > radius_of(cluster) + radius_of(other) + 1e-14)) return false;
-    }
-    account.cluster[account.clusters++] = cluster;
-    int kept = 0;
-    for (int i = 0; i < account.reals; ++i) {
-        Number q[6];
-        for (int k = 0; k < 6; ++k) q[k] = account.real[i].q[k];
-        if (is_outside(cluster, q, account.real[i].inner)) account.real[kept++] = account.real[i];
-    }
-    account.reals = kept, kept = 0;
-    for (int i = 0; i < account.pairs; ++i) {
-        Number q[6], other[6];
-        q_of(account.pair[i].z, q);
-        for (int k = 0; k < 6; ++k) other[k] = conj(q[k]);
-        const double r = account.pair[i].inner;
-        if (is_outside(cluster, q, r) && is_outside(cluster, other, r)) account.pair[kept++] = account.pair[i];
-    }
-    account.pairs = kept;
-    return true;
-}
-
 // Adds a root unless its ball meets that of a known one: then they may be the same.
 STEP bool add_real(Account& account, const RealRoot& root) {
     if (account.reals == Account::most) return false;
-    Number own[6];
-    for (int k = 0; k < 6; ++k) own[k] = root.q[k];
-    for (int i = 0; i < account.clusters; ++i) {
-        if (!is_outside(account.cluster[i], own, root.inner)) return false;
-    }
     for (int i = 0; i < account.reals; ++i) {
         double most = 0.0;
         for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(root.q[j] - account.real[i].q[j])));
@@ -149,13 +66,6 @@ STEP bool add_real(Account& account, const RealRoot& root) {
 // The same for a root that is not real: the imaginary part of a joint exceeds its ball.
 STEP bool add_pair(Account& account, const PairOfRoots& root) {
     if (account.pairs == Account::most / 2) return false;
-    Number own[6], other_way[6];
-    q_of(root.z, own);
-    for (int k = 0; k < 6; ++k) other_way[k] = conj(own[k]);
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& each = account.cluster[i];
-        if (!is_outside(each, own, root.inner) || !is_outside(each, other_way, root.inner)) return false;
-    }
     double conjugated[6][2];
     conjugate(root.z, conjugated);
     for (int i = 0; i < account.pairs; ++i) {
@@ -203,18 +113,7 @@ PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lane
 
 // The account as data: joint values instead of z, both of each pair.
 PART void as_data(const Account& account, Proof& out) {
-    out.expected = account.expected, out.roots = 0, out.clusters = account.clusters;
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& each = account.cluster[i];
-        ProvenCluster& to = out.cluster[i];
-        to.across = each.across, to.along = each.along, to.lost = each.lost, to.many = each.many;
-        for (int k = 0; k < 6; ++k) {
-            to.centre[k][0] = each.q[k].re, to.centre[k][1] = each.q[k].im;
-            for (int j = 0; j < 6; ++j) {
-                to.directions[k][j][0] = each.direction[k][j].re, to.directions[k][j][1] = -each.direction[k][j].im;
-            }
-        }
-    }
+    out.expected = account.expected, out.roots = 0;
     for (int i = 0; i < account.reals; ++i) {
         const RealRoot& each = account.real[i];
         const int to = out.roots++;

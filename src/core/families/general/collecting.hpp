@@ -4,8 +4,8 @@
 
 #include "answers/blocks.hpp"
 #include "answers/on_curve.hpp"
+#include "certificate/account.hpp"
 #include "certificate/circle.hpp"
-#include "certificate/cluster.hpp"
 #include "certificate/precise.hpp"
 #include "families/general/elimination_arm.hpp"
 
@@ -14,11 +14,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Rounds of Newton's method to a complex solution: moved axes are up to 1e-5 off, and convergence is quadratic.
 inline constexpr int ROUNDS_TO_PAIRS = 6;
 // Roots with e^(sum of |imaginary parts|) above FAR_FROM_REAL, whose bound on Newton's step is below CONVERGING [rad], are
-// certified with twice the digits where doubles fail. So are the others of a pose that is not proven otherwise: beside a
-// singularity.
+// certified with twice the digits where doubles fail.
 inline constexpr double CONVERGING = 0.1;
-// Joint vectors this near to each other [rad] lead to the same cluster: only the first is tried.
-inline constexpr double ALIKE = 1e-4;
 
 // The state of solving one pose.
 struct SearchState {
@@ -29,33 +26,13 @@ struct SearchState {
     bool on_curve = false;  // whether a curve of solutions was found
     OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
     int reals_counted = -1;
-    bool precisely = false;  // whether roots that doubles fail to certify are certified with twice the digits, wherever they lie
     bool certifies = false;  // whether real roots are certified: all joints turn
     int zeros = -1;  // real roots that there can be at most; -1 where that is open
     Loop loop = {};
     Account account = {};
-    static constexpr int most = 6;  // where more are left, clusters do not explain them
-    Number left[most][6];  // joint vectors near which no single root is certified
-    int lefts = 0, tried = 0;  // how many there are; how many of them were tried as clusters
-    unsigned tried_columns = 0;
 
     // Whether as many different real roots are certified as there can be.
     STEP bool counted() const { return zeros >= 0 && zeros == account.reals; }
-
-    STEP void leave(const Number (&q)[6]) {
-        double size = 0.0;
-        for (const Number& each : q) size += square(each);
-        if (lefts == most || !(size < 1e3)) return;
-        for (int i = 0; i < lefts; ++i) {
-            double apart = 0.0;
-            for (int k = 0; k < 6; ++k) {
-                apart = max(apart, abs(wrap(wrap(q[k].re) - wrap(left[i][k].re))) + abs(abs(q[k].im) - abs(left[i][k].im)));
-            }
-            if (apart < ALIKE) return;
-        }
-        for (int k = 0; k < 6; ++k) left[lefts][k] = q[k];
-        ++lefts;
-    }
 };
 
 // A block of joint vectors, and a bit for each lane in use.
@@ -151,9 +128,8 @@ PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, Sear
 PART void account_for(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, CBlock (&z)[6], unsigned lanes) {
     Growth growth;
     Certificate c = certify_complex(search.loop, z, lanes, ROUNDS_TO_PAIRS, growth);
-    // Far from real, and beside a singularity, rounding alone may fail a certificate.
-    const unsigned tried = search.precisely ? lanes : bits(growth.all > Block(FAR_FROM_REAL)) & lanes;
-    const unsigned far = tried & bits(c.eta < Block(CONVERGING)) & ~bits(c.holds);
+    // Far from real, rounding alone may fail a certificate.
+    const unsigned far = lanes & bits((growth.all > Block(FAR_FROM_REAL)) & (c.eta < Block(CONVERGING))) & ~bits(c.holds);
     if (far) {
         Growth own;
         CBlock at[6];
@@ -165,17 +141,6 @@ PART void account_for(const EliminationArm& arm, const Goal<double>& goal, Searc
         growth.imaginary = select(better, own.imaginary, growth.imaginary);
     }
     Candidates starts = {{}, 0};
-    // Newton's method has come near to multiple roots too, which are tried as clusters: their error is of the order of the
-    // distance's square.
-    const auto near = c.error < Block(NEAR);
-    for (unsigned rest = lanes & ~bits(c.holds) & bits(near); rest; rest &= rest - 1) {
-        const int l = __builtin_ctz(rest);
-        double at[6][2];
-        Number q[6];
-        for (int k = 0; k < 6; ++k) at[k][0] = z[k].re[l], at[k][1] = z[k].im[l];
-        q_of(at, q);
-        search.leave(q);
-    }
     for (unsigned rest = bits(c.holds) & lanes; rest; rest &= rest - 1) {
         const int l = __builtin_ctz(rest);
         if (growth.imaginary[l] > c.inner[l]) {
@@ -195,117 +160,6 @@ PART void account_for(const EliminationArm& arm, const Goal<double>& goal, Searc
     for (int k = 0; k < 6; ++k) starts.q[k] = atan2(z[k].im, z[k].re);
     int column[BLOCK];
     columns_from<false>(arm, goal, search, starts, 12, column);
-}
-
-// ---- clusters -----------------------------------------------------------------------------------------------------------
-
-// Whether a joint vector is an approximation of a certified root: nothing else lies within the root's outer radius.
-STEP bool is_known(const Account& account, const Number (&q)[6]) {
-    for (int i = 0; i < account.reals; ++i) {
-        double most = 0.0;
-        for (int k = 0; k < 6; ++k) most = max(most, abs(wrap(q[k].re - account.real[i].q[k])) + abs(q[k].im));
-        if (most <= account.real[i].outer) return true;
-    }
-    for (int i = 0; i < account.pairs; ++i) {
-        Number at[6];
-        q_of(account.pair[i].z, at);
-        double most = 0.0, other = 0.0;
-        for (int k = 0; k < 6; ++k) {
-            const double re = abs(wrap(q[k].re - at[k].re));
-            most = max(most, re + abs(q[k].im - at[k].im)), other = max(other, re + abs(q[k].im + at[k].im));
-        }
-        if (min(most, other) <= account.pair[i].outer) return true;
-    }
-    return false;
-}
-
-STEP void as_numbers(const double* row, Number (&q)[6]) {
-    for (int k = 0; k < 6; ++k) q[k] = row[k];
-}
-
-// Whether the cluster's ball may hold real joint vectors.
-STEP bool may_be_real(const Cluster& cluster) {
-    double square_off = 0.0;
-    for (const Number& each : cluster.q) square_off += each.im * each.im;
-    return !cluster.apart && sqrt(square_off) <= radius_of(cluster);
-}
-
-// The status of an account in which every root is counted: the members of clusters are found, or nearer to each other than
-// rounding.
-PART Status status_of_clusters(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
-    const Account& account = search.account;
-    Number q[6];
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& cluster = account.cluster[i];
-        if (!may_be_real(cluster)) continue;
-        Candidates starts = {{}, (1u << cluster.starts) - 1};
-        for (int l = 0; l < BLOCK; ++l) {
-            for (int j = 0; j < 6; ++j) starts.q[j].set(l, cluster.start[l % 2][j]);
-        }
-        int inside = 0, column[BLOCK];
-        if (starts.lanes) columns_from<false>(arm, goal, search, starts, 12, column);
-        for (int b = 0; b < search.columns.many; ++b) {
-            if (!search.columns.valid(b)) continue;
-            as_numbers(search.columns.row(b), q);
-            inside += is_inside_larger(cluster, q);
-        }
-        if (inside != cluster.many && !cluster.blurred) return Status::incomplete;
-    }
-    return account.clusters ? Status::clustered : Status::complete;
-}
-
-// Counts clusters where solutions and other joint vectors have no certificate of their own. Returns the status if every root is
-// counted, else `incomplete`.
-PART Status count_clusters(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
-    Account& account = search.account;
-    Number q[6];
-    // Solutions first: they are nearer to the middle of a cluster than what Newton's method has not brought to an end.
-    for (int b = 0; b < search.columns.many && !account.all(); ++b) {
-        if (!search.columns.valid(b) || search.tried_columns >> b & 1) continue;
-        search.tried_columns |= 1u << b;
-        as_numbers(search.columns.row(b), q);
-        if (!is_known(account, q)) add_cluster_near(search.loop, account, q);
-    }
-    for (; search.tried < search.lefts && !account.all(); ++search.tried) {
-        const Number(&at)[6] = search.left[search.tried];
-        if (!is_known(account, at)) add_cluster_near(search.loop, account, at);
-    }
-    return account.all() ? status_of_clusters(arm, goal, search) : Status::incomplete;
-}
-
-// The columns of a full account: its real roots, and what was found in its clusters, or their centres.
-PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
-    const Account& account = search.account;
-    const Columns<6>& columns = search.columns;
-    double q[16][6];
-    std::uint8_t flags[16];
-    int many = 0;
-    const auto add = [&](const double* row, int marks) {
-        if (many == 16) return;
-        for (int j = 0; j < 6; ++j) q[many][j] = row[j];
-        flags[many++] = std::uint8_t(marks);
-    };
-    for (int i = 0; i < account.reals; ++i) {
-        const RealRoot& root = account.real[i];
-        add(root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
-    }
-    for (int i = 0; i < account.clusters; ++i) {
-        const Cluster& cluster = account.cluster[i];
-        if (!may_be_real(cluster)) continue;
-        bool found = false;
-        for (int b = 0; b < columns.many; ++b) {
-            Number at[6];
-            as_numbers(columns.row(b), at);
-            if (!columns.valid(b) || !is_inside_larger(cluster, at) || is_known(account, at)) continue;
-            add(columns.row(b), singular_marks(arm.written, goal, columns.row(b), columns.flags[b] & SINGULAR)), found = true;
-        }
-        if (found) continue;
-        double centre[6];
-        for (int j = 0; j < 6; ++j) centre[j] = wrap(cluster.q[j].re);
-        if (polish_one<true>(arm.written, goal, centre, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) add(centre, OTHER);
-    }
-    columns.clear();
-    for (int i = 0; i < many; ++i) keep(columns, i, q[i], flags[i]);
 }
 
 // The columns that approximate certified real roots stay, the others go, and roots without one get one.

@@ -3,8 +3,8 @@
 // First the elimination to one joint's angle (hidden_joint.hpp): Newton's method on the arm as written starts from each
 // root, real or not. This is fast, and complete if the roots are well separated. At poses with round numbers they often are not:
 // several solutions share the hidden angle. So another joint is hidden, and the roots of a pose beside the target, which are
-// separated, are starts, too. The certified solutions of all these count together; those that are too near to each other for
-// certificates of their own are counted as clusters. The referee lists what this leaves open.
+// separated, are starts, too. The certified solutions of all these count together. The referee decides
+// what this leaves open.
 #pragma once
 
 #include "answers/beside.hpp"
@@ -21,13 +21,13 @@ inline constexpr double BESIDE_TARGET = 1e-2;
 // Starts all over the joint space of an arm with slides.
 inline constexpr int ALL_OVER = 160;
 
-// What is tried where the first variant leaves doubts: another one, or the roots of a pose beside the target; and then whether a
-// curve of solutions or clusters explain what is left.
+// What is tried where the first variant leaves doubts: another one, or the roots of a pose beside the target. `curves`: a curve of
+// solutions then ends the search.
 struct Proposal {
     int variant;
-    bool beside, explains;
+    bool beside, curves;
 };
-inline constexpr Proposal PROPOSALS[] = {{1, false, false}, {0, true, true}, {1, true, false}, {2, false, false}, {2, true, true}};
+inline constexpr Proposal PROPOSALS[] = {{1, false, false}, {0, true, true}, {1, true, false}, {2, false, false}, {2, true, false}};
 
 // A pose beside the target, in a generic direction.
 PART Goal<double> beside(const Written<6>& arm, const Goal<double>& goal) {
@@ -82,13 +82,9 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
             eliminate(arm, variant, each.beside ? moved : goal, own);
             if (gather(arm, variant, goal, own, search, each.beside) || count_twice()) return;
         }
-        if (!each.explains || !search.provable) continue;
         // A curve's own solutions fill the columns, and no count ends a proof.
-        search.on_curve = keep_curve(arm.written, goal, search.columns);
+        search.on_curve = each.curves && search.provable && keep_curve(arm.written, goal, search.columns);
         if (search.on_curve) return;
-        if (count_clusters(arm, goal, search) != Status::incomplete) return;
-        // What is not proven is certified once more with twice the digits.
-        search.precisely = true;
     }
 }
 
@@ -114,14 +110,6 @@ PART void certify_columns(SearchState& search) {
     certify();
 }
 
-// Keeps the solutions whose number is that of a determinant's zeros.
-PART Status keep_counted(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search, Account& account) {
-    account = search.account;
-    keep_certified(arm, goal, search);
-    if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = account.clusters = 0;
-    return Status::complete;
-}
-
 // The same with the account; see complete.hpp.
 PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, Account& account) {
     // The rounding of a slide far out moves the tip, so the accepted error grows with the distance of the goal, up to
@@ -130,17 +118,15 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     certify_columns(search);
     find_all(arm, goal, search);
-    if (search.counted()) return keep_counted(arm, goal, search, account);
     account = search.account;
+    if (search.counted() || account.all()) {
+        keep_certified(arm, goal, search);
+        if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = 0;
+        return Status::complete;
+    }
     if (search.on_curve) {
         mark_singular(arm.written, goal, columns);
         return Status::continuum;
-    }
-    const Status proven = search.provable ? count_clusters(arm, goal, search) : Status::incomplete;
-    account = search.account;
-    if (proven != Status::incomplete) {
-        keep_accounted(arm, goal, search);
-        return proven;
     }
     // If no candidate converged, the best may be a double root.
     if (columns.count() == 0 && search.error < HALF_OF_THE_DIGITS) {

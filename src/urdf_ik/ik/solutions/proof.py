@@ -22,30 +22,6 @@ _WHY = (
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Cluster:
-    """A ball with a known number of solutions that are too near to each other to tell them apart.
-
-    It holds the joint vectors ``centre + d`` with ``|y| <= across`` and ``|t| <= along``, where y and t are the first
-    ``6 - lost`` and the last ``lost`` entries of ``directions @ d``, and their norms are Euclidean.
-
-    Attributes:
-        centre: (6,) rad, complex.
-        directions: (6, 6) complex, unitary: directions of the Jacobian's large singular values, then of the small ones.
-        across: rad.
-        along: rad.
-        lost: ranks that the Jacobian all but loses there.
-        count: the solutions in it, counted by multiplicity: 2 ** lost.
-    """
-
-    centre: Complex
-    directions: Complex
-    across: float
-    along: float
-    lost: int
-    count: int
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class Proof:
     """The complex solutions of one pose that are proven to exist, and how many there can be.
 
@@ -62,7 +38,6 @@ class Proof:
         inner: (k,) rad, one solution is at most that far from each root, in every joint; the balls are disjoint.
         outer: (k,) rad, no second one is.
         real: (k,) whether the solution is real; otherwise its imaginary part exceeds ``inner`` in some joint.
-        clusters: balls with several solutions, disjoint from each other and from the others.
         counted: the solutions in all balls.
     """
 
@@ -73,12 +48,11 @@ class Proof:
     inner: Array
     outer: Array
     real: NDArray[np.bool_]
-    clusters: tuple[Cluster, ...]
 
     @property
     def counted(self) -> int:
-        """The solutions in all balls, counted by multiplicity."""
-        return len(self.roots) + sum(each.count for each in self.clusters)
+        """The solutions in all balls."""
+        return len(self.roots)
 
 
 def proof_of(data: dict[str, Any]) -> Proof:
@@ -91,7 +65,6 @@ def proof_of(data: dict[str, Any]) -> Proof:
         inner=frozen(data["inner"]),
         outer=frozen(data["outer"]),
         real=frozen(np.array(data["real"], dtype=np.bool_)),
-        clusters=tuple(Cluster(_complex(c), _complex(d), *rest) for c, d, *rest in data["clusters"]),
     )
 
 

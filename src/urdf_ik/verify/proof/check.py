@@ -1,6 +1,6 @@
 """check_proof(): whether answers that claim to be complete are, by theorems evaluated in ball arithmetic."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -102,7 +102,7 @@ def check_proof(
     """Check every answer that claims to be complete, with no code of the solver.
 
     The loop equations are set up anew from the chain's screw axes and the pose. Where the answer's proof is a count of
-    16 complex roots, each ball of it must hold one root, or a cluster as many as it says, and no two the same: then
+    16 complex roots, each ball of it must hold one root, and no two the same: then
     there is no other root (Primrose 1986), and the real ones must be the answer's solutions. Where the solver went
     through the closed form of a family, this check finds the eight complex roots of the nearest ideal arm itself and
     encloses each for every target that the arm as written can stand for.
@@ -179,7 +179,7 @@ def examine(
     if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
         return _by_family(loop, near[0], answer, rng)
     starts: list[Complex] = [solutions.astype(np.complex128)]
-    starts += [] if proof is None else [proof.roots, *_around(proof)]
+    starts += [] if proof is None else [proof.roots]
     singles, clusters = search(loop, np.concatenate(starts), SIXTEEN, rng, _ROUNDS)
     count = len(singles) + sum(group.count for group in clusters)
     if count == SIXTEEN:
@@ -187,14 +187,6 @@ def examine(
     if near is None:
         return None, f"{count} of {SIXTEEN} roots are enclosed"
     return _by_family(loop, near[0], answer, rng)
-
-
-def _around(proof: Proof) -> Iterator[Complex]:
-    """Starts in the clusters of the solver's account: in a wide one this precision tells the roots apart."""
-    for each in proof.clusters:
-        steps = np.multiply.outer((0.0, 1.0, 0.3, 0.1, 0.03, 0.01), (1, -1, 1j, -1j)).ravel() * each.along
-        for direction in each.directions[6 - each.lost :].conj():
-            yield each.centre + np.unique(steps)[:, None] * direction
 
 
 class _Answer(NamedTuple):
