@@ -20,6 +20,13 @@ template <int N> struct Columns {
         for (int b = 0; b < many; ++b) n += valid(b);
         return n;
     }
+    // The first free column, -1 if there is none.
+    STEP int vacant() const {
+        for (int b = 0; b < many; ++b) {
+            if (!valid(b)) return b;
+        }
+        return -1;
+    }
     STEP void swap(int a, int b) const {
         for (int j = 0; j < N; ++j) {
             const double x = row(a)[j];
@@ -69,6 +76,18 @@ template <class Model> STEP double distance(const Model& arm, const double* a, c
     return most;
 }
 
+// The column nearest to a joint vector; -1 if all are free.
+template <class Model> STEP int nearest_column(const Model& arm, const Columns<Model::joints>& columns, const double* q) {
+    int nearest = -1;
+    double least = __builtin_inf();
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        const double apart = distance(arm, q, columns.row(b));
+        if (apart < least) least = apart, nearest = b;
+    }
+    return nearest;
+}
+
 // Whether q differs from every solution in the columns. Two vectors are one double root if the arm is in the pose, to rounding,
 // at their midpoint too. They are one inaccurate root if their distance is at most their errors over the Jacobian's smallest
 // singular value.
@@ -100,10 +119,8 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
 
 // Store q in column b, or in the first free column if b is taken. If all are taken, q is dropped.
 template <int N> STEP void keep(const Columns<N>& columns, int b, const double (&q)[N], int marks) {
-    if (columns.valid(b)) {
-        for (b = 0; b < columns.many && columns.valid(b); ++b) {}
-        if (b == columns.many) return;
-    }
+    if (columns.valid(b)) b = columns.vacant();
+    if (b < 0) return;
     for (int j = 0; j < N; ++j) columns.row(b)[j] = q[j];
     columns.flags[b] = std::uint8_t(VALID | marks);
 }
@@ -131,16 +148,13 @@ STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double
     return marks ? marks : OTHER;
 }
 
-// A candidate slightly beyond the end of its branch must converge to this error.
-inline constexpr double DOUBTFUL = 1e-12;
-
 // Whether Newton's method from the midpoint of two singular solutions stays near it, and ends at a singular solution too.
 template <class Model>
 PART bool has_member_between(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], const double* other) {
     constexpr int N = Model::joints;
     double middle[N];
     for (int j = 0; j < N; ++j) middle[j] = advanced(arm, j, other[j], 0.5 * gap(arm, j, q[j], other[j]));
-    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > DOUBTFUL) return false;
+    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > arm.tolerances.reach) return false;
     const double nearer = min(distance(arm, middle, q), distance(arm, middle, other));
     return nearer > 0.25 * distance(arm, q, other) && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
 }
@@ -165,7 +179,8 @@ template <class Model> PART bool is_joined(const Model& arm, const Goal<double>&
             heading[j] = copysign(1.0, forward) * weak.direction[j];
             at[j] = advanced(arm, j, at[j], STRIDE * heading[j]);
         }
-        if (weak.value > arm.tolerances.singular || polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error > DOUBTFUL) return false;
+        if (weak.value > arm.tolerances.singular || polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error > arm.tolerances.reach)
+            return false;
     }
     return distance(arm, at, other) <= STRIDE && has_member_between(arm, goal, at, other);
 }

@@ -9,9 +9,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr int STEPS_ALONG_CURVE = 3;
 inline constexpr double ALONG_CURVE = 0.02;
 
-// A rank counts as lost below this singular value, where another one is below that of singular solutions. A form counts as zero
-// below ZERO_FORM: solutions where ranks are lost are known to half of their digits.
-inline constexpr double LOST_RANK = 1e-4, ZERO_FORM = 1e-6;
+// A form counts as zero below ZERO_FORM: solutions where ranks are lost are known to half of their digits.
+inline constexpr double ZERO_FORM = 1e-6;
 inline constexpr int ROUNDS_TO_ZERO = 12;
 
 // Directions in which a curve may leave a solution at which the Jacobian loses ranks.
@@ -47,7 +46,7 @@ template <int R> struct LostForms {
         }
     }
 };
-template <int R> PART LostForms<R> lost_forms(const Six<double> (&twist)[6], const Svd<6, 6, double>& J) {
+template <int R> PART LostForms<R> lost_forms(const Six<double> (&twist)[6], const Svd<6, 6>& J) {
     LostForms<R> out = {};
     for (int i = 0; i < 6; ++i) {
         for (int j = i; j < 6; ++j) {
@@ -69,7 +68,7 @@ template <int R> PART LostForms<R> lost_forms(const Six<double> (&twist)[6], con
 
 // Adds the directions in which all forms vanish: the method of Gauss and Newton on the unit sphere, from the middles of the faces,
 // edges and corners of half a cube.
-template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6, 6, double>& J, CurveDirections& out) {
+template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6, 6>& J, CurveDirections& out) {
     const LostForms<R> forms = lost_forms<R>(twist, J);
     for (int start = 0; start < (R == 2 ? 4 : 13); ++start) {
         double t[R], value[R], slope[R][R], left = 0.0;
@@ -90,7 +89,7 @@ template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6,
                 right[o] = -value[o];
             }
             for (int a = 0; a < R; ++a) columns[a][R] = t[a];
-            Svd<R + 1, R, double> found;
+            Svd<R + 1, R> found;
             svd(columns, found);
             for (int k = 0; k < R; ++k) {
                 if (!(found.s[k] > ZERO_FORM)) continue;
@@ -115,7 +114,7 @@ PART CurveDirections curve_directions(const Written<6>& arm, const Goal<double>&
     for (int k = 0; k < 6; ++k) {
         for (int i = 0; i < 6; ++i) columns[k][i] = twist[k][i];
     }
-    Svd<6, 6, double> J;
+    Svd<6, 6> J;
     svd(columns, J);
     CurveDirections out;
     if (J.s[5] > arm.tolerances.singular) return out;

@@ -12,7 +12,7 @@ inline constexpr int ROUNDS_FROM_BRANCH = 40;
 
 // Steps along a curve to the member nearest to a reference; a joint moves along it where the unit direction's part is larger.
 inline constexpr int ROUNDS_TO_REFERENCE = 4;
-inline constexpr double MOVING = 0.1, BESIDE_ZERO = 1e-6;
+inline constexpr double MOVING = 0.1;
 
 // Whether three signs tell a family's branches apart; whether they follow from the roots of a quartic. Bit root_bit of a branch's
 // number tells root 0 from root 1, and 2 from 3; the next higher one of the two bits that tell roots tells these pairs. root_joint:
@@ -64,7 +64,7 @@ PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, co
         for (int j = 0; j < 6; ++j) {
             apart[j] = wrap(reference.q[j] - q[j]);
             if (given) along += weak.direction[j] * apart[j];
-            else if (abs(weak.direction[j]) > MOVING && abs(apart[j]) < min(nearest, BESIDE_ZERO)) {
+            else if (abs(weak.direction[j]) > MOVING && abs(apart[j]) < min(nearest, SAME)) {
                 nearest = abs(apart[j]), along = apart[j] / weak.direction[j];
             }
         }

@@ -25,7 +25,6 @@ inline constexpr double MISREAD = 1e-6;
 inline constexpr double AT_A_PAIR = 0.1;
 // Newton's method stays this near to a zero [rad].
 inline constexpr double STAYS = 0.05;
-inline constexpr double BESIDE_A_ZERO = 1e-4;
 // Newton's steps before a certificate, and the size of one [rad] that is not worth taking.
 inline constexpr int CERTIFYING_ROUNDS = 5;
 inline constexpr double SETTLED_ZERO = 1e-20;
@@ -224,23 +223,10 @@ template <int L> PART void follow_zeros(const Written<6>& arm, const Goal<double
     }
 }
 
-// The column nearest to a joint vector.
-STEP int nearest_column(const Written<6>& arm, const Columns<6>& columns, const double (&q)[6]) {
-    int nearest = -1;
-    double least = __builtin_inf();
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        const double apart = distance(arm, q, columns.row(b));
-        if (apart < least) least = apart, nearest = b;
-    }
-    return nearest;
-}
-
 // A column for a new solution: a free one, or that of a singular one at which no zero is; -1 if there is none.
 STEP int free_column(const Columns<6>& columns, unsigned owned) {
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) return b;
-    }
+    const int vacant = columns.vacant();
+    if (vacant >= 0) return vacant;
     for (int b = 0; b < columns.many; ++b) {
         if (columns.flags[b] & SINGULAR && !(owned >> b & 1)) return b;
     }
@@ -273,10 +259,10 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
             for (int j = 0; j < 6; ++j) q[j] = wrap(atan2(start[j].im[l], start[j].re[l]));
             if (!(polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED)) continue;
             if (!is_new(arm, goal, columns, q)) continue;
-            const int b = free_column(columns, ~0u);
+            const int b = columns.vacant();
             if (b >= 0) keep(columns, b, q, singular_marks(arm, goal, q, 0));
             // A regular solution has a zero of its own near real: this cut has lost it.
-            const bool lost = b < 0 || weakest_at(arm, goal, q).value > BESIDE_A_ZERO;
+            const bool lost = b < 0 || weakest_at(arm, goal, q).value > LOST_RANK;
             status = lost || status == Status::incomplete ? Status::incomplete : Status::clustered;
         }
         many = 0;
@@ -329,7 +315,7 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b) || owned >> b & 1) continue;
         // Members of groups and of curves may be known without a zero of their own; a regular solution has one.
-        if (weakest_at(arm, goal, columns.row(b)).value > BESIDE_A_ZERO) return Status::incomplete;
+        if (weakest_at(arm, goal, columns.row(b)).value > LOST_RANK) return Status::incomplete;
         clustered = true;
     }
     Status status = clustered ? Status::clustered : Status::complete;

@@ -5,10 +5,10 @@
 // would have N + 1 roots.
 #pragma once
 
+#include "arithmetic/thresholds.hpp"
 #include "certificate/proof.hpp"
 #include "certificate/single.hpp"
 #include "certificate/status.hpp"
-#include "certificate/svd.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -87,9 +87,8 @@ PART Certificate certify_real(const Loop& loop, const Block (&q)[6]) {
     return certify(loop, at, f, growth_of(q));
 }
 
-// Newton's method from a block of complex joints, until no lane in use moves by more than SETTLED or for `rounds` rounds, and the
-// certificates there. Steps are limited to half a radian.
-inline constexpr double SETTLED = 1e-7;
+// Newton's method from a block of complex joints, until no lane in use moves by more than half of the digits or for `rounds`
+// rounds, and the certificates there. Steps are limited to half a radian.
 PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lanes, int rounds, Growth& growth) {
     Turn<CBlock> turn[6];
     LoopAt<CBlock> at;
@@ -105,7 +104,7 @@ PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lane
         const Block shrink = min(Block(1.0), 0.5 / sqrt(size + TINY));
         for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(scaled(shrink, step[k]));
         // What this step leaves is of the order of its square.
-        if (!(bits(size > Block(SETTLED * SETTLED)) & lanes)) rounds = round + 1;
+        if (!(bits(size > Block(HALF_OF_THE_DIGITS * HALF_OF_THE_DIGITS)) & lanes)) rounds = round + 1;
     }
     growth = growth_of(z);
     return certify(loop, at, f, growth);

@@ -8,7 +8,6 @@
 
 #include "arithmetic/doubled.hpp"
 #include "certificate/single.hpp"
-#include "certificate/svd.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -75,9 +74,6 @@ inline constexpr double PRECISE_UNIT = 16.0 * DOUBLED_UNIT;
 // The ball without another root is looked for up to this radius: larger than the rounding of z, small against the third derivatives
 // of most roots.
 inline constexpr double PRECISE_BALL = 1e-9;
-// Roots with e^(sum of |imaginary parts|) up to FAR_FROM_REAL are computed here where the Jacobian all but loses a rank. There the
-// rounding of the stored steps moves a root by 1e-9: a ball holds the roots of the arm before that rounding, too.
-inline constexpr double FAR_FROM_REAL = 100.0, BALL_BESIDE_A_SINGULARITY = 1e-7;
 // Rounds of Newton's method from where doubles converged.
 inline constexpr int PRECISE_ROUNDS = 3;
 
@@ -108,10 +104,9 @@ PART Certificate certify_precisely(const Loop& loop, const PreciseLoop& precise,
     Block longest = 0.0;
     for (const Six<CBlock>& each : at.twist) longest = max(longest, square_of(each));
     const double small = PRECISE_UNIT / UNIT;
-    const auto far = growth.all > Block(FAR_FROM_REAL);
     const Rounding rounding = {small * ROUNDING_OF_ROTATION * growth.all, small * loop.rounding * growth.all,
                                2.0 * UNIT * sqrt(longest) + small * rounding_of_twist(loop, growth)};
-    Certificate out = certify(at, f, rounding, select(far, Block(PRECISE_BALL), Block(BALL_BESIDE_A_SINGULARITY)));
+    Certificate out = certify(at, f, rounding, PRECISE_BALL);
     out.inner = max(out.inner, 0.5 * out.outer);
     return out;
 }

@@ -79,6 +79,17 @@ STEP bool is_certain(const Written<N>& arm, const Goal<double>& goal, const doub
     return missed_by(arm, goal, candidate) > lever * sum + POSE_MISSED;
 }
 
+// Calls f with the values of the step's joints, one that the position leaves nearly free at values around the circle.
+template <class F> STEP void at_values_around(const PlaceTried& place, const F& f) {
+    for (int k = 0; k < 2; ++k) {
+        for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {
+            double around[3] = {place.q[0], place.q[1], place.q[2]};
+            around[k] = wrap(PI * a / AROUND);
+            f(around);
+        }
+    }
+}
+
 // What is known after a way has been gone: a joint was nearly free; the solutions are all.
 struct Gone {
     bool doubt, proven;
@@ -111,14 +122,10 @@ PART Gone go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
         out.proven = out.proven && is_certain(arm.written, goal, candidate, bounds, q, sigma);
         if (!place.free || sigma <= arm.written.tolerances.singular) continue;
         out.doubt = true;
-        for (int k = 0; k < 2; ++k) {
-            for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {
-                double around[3] = {place.q[0], place.q[1], place.q[2]};
-                around[k] = wrap(PI * a / AROUND);
-                gather(arm, way, seen, around, q, off);
-                polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
-            }
-        }
+        at_values_around(place, [&](const double (&around)[3]) {
+            gather(arm, way, seen, around, q, off);
+            polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
+        });
     }
     return out;
 }

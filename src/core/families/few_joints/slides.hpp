@@ -50,22 +50,6 @@ STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const dou
     return turn_wrist(arm, behind(arm.step, placed, from_home(goal.R, arm.home)), sign, reference, q, off, sure);
 }
 
-// A joint that a position leaves nearly free is tried at values around the circle.
-PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const PlaceTried& place, double sign,
-                     const Reference<6>& reference, const Columns<6>& columns) {
-    double q[6], off = 0.0;
-    bool sure = false;
-    for (int k = 0; k < 2; ++k) {
-        for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {
-            double around[3] = {place.q[0], place.q[1], place.q[2]};
-            around[k] = wrap(PI * a / AROUND);
-            if (wrist_behind(arm, goal, around, sign, reference, q, off, sure)) {
-                polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
-            }
-        }
-    }
-}
-
 // Solutions by the wrist's position, each with both flips. Returns whether they are proven to be all.
 PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
     const double size = arm.written.size;
@@ -86,7 +70,11 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
             const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
             proven = proven && is_certain(arm.written, goal, candidate, bounds, q, sigma);
             if (!place.free || sigma <= arm.written.tolerances.singular) continue;
-            try_around(arm, goal, place, sign, reference, columns);
+            at_values_around(place, [&](const double (&around)[3]) {
+                bool sure = false;
+                if (wrist_behind(arm, goal, around, sign, reference, q, off, sure))
+                    polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
+            });
         }
     }
     return proven;

@@ -15,7 +15,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr int ROUNDS_TO_PAIRS = 6;
 // Roots with e^(sum of |imaginary parts|) above FAR_FROM_REAL, whose bound on Newton's step is below CONVERGING [rad], are
 // certified with twice the digits where doubles fail.
-inline constexpr double CONVERGING = 0.1;
+inline constexpr double FAR_FROM_REAL = 100.0, CONVERGING = 0.1;
 
 // The state of solving one pose.
 struct SearchState {
@@ -69,22 +69,13 @@ STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goa
 PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, const double (&q)[6], double least) {
     const Columns<6>& columns = search.columns;
     if (is_new(arm.written, goal, columns, q)) {
-        for (int b = 0; b < columns.many; ++b) {
-            if (columns.valid(b)) continue;
-            keep(columns, b, q, least < NEAR_FOLD ? singular_marks(arm.written, goal, q, 0) : 0);
-            return b;
-        }
-        return -1;
+        const int b = columns.vacant();
+        if (b >= 0) keep(columns, b, q, least < NEAR_FOLD ? singular_marks(arm.written, goal, q, 0) : 0);
+        return b;
     }
-    int nearest = -1;
-    double least_gap = __builtin_inf();
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        const double apart = distance(arm.written, q, columns.row(b));
-        if (apart < least_gap) least_gap = apart, nearest = b;
-    }
+    const int nearest = nearest_column(arm.written, columns, q);
     // Next to a singularity, keep only the most accurate approximation of the root.
-    if (least_gap > arm.written.tolerances.duplicate &&
+    if (distance(arm.written, q, columns.row(nearest)) > arm.written.tolerances.duplicate &&
         missed_by(arm.written, goal, q) < 0.1 * missed_by(arm.written, goal, columns.row(nearest))) {
         const int marks = columns.flags[nearest] & ~VALID;
         columns.clear(nearest);
@@ -176,12 +167,10 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
         if (own < 0 || owned >> own & 1) columns.clear(b);
         else owned |= 1u << own;
     }
-    for (int i = 0, b = 0; i < account.reals; ++i) {
+    for (int i = 0; i < account.reals; ++i) {
         if (owned >> i & 1) continue;
-        while (b < columns.many && columns.valid(b)) ++b;
-        if (b == columns.many) return;
         const RealRoot& root = account.real[i];
-        keep(columns, b, root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
+        keep(columns, 0, root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
     }
 }
 

@@ -13,11 +13,6 @@ inline constexpr double NEAR_CIRCLE = 0.1;
 // A root of a hidden slide is skipped if its cosine is below this: the slide would be longer than 20 times the mean
 // distance of the axes.
 inline constexpr double FARTHEST = -0.995;
-// A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster about
-// equally, so if this holds, no root of the cluster is as far off the circle as NEAR_CIRCLE.
-inline constexpr double OWN_ROOT = 1e-3;
-// The same for arms near special ones, whose roots form clusters.
-inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 
 // The roots that may be real, as (cos, sin).
 struct RealRoots {
@@ -62,7 +57,7 @@ PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& vari
         const CBlock hidden = {load<Block>(re + from), load<Block>(im + from)};
         const int rest = many - from;
         CBlock x[SIZE], joints[6];
-        null_vectors(A, turn_of(hidden), x);
+        null_vectors<CBlock>(A, turn_of(hidden), x);
         complex_joints(variant, G, x, hidden, joints);
         account_for(arm, goal, search, joints, rest >= BLOCK ? (1u << BLOCK) - 1 : (1u << rest) - 1);
     }
@@ -82,7 +77,10 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     self_inversive_roots<2 * DEGREE>(coefficients, z);
     RealRoots roots = real_roots(z, variant.slides[(variant.first + 5) % 6]);
     for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
-    const double own = search.provable ? OWN_ROOT : OWN_ROOT_NEAR_SPECIAL;
+    // A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster
+    // about equally, so no root of the cluster is then as far off the circle as NEAR_CIRCLE. Roots of arms near special ones form
+    // clusters.
+    const double own = search.provable ? NEAR : SAME;
     unsigned owned = 0;
     int settled = 0;
     for (int from = 0; from < roots.many; from += BLOCK) {
@@ -91,7 +89,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         Candidates candidates;
         candidates.lanes = rest >= BLOCK ? (1u << BLOCK) - 1 : (1u << rest) - 1;
         Block x[SIZE];
-        null_vectors(A, c, s, x);
+        null_vectors<Block>(A, {c, s}, x);
         remaining_values(variant, G, x, c, s, candidates.q);
         for (int j = 0; j < 6; ++j) {
             if (arm.written.slides[j]) candidates.q[j] = candidates.q[j] * (1.0 / arm.scale);

@@ -272,31 +272,36 @@ STEP double harmonics(const double (&D)[SAMPLES], Complex (&c)[2 * DEGREE + 1]) 
     return largest > 0.0 ? sqrt(noise / largest) : __builtin_inf();
 }
 
-// Unit vectors that are nearly null vectors of the matrices at the hidden angles (c, s): inverse iteration on R^T R.
-PART void null_vectors(const Equations& A, const Block& c, const Block& s, Block (&x)[SIZE]) {
-    Block M[1][SIZE][SIZE], longest = 0.0, w[SIZE];
-    matrix_at(A, c, s, M[0]);
+STEP Block inverse(const Block& a) { return 1.0 / a; }
+STEP Block size_of(const Block& a) { return abs(a); }
+STEP Block size_of(const CBlock& a) { return sqrt(square(a)); }
+
+// Unit vectors that are nearly null vectors of the matrices at the hidden turns t: inverse iteration on R* R.
+template <class V> PART void null_vectors(const Equations& A, const Turn<V>& t, V (&x)[SIZE]) {
+    V M[1][SIZE][SIZE], w[SIZE];
+    Block longest = 0.0;
+    matrix_at(A, t.c, t.s, M[0]);
     make_triangular(M);
     const auto& R = M[0];
-    for (int i = 0; i < SIZE; ++i) longest = max(longest, abs(R[i][i]));
+    for (int i = 0; i < SIZE; ++i) longest = max(longest, size_of(R[i][i]));
     const Block least = 1e-15 * longest + TINY;
     for (int i = 0; i < SIZE; ++i) {
-        w[i] = 1.0 / select(abs(R[i][i]) > least, R[i][i], least);
+        w[i] = inverse(select(size_of(R[i][i]) > least, R[i][i], scaled(least, V(1.0))));
         x[i] = 1.0 + 0.1 * i * ((i % 3) - 1);
     }
     for (int round = 0; round < 2; ++round) {
         for (int i = 0; i < SIZE; ++i) {
-            for (int j = 0; j < i; ++j) x[i] -= R[i][j] * x[j];
-            x[i] *= w[i];
+            for (int j = 0; j < i; ++j) x[i] = x[i] - conj(R[i][j]) * x[j];
+            x[i] = conj(w[i]) * x[i];
         }
-        Block square = 0.0;
+        Block all = TINY;
         for (int i = SIZE - 1; i >= 0; --i) {
-            for (int j = i + 1; j < SIZE; ++j) x[i] -= R[j][i] * x[j];
-            x[i] *= w[i];
-            square += x[i] * x[i];
+            for (int j = i + 1; j < SIZE; ++j) x[i] = x[i] - R[j][i] * x[j];
+            x[i] = w[i] * x[i];
+            all += square(x[i]);
         }
-        const Block inverse = 1.0 / sqrt(square);
-        for (auto& each : x) each *= inverse;
+        const Block length = 1.0 / sqrt(all);
+        for (auto& each : x) each = scaled(length, each);
     }
 }
 
@@ -326,11 +331,35 @@ template <class V> STEP Vec<V> other_side(const EliminationVariant& at, const Fr
     return v;
 }
 
+// Joints a, a + 1 and a + 2 from the others: the line of joint a + 2, moved through the other side, gives the products of joints a
+// and a + 1; joint a + 2 turns a vector across its axis to the direction that the other side gives. value_of(joint, c, s): its
+// value from multiples of its cosine and sine.
+template <class V, class F>
+STEP void add_first_values(const EliminationVariant& at, const Frame<V>& G, Value<V> (&values)[6], const F& value_of) {
+    const int first = at.first, k = first + 2;
+    const Vec<V> axis = vec<V>(at.axes[k]), start = vec<V>(at.points[k]), across = vec<V>(at.across);
+    const Vec<V> p = other_side(at, G, values, start), l = other_side(at, G, values, start + axis) - p, m = cross(p, l);
+    const V h = 0.5 * dot(p, p), along = dot(p, l);
+    const Vec<V> rest = h * l - along * p;
+    const V w[LINE] = {V(1.0), p.x, p.y, p.z, h, l.x, l.y, l.z, m.x, m.y, m.z, along, rest.x, rest.y, rest.z};
+    const auto product = [&](int i) {
+        V sum = 0.0;
+        for (int j = 0; j < LINE; ++j) sum += at.left_inverse[i][j] * w[j];
+        return sum;
+    };
+    values[first] = value_of(first, product(3), product(6));
+    values[first + 1] = value_of(first + 1, product(1), product(2));
+    Vec<V> v = other_side(at, G, values, start + across);
+    v = undone(at, first, values[first], v);
+    v = undone(at, first + 1, values[first + 1], v) - start;
+    values[k] = value_of(k, dot(across, v), dot(axis, cross(across, v)));
+}
+
 // The values of all joints of the loop for hidden angles (c, s), from the null vectors of their matrices.
 PART void remaining_values(const EliminationVariant& at, const Frame<double>& motion, const Block (&x)[SIZE], const Block& c,
                            const Block& s, Block (&q)[6]) {
     const Frame<Block> G = spread<Block>(motion);
-    const int first = at.first, kept = (first + 3) % 6, kept_too = (first + 4) % 6, hidden = (first + 5) % 6;
+    const int kept = (at.first + 3) % 6, kept_too = (at.first + 4) % 6, hidden = (at.first + 5) % 6;
     Value<Block> values[6];
     // The null vector is (1, cos, sin) of joint a + 3 times a vector of the halves. Take the longest of these three
     // copies.
@@ -351,26 +380,8 @@ PART void remaining_values(const EliminationVariant& at, const Frame<double>& mo
     const Turn<Block> half = unit(halves[0], halves[1]);
     values[kept_too] = {{half.c * half.c - half.s * half.s, 2.0 * half.c * half.s}, half.s / half.c};
     values[hidden] = {{c, s}, s / (1.0 + c)};
-    // The line of joint a + 2, moved through the other side, gives the products of joints a and a + 1.
-    const int k = first + 2;
-    const Vec<Block> axis = vec<Block>(at.axes[k]), start = vec<Block>(at.points[k]), across = vec<Block>(at.across);
-    const Vec<Block> p = other_side(at, G, values, start), l = other_side(at, G, values, start + axis) - p, m = cross(p, l);
-    const Block h = 0.5 * dot(p, p), along = dot(p, l);
-    const Vec<Block> rest = h * l - along * p;
-    const Block w[LINE] = {Block(1.0), p.x, p.y, p.z, h, l.x, l.y, l.z, m.x, m.y, m.z, along, rest.x, rest.y, rest.z};
-    const auto product = [&](int i) {
-        Block sum = 0.0;
-        for (int j = 0; j < LINE; ++j) sum += at.left_inverse[i][j] * w[j];
-        return sum;
-    };
-    const Block cos_first = product(3), cos_second = product(1);
-    values[first] = {unit(cos_first, product(6)), cos_first};
-    values[first + 1] = {unit(cos_second, product(2)), cos_second};
-    // Joint a + 2 turns a vector across its axis to the direction that the other side gives.
-    Vec<Block> v = other_side(at, G, values, start + across);
-    v = undone(at, first, values[first], v);
-    v = undone(at, first + 1, values[first + 1], v) - start;
-    values[k].turn = {dot(across, v), dot(axis, cross(across, v))};
+    add_first_values(at, G, values,
+                     [](int, const Block& cosine, const Block& sine) { return Value<Block>{unit(cosine, sine), cosine}; });
     for (int j = 0; j < 6; ++j) {
         const int from = at.reversed ? 5 - j : j;
         q[j] = at.slides[from] ? values[from].length : wrap(angle(values[from].turn));
