@@ -44,17 +44,14 @@ private:
 // Runs work(stop) without the GIL, then throws the error that a Python signal handler raised meanwhile.
 template <class Work> auto without_gil(const Work& work) {
     Signals signals;
-    if constexpr (std::is_void_v<decltype(work(signals.stop()))>) {
-        {
-            nb::gil_scoped_release release;
-            work(signals.stop());
-        }
-        signals.raise();
+    const auto run = [&] {
+        nb::gil_scoped_release release;
+        return work(signals.stop());
+    };
+    if constexpr (std::is_void_v<decltype(run())>) {
+        run(), signals.raise();
     } else {
-        const auto out = [&] {
-            nb::gil_scoped_release release;
-            return work(signals.stop());
-        }();
+        const auto out = run();
         signals.raise();
         return out;
     }

@@ -35,16 +35,12 @@ STEP CBlock on_circle(const CBlock& c, const CBlock& s) {
     const CBlock is = {-s.im, s.re}, up = c + is, down = c - is;
     const Block a = square(up), b = square(down);
     // up / sqrt(up down) without the root: the multiple is one where both are given exactly.
-    const auto ahead = a > b;
-    const CBlock other = inverse(down);
-    return {select(ahead, up.re, other.re), select(ahead, up.im, other.im)};
+    return select(a > b, up, inverse(down));
 }
 // The ratio of two proportional pairs: (b0, b1) = ratio (a0, a1), each by its longer entry.
 STEP CBlock ratio_of(const CBlock& a0, const CBlock& a1, const CBlock& b0, const CBlock& b1) {
     const auto first = square(a0) + square(b0) > square(a1) + square(b1);
-    const CBlock a = {select(first, a0.re, a1.re), select(first, a0.im, a1.im)};
-    const CBlock b = {select(first, b0.re, b1.re), select(first, b0.im, b1.im)};
-    return b * inverse(a);
+    return select(first, b0, b1) * inverse(select(first, a0, a1));
 }
 
 // Joints that the null vectors of the matrices at the hidden turns lead to; all joints turn.
@@ -62,9 +58,7 @@ PART void complex_joints(const EliminationVariant& at, const Frame<double>& moti
         for (int i = 0; i < 4; ++i) all += square(x[4 * j + i]);
         const auto longer = all > longest;
         longest = select(longer, all, longest);
-        for (int i = 0; i < 4; ++i) {
-            halves[i] = {select(longer, x[4 * j + i].re, halves[i].re), select(longer, x[4 * j + i].im, halves[i].im)};
-        }
+        for (int i = 0; i < 4; ++i) halves[i] = select(longer, x[4 * j + i], halves[i]);
     }
     CBlock d[3];
     for (int j = 0; j < 3; ++j) {
@@ -78,8 +72,7 @@ PART void complex_joints(const EliminationVariant& at, const Frame<double>& moti
     const CBlock down = halves[0] - i_times(halves[1]), up = halves[0] + i_times(halves[1]);
     const CBlock down_3 = halves[2] - i_times(halves[3]), up_3 = halves[2] + i_times(halves[3]);
     const auto rises = square(up_3) > square(down_3);
-    const CBlock rising = ratio_of(down, up, up, up_3), falling = ratio_of(down_3, down, down, up);
-    values[kept_too] = {select(rises, rising.re, falling.re), select(rises, rising.im, falling.im)};
+    values[kept_too] = select(rises, ratio_of(down, up, up, up_3), ratio_of(down_3, down, down, up));
     values[last] = hidden;
     turn[kept].turn = turn_of(values[kept]), turn[kept_too].turn = turn_of(values[kept_too]), turn[last].turn = turn_of(hidden);
     add_first_values(at, G, turn, [&](int joint, const CBlock& cosine, const CBlock& sine) {

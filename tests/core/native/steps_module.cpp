@@ -5,7 +5,7 @@
 #include "arms/common.hpp"
 #include "bindings/python_values.hpp"
 #include "processor.hpp"
-#include "steps/steps.hpp"
+#include "steps.hpp"
 
 namespace urdf_ik {
 

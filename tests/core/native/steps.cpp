@@ -1,5 +1,5 @@
 // See steps.hpp. Compiled once for every instruction set.
-#include "steps/steps.hpp"
+#include "steps.hpp"
 
 #include "answers/answer.hpp"
 #include "kinematics/linked_angles.hpp"
