@@ -273,8 +273,6 @@ STEP double harmonics(const double (&D)[SAMPLES], Complex (&c)[2 * DEGREE + 1]) 
 }
 
 STEP Block inverse(const Block& a) { return 1.0 / a; }
-STEP Block size_of(const Block& a) { return abs(a); }
-STEP Block size_of(const CBlock& a) { return sqrt(square(a)); }
 
 // Unit vectors that are nearly null vectors of the matrices at the hidden turns t: inverse iteration on R* R.
 template <class V> PART void null_vectors(const Equations& A, const Turn<V>& t, V (&x)[SIZE]) {
@@ -283,10 +281,10 @@ template <class V> PART void null_vectors(const Equations& A, const Turn<V>& t, 
     matrix_at(A, t.c, t.s, M[0]);
     make_triangular(M);
     const auto& R = M[0];
-    for (int i = 0; i < SIZE; ++i) longest = max(longest, size_of(R[i][i]));
+    for (int i = 0; i < SIZE; ++i) longest = max(longest, above(R[i][i]));
     const Block least = 1e-15 * longest + TINY;
     for (int i = 0; i < SIZE; ++i) {
-        w[i] = inverse(select(size_of(R[i][i]) > least, R[i][i], scaled(least, V(1.0))));
+        w[i] = inverse(select(above(R[i][i]) > least, R[i][i], scaled(least, V(1.0))));
         x[i] = 1.0 + 0.1 * i * ((i % 3) - 1);
     }
     for (int round = 0; round < 2; ++round) {
