@@ -83,12 +83,16 @@ PART Certificate certify_precisely(const Loop& loop, const PreciseLoop& precise,
     LoopAt<CBlock> at;
     Orthogonal<CBlock> f;
     for (int round = 0;; ++round) {
-        for (int l = 0; l < BLOCK; ++l) {
-            const int from = lanes >> l & 1 ? l : __builtin_ctz(lanes);
+        for (unsigned rest = lanes; rest; rest &= rest - 1) {
+            const int l = __builtin_ctz(rest);
             Turn<Precise> turn[6];
-            for (int k = 0; k < 6; ++k) turn[k] = turn_of(Precise{z[k].re[from], z[k].im[from]});
+            for (int k = 0; k < 6; ++k) turn[k] = turn_of(Precise{z[k].re[l], z[k].im[l]});
             const LoopAt<Precise> here = loop_at(precise, turn);
-            const auto put = [&](CBlock& to, const Precise& a) { to.re.set(l, a.re.hi), to.im.set(l, a.im.hi); };
+            // The first one is in the lanes that are not in use, too.
+            const auto put = [&](CBlock& to, const Precise& a) {
+                if (rest == lanes) to = {a.re.hi, a.im.hi};
+                to.re.set(l, a.re.hi), to.im.set(l, a.im.hi);
+            };
             for (int i = 0; i < 6; ++i) {
                 for (int k = 0; k < 6; ++k) put(at.twist[k][i], here.twist[k][i]);
                 put(at.error[i], here.error[i]);

@@ -22,10 +22,9 @@ from urdf_ik.typing import Array
 
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
-# Poses on which variants are tried; the first ones choose how far the axes move for each cut.
-_POSES, _FIRST = 32, 8
-# Poses that choose the counter.
-_SOME = 16
+# Poses on which variants are tried, in lots. The first lot chooses how far the axes move for each cut, the first two
+# choose the counter.
+_LOT, _LOTS = 8, 4
 # Variants that are kept.
 _KEPT = 3
 # The share of poses whose sixteen solutions a variant finds; below it, real solutions are counted alone.
@@ -49,7 +48,7 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
     rng = np.random.default_rng(0)
-    Q = rng.uniform(-math.pi, math.pi, (_POSES, 6))
+    Q = rng.uniform(-math.pi, math.pi, (_LOT * _LOTS, 6))
     Q[:, chain.prismatic] *= chain.size / math.pi
     setup = Numbers(
         written=written(chain),
@@ -58,11 +57,12 @@ def elimination_arm(chain: Chain, *, near: bool = False) -> Numbers:
         scale=scale,
         near=float(near or chain.prismatic.any()),
     )
-    targets = chain.fk(Q)
     every = _all_variants(H, points, chain.prismatic, rng)
-    variant = _best(setup, every, targets)
-    counter, rest = _counter(setup, every, targets[:_SOME])
-    if not setup.near and (_tried(setup, _at(variant, [0]), targets)[1] & 1).mean() < _MOST:
+    trials = _Trials(setup, every, chain.fk(Q))
+    order = trials.best()
+    variant = _at(every, order)
+    counter, rest = _with_bounds(_at(every, [0 if chain.prismatic.any() else trials.counter()]), setup)
+    if not setup.near and (trials.certain[order[0]] & 1).mean() < _MOST:
         setup.near = 1.0
         variant = Numbers(**{k: np.concatenate([v, vars(variant)[k][:-1]]) for k, v in vars(counter).items()})
     return Numbers(kind="elimination", **vars(setup), variant=variant, counter=counter, counter_rest=rest)
@@ -79,48 +79,66 @@ def _with_bounds(variant: Numbers, setup: Numbers) -> tuple[Numbers, Numbers]:
     return variant.but(inexact=bound[None]), rest
 
 
-def _counter(setup: Numbers, variants: Numbers, targets: Array) -> tuple[Numbers, Numbers]:
-    """The variant of the axes as they are whose determinant's zeros prove most of the poses (m, 4, 4) complete."""
-    unmoved = _at(variants, range(len(variants.first) // len(_SHIFTS)))
-    if unmoved.slides.any():
-        return _with_bounds(_at(unmoved, [0]), setup)
+class _Trials:
+    """What each variant alone finds of the poses (m, 4, 4), tried where that can matter."""
 
-    # What these would prove, were they as exact as rounding lets them be.
-    exact = unmoved.but(inexact=np.tile([1e-13, 0.0, 0.0], (len(unmoved.first), 1)))
-    proven = np.count_nonzero(_tried(setup, exact, targets)[1] & 2, axis=1)
-    return _with_bounds(_at(unmoved, [int(np.argsort(proven, kind="stable")[-1])]), setup)
+    def __init__(self, setup: Numbers, variants: Numbers, targets: Array) -> None:
+        self.cuts = len(variants.first) // len(_SHIFTS)
+        # What the zeros of unmoved axes' determinants would prove, were these as exact as rounding lets them be.
+        exact = np.where(np.arange(len(variants.first))[:, None] < self.cuts, [1e-13, 0.0, 0.0], UNKNOWN)
+        self.setup, self.variants, self.targets = setup, variants.but(inexact=exact), targets
+        self.counts, self.certain = np.zeros((2, len(variants.first), len(targets)), np.uint8)
+        self.done = np.zeros((len(variants.first), _LOTS), np.bool_)
 
+    def run(self, rows: NDArray[np.intp], lot: int) -> None:
+        """Try variants on a lot of poses, where they have not been."""
+        rows, poses = rows[~self.done[rows, lot]], slice(_LOT * lot, _LOT * (lot + 1))
+        counts, certain = np.empty((2, len(rows), _LOT), np.uint8)
+        if len(rows):
+            targets = np.ascontiguousarray(self.targets[poses])
+            try_elimination(self.setup, _at(self.variants, rows), targets, counts, certain)
+        self.counts[rows, poses], self.certain[rows, poses], self.done[rows, lot] = counts, certain, True
 
-def _best(setup: Numbers, variants: Numbers, targets: Array) -> Numbers:
-    """Variants of the best cuts, the best one first; the first poses (m, 4, 4) choose how far their axes move."""
-    order = _order(setup, variants, targets[:_FIRST])
-    cuts = variants.first[order] + 4 * variants.reversed[order]
-    few = _at(variants, order[np.sort(np.unique(cuts, return_index=True)[1])])
-    return _at(few, _order(setup, few, targets)[:_KEPT])
+    def scores(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The number of poses of which variants are rightly certain, so far; -1 where they are wrong about one."""
+        certain = self.certain[rows] & 1
+        # It is certain of fewer solutions than another one finds: its determinant lacks some of them as roots.
+        wrong = ((certain > 0) & (self.counts[rows] < self.counts.max(axis=0))).any(axis=1)
+        return np.where(wrong, -1, certain.sum(axis=1, dtype=np.intp))
 
+    def order(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The variants from the best one; among equals the one whose equations take the fewest products first."""
+        return rows[np.lexsort((-self.variants.first[rows], -self.scores(rows)))]
 
-def _order(setup: Numbers, variants: Numbers, targets: Array) -> NDArray[np.intp]:
-    """The places of the variants, from the one that is rightly certain of most of the poses (m, 4, 4)."""
-    counts, found = _tried(setup, variants, targets)
-    certain = found & 1
-    # A variant that is certain of fewer solutions than another one finds: its determinant lacks some of them as roots.
-    wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
-    # Among equals the one whose equations take the fewest products, see ``EliminationVariant`` of the core.
-    return np.lexsort((-variants.first, np.where(wrong, 1, -certain.sum(axis=1, dtype=np.int64))))
+    def best(self) -> NDArray[np.intp]:
+        """Variants of the best cuts, the best one first."""
+        every = np.arange(len(self.done))
+        # Near a special arm, a root of moved axes is too far from the solution for certainty.
+        for shift in range(1 if self.setup.near else len(_SHIFTS)):
+            poor = self.scores(every).reshape(len(_SHIFTS), -1).max(axis=0) < _LOT
+            self.run(every[shift * self.cuts :][: self.cuts][poor], 0)
+        order = self.order(every)
+        few = order[np.sort(np.unique(order % self.cuts, return_index=True)[1])]
+        for k in range(len(few)):
+            for lot in range(_LOTS):
+                # Whatever the other poses say, it is not among the best.
+                if lot and (most := self.scores(few))[k] + _LOT * (_LOTS - lot) < np.sort(most)[-_KEPT:][0]:
+                    break
+                self.run(few[k : k + 1], lot)
+        return self.order(few)[:_KEPT]
+
+    def counter(self) -> int:
+        """The variant of the axes as they are whose determinant's zeros prove most of the poses complete."""
+        for lot in (0, 1):
+            self.run(np.arange(self.cuts), lot)
+        proven = np.count_nonzero(self.certain[: self.cuts, : 2 * _LOT] & 2, axis=1)
+        return int(np.argsort(proven, kind="stable")[-1])
 
 
 def _at(variants: Numbers, rows: Sequence[int] | NDArray[np.intp]) -> Numbers:
     """Some of the variants, by their places."""
     kept = np.asarray(rows)
     return Numbers(**{name: np.ascontiguousarray(values[kept]) for name, values in vars(variants).items()})
-
-
-def _tried(setup: Numbers, variants: Numbers, targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Try each variant alone on the poses (m, 4, 4)."""
-    counts = np.empty((len(variants.first), len(targets)), np.uint8)
-    certain = np.empty_like(counts)
-    try_elimination(setup, variants, np.ascontiguousarray(targets), counts, certain)
-    return counts, certain
 
 
 def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
