@@ -156,10 +156,13 @@ def prepare_middle(
     def at_value(value: float) -> FamilyMember | None:
         return plan_of(chain.lock({name: value}))
 
-    found = [at_value(low + share * (high - low)) for share in _SAMPLES]
-    plans = [plan for plan in (*found, at_value(parameter.default)) if plan is not None]
-    if any(plan is None for plan in found):
-        return None
+    plans: list[FamilyMember] = []
+    for share in _SAMPLES:
+        if (plan := at_value(low + share * (high - low))) is None:
+            return None
+        plans.append(plan)
+    if (plan := at_value(parameter.default)) is not None:
+        plans.append(plan)
     first = plans[0]
     same = all(plan.branches == first.branches for plan in plans)
     branches = first.branches if same else columns(max(len(plan.branches) for plan in plans))
