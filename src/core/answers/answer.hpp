@@ -76,6 +76,23 @@ template <class Model> STEP double distance(const Model& arm, const double* a, c
     return most;
 }
 
+STEP MaskOf<Block> mask_of(unsigned lanes) {
+    double x[BLOCK];
+    for (int l = 0; l < BLOCK; ++l) x[l] = lanes >> l & 1;
+    return load<Block>(x) > Block(0.0);
+}
+// The solutions in a block of columns from `from` on, zeros where there is none. Returns a bit for each lane with a solution.
+template <int N> STEP unsigned solutions_in(const Columns<N>& columns, int from, Block (&q)[N]) {
+    unsigned lanes = 0;
+    for (Block& each : q) each = 0.0;
+    for (int l = 0; l < BLOCK && from + l < columns.many; ++l) {
+        if (!columns.valid(from + l)) continue;
+        lanes |= 1u << l;
+        for (int j = 0; j < N; ++j) q[j].set(l, columns.row(from + l)[j]);
+    }
+    return lanes;
+}
+
 // The column nearest to a joint vector; -1 if all are free.
 template <class Model> STEP int nearest_column(const Model& arm, const Columns<Model::joints>& columns, const double* q) {
     int nearest = -1;

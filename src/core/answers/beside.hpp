@@ -8,15 +8,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Lower bounds on the smallest singular values of the Jacobians at the solutions in a block of columns; 0 in empty columns.
 template <class Model>
 PART Block least_bounds(const Model& arm, const Goal<Block>& goals, const Columns<Model::joints>& columns, int from) {
-    constexpr int N = Model::joints;
-    Block q[N], there = 0.0;
-    for (Block& each : q) each = 0.0;
-    for (int l = 0; l < BLOCK && from + l < columns.many; ++l) {
-        if (!columns.valid(from + l)) continue;
-        there.set(l, 1.0);
-        for (int j = 0; j < N; ++j) q[j].set(l, columns.row(from + l)[j]);
-    }
-    return there * polish_block<true>(arm, goals, q, {0, 0.0, 0}).least;
+    Block q[Model::joints];
+    const unsigned lanes = solutions_in(columns, from, q);
+    return select(mask_of(lanes), polish_block<true>(arm, goals, q, {0, 0.0, 0}).least, 0.0);
 }
 
 // Looks for a second solution beside each one near a fold. Singular solutions are flagged.

@@ -55,12 +55,7 @@ PART unsigned certified_columns(const Loop& loop, const Columns<6>& columns) {
     unsigned out = 0;
     for (int from = 0; from < columns.many; from += BLOCK) {
         Block q[6];
-        unsigned lanes = 0;
-        for (int l = 0; l < BLOCK; ++l) {
-            const bool there = from + l < columns.many && columns.valid(from + l);
-            lanes |= unsigned(there) << l;
-            for (int j = 0; j < 6; ++j) q[j].set(l, there ? columns.row(from + l)[j] : 0.0);
-        }
+        const unsigned lanes = solutions_in(columns, from, q);
         if (lanes) out |= (bits(certify_real(loop, q).holds) & lanes) << from;
     }
     return out;

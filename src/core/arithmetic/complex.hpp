@@ -24,6 +24,7 @@ template <class V> struct Complexes {
     friend STEP Complexes operator*(double f, const Complexes& a) { return {f * a.re, f * a.im}; }
     friend STEP Complexes operator*(const Complexes& a, double f) { return f * a; }
     STEP Complexes& operator+=(const Complexes& b) { return *this = *this + b; }
+    STEP Complexes& operator-=(const Complexes& b) { return *this = *this - b; }
 
 private:
     static STEP Complexes product(const Complexes& a, const Complexes& b) {

@@ -159,6 +159,7 @@ template <int L> struct FixedComplex {
     Fixed<L> re, im;
 
     FixedComplex() = default;
+    FixedComplex(const Fixed<L>& x, const Fixed<L>& y) : re(x), im(y) {}
     FixedComplex(const WideComplex<L>& x, int exponent) : re(x.re, exponent), im(x.im, exponent) {}
     STEP WideComplex<L> wide() const { return {re.wide(), im.wide()}; }
     STEP bool is_zero() const { return re.is_zero() && im.is_zero(); }
@@ -171,32 +172,17 @@ template <int L> struct FixedComplex {
         im.subtract(a.re, b.im), im.subtract(a.im, b.re);
     }
     friend PART FixedComplex operator*(const FixedComplex& a, const FixedComplex& b) {
-        FixedComplex out;
-        out.re = a.re * b.re - a.im * b.im, out.im = a.re * b.im + a.im * b.re;
-        return out;
+        return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
     }
-    friend PART FixedComplex operator*(const FixedComplex& a, const Fixed<L>& b) {
-        FixedComplex out;
-        out.re = a.re * b, out.im = a.im * b;
-        return out;
-    }
+    friend PART FixedComplex operator*(const FixedComplex& a, const Fixed<L>& b) { return {a.re * b, a.im * b}; }
     friend STEP FixedComplex operator-(FixedComplex a, const FixedComplex& b) { return a -= b; }
-    friend STEP FixedComplex operator+(const FixedComplex& a, const FixedComplex& b) {
-        FixedComplex out;
-        out.re = a.re + b.re, out.im = a.im + b.im;
-        return out;
-    }
+    friend STEP FixedComplex operator+(const FixedComplex& a, const FixedComplex& b) { return {a.re + b.re, a.im + b.im}; }
 };
 template <int L> STEP double square_of(const FixedComplex<L>& a) { return square_of(a.re) + square_of(a.im); }
 
 // The number with a fixed point that belongs to one with an exponent.
-template <class V> struct FixedFor;
-template <int L> struct FixedFor<Wide<L>> {
-    using type = Fixed<L>;
-};
-template <int L> struct FixedFor<WideComplex<L>> {
-    using type = FixedComplex<L>;
-};
-template <class V> using FixedOf = typename FixedFor<V>::type;
+template <int L> Fixed<L> fixed_for(const Wide<L>&);
+template <int L> FixedComplex<L> fixed_for(const WideComplex<L>&);
+template <class V> using FixedOf = decltype(fixed_for(V()));
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "arithmetic/vectors.hpp"
+#include "arithmetic/complex.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -201,21 +201,8 @@ template <class T> STEP void exchange(T& a, T& b) {
     a = b, b = c;
 }
 
-// A complex number.
-template <int L> struct WideComplex {
-    Wide<L> re, im;
-    WideComplex() = default;
-    WideComplex(double x) : re(x), im(0.0) {}
-    WideComplex(const Wide<L>& x, const Wide<L>& y) : re(x), im(y) {}
-
-    friend PART WideComplex operator+(const WideComplex& a, const WideComplex& b) { return {a.re + b.re, a.im + b.im}; }
-    friend PART WideComplex operator-(const WideComplex& a, const WideComplex& b) { return {a.re - b.re, a.im - b.im}; }
-    friend PART WideComplex operator*(const WideComplex& a, const WideComplex& b) {
-        return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-    }
-    STEP WideComplex& operator+=(const WideComplex& b) { return *this = *this + b; }
-    STEP WideComplex& operator-=(const WideComplex& b) { return *this = *this - b; }
-};
+template <int L> inline constexpr bool IS_CALLED<Wide<L>> = true;
+template <int L> using WideComplex = Complexes<Wide<L>>;
 template <int L> PART WideComplex<L> operator*(const Wide<L>& f, const WideComplex<L>& a) { return {f * a.re, f * a.im}; }
 // A real number as a complex one, where V is complex.
 template <class V, int L> STEP V lifted(const Wide<L>& a) {

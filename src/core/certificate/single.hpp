@@ -39,11 +39,6 @@ template <class V> STEP V inner_product(const Six<V>& a, const Six<V>& b) {
     for (int i = 1; i < 6; ++i) sum += conj(a[i]) * b[i];
     return sum;
 }
-template <class V> STEP V product(const Six<V>& a, const Six<V>& b) {
-    V sum = a[0] * b[0];
-    for (int i = 1; i < 6; ++i) sum += a[i] * b[i];
-    return sum;
-}
 template <class V> STEP Block square_of(const Six<V>& a) {
     Block sum = square(a[0]);
     for (int i = 1; i < 6; ++i) sum += square(a[i]);
@@ -108,7 +103,7 @@ template <class V> PART Block second_derivatives(const Six<V> (&twist)[6], const
         for (int k = j; k < 6; ++k) {
             const Six<V> H = second_derivative(twist[j], twist[k]);
             const double times = j == k ? 1.0 : 2.0;
-            for (int i = 0; i < 6; ++i) sum[i] += times * above(product(C.row[i], H));
+            for (int i = 0; i < 6; ++i) sum[i] += times * above(dot(C.row[i], H));
         }
     }
     Block most = sum[0];
@@ -157,10 +152,10 @@ PART Certificate certify(const LoopAt<V>& at, const Orthogonal<V>& f, const Roun
         const Block row = sqrt(linear + angular);
         longest_row = max(longest_row, row);
         // Eight operations in each product of six.
-        out.eta = max(out.eta, above(product(c, at.error)) + sqrt(linear) * of_position + sqrt(angular) * of_rotation +
-                                   8.0 * UNIT * row * size);
+        out.eta = max(out.eta,
+                      above(dot(c, at.error)) + sqrt(linear) * of_position + sqrt(angular) * of_rotation + 8.0 * UNIT * row * size);
         for (int j = 0; j < 6; ++j) {
-            V each = product(c, at.twist[j]);
+            V each = dot(c, at.twist[j]);
             if (j == k) each = each - V(1.0);
             off += above(each);
         }

@@ -250,7 +250,7 @@ template <int L> PART void separate(const HalfTangent<L>& p, WideRoot<L>* const*
         for (int k = 0; k <= ROOTS; ++k) t[k] = b[k].leading();
     } else {
         FixedComplex<L> b[ROOTS + 1];
-        for (int k = 0; k <= ROOTS; ++k) b[k].re = p.a[far ? ROOTS - k : k], b[k].im = Fixed<L>{};
+        for (int k = 0; k <= ROOTS; ++k) b[k] = {p.a[far ? ROOTS - k : k], Fixed<L>{}};
         shift(b, FixedComplex<L>(middle, 0));
         for (int k = 0; k <= ROOTS; ++k) t[k] = {b[k].re.leading(), b[k].im.leading()};
     }

@@ -41,11 +41,6 @@ struct Candidates {
     unsigned lanes;
 };
 
-STEP MaskOf<Block> mask_of(unsigned lanes) {
-    double x[BLOCK];
-    for (int l = 0; l < BLOCK; ++l) x[l] = lanes >> l & 1;
-    return load<Block>(x) > Block(0.0);
-}
 STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
     for (int j = 0; j < 6; ++j) out[j] = q[j][l];
 }

@@ -91,23 +91,15 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
 // Certifies the solutions that are there.
 PART void certify_columns(SearchState& search) {
     if (!search.certifies) return;
-    int from[BLOCK], filled = 0;
-    Block q[6], least;
-    const auto certify = [&] {
-        if (!filled) return;
-        for (int l = filled; l < BLOCK; ++l) from[l] = from[0];
+    const Columns<6>& columns = search.columns;
+    for (int from = 0; from < columns.many; from += BLOCK) {
+        Block q[6], least = 1.0;
+        const unsigned lanes = solutions_in(columns, from, q);
         for (int l = 0; l < BLOCK; ++l) {
-            for (int j = 0; j < 6; ++j) q[j].set(l, search.columns.row(from[l])[j]);
-            least.set(l, search.columns.flags[from[l]] & SINGULAR ? 0.0 : 1.0);
+            if (lanes >> l & 1 && columns.flags[from + l] & SINGULAR) least.set(l, 0.0);
         }
-        account_for(search, q, (1u << filled) - 1, least);
-        filled = 0;
-    };
-    for (int b = 0; b < search.columns.many; ++b) {
-        if (search.columns.valid(b)) from[filled++] = b;
-        if (filled == BLOCK) certify();
+        if (lanes) account_for(search, q, lanes, least);
     }
-    certify();
 }
 
 // The same with the account; see complete.hpp.
