@@ -290,8 +290,10 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
             if (!zero.real && (!(zero.error <= arm.tolerances.reach) || zero.least > AT_A_PAIR)) continue;
             if (zero.real && !(zero.error <= arm.tolerances.reach)) return Status::incomplete;
             int b = nearest_column(arm, columns, zero.solution);
-            if (b < 0 || is_new(arm, goal, columns, zero.solution)) {
-                b = free_column(columns, owned);
+            const bool known = b >= 0 && !is_new(arm, goal, columns, zero.solution);
+            // A solution takes the place of what keeps the pose less well.
+            if (!known || (!(owned >> b & 1) && zero.error <= CONVERGED && missed_by(arm, goal, columns.row(b)) > CONVERGED)) {
+                if (!known) b = free_column(columns, owned);
                 if (b < 0) return Status::incomplete;
                 columns.clear(b);
                 keep(columns, b, zero.solution, zero.least < NEAR_FOLD ? singular_marks(arm, goal, zero.solution, 0) : 0);
