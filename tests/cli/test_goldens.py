@@ -125,8 +125,8 @@ def same(found: Any, kept: Any, at: str = "") -> None:
         for k, pair in enumerate(zip(found, kept, strict=True)):
             same(*pair, f"{at}[{k}]")
     elif isinstance(kept, float):
-        # Rounding decides between half a turn one way and the other.
-        turned = -kept if abs(abs(kept) - math.pi) <= ABSOLUTE else kept
+        # Rounding decides whether a joint stands half a turn one way or the other.
+        turned = -kept if ".q[" in at and abs(abs(kept) - math.pi) <= ABSOLUTE else kept
         close = ABSOLUTE + RELATIVE * abs(kept)
         assert isinstance(found, int | float) and min(abs(found - kept), abs(found - turned)) <= close, (at, found)
     else:

@@ -171,7 +171,7 @@ PART bool has_member_between(const Model& arm, const Goal<double>& goal, const d
     constexpr int N = Model::joints;
     double middle[N];
     for (int j = 0; j < N; ++j) middle[j] = advanced(arm, j, other[j], 0.5 * gap(arm, j, q[j], other[j]));
-    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > arm.tolerances.reach) return false;
+    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > VANISHING) return false;
     const double nearer = min(distance(arm, middle, q), distance(arm, middle, other));
     return nearer > 0.25 * distance(arm, q, other) && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
 }
@@ -196,7 +196,7 @@ template <class Model> PART bool is_joined(const Model& arm, const Goal<double>&
             heading[j] = copysign(1.0, forward) * weak.direction[j];
             at[j] = advanced(arm, j, at[j], STRIDE * heading[j]);
         }
-        if (weak.value > arm.tolerances.singular || polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error > arm.tolerances.reach)
+        if (weak.value > arm.tolerances.singular || polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error > VANISHING)
             return false;
     }
     return distance(arm, at, other) <= STRIDE && has_member_between(arm, goal, at, other);

@@ -23,7 +23,8 @@ inline constexpr double ROUNDING = 7e-15;
 inline constexpr double HALF_OF_THE_DIGITS = 1e-7;
 // A coefficient or length [share of size] below this, or a squared sine or lever arm, is zero to rounding: a number of order one
 // that has passed through a hundred operations is known to 1e-14, and may have lost two more digits. As the smallest damping of a
-// step it changes nothing at a regular solution, and avoids a division by zero at an exactly singular one.
+// step it changes nothing at a regular solution, and avoids a division by zero at an exactly singular one. A curve of solutions
+// keeps the pose to it.
 inline constexpr double VANISHING = 1e-12;
 // Two joint values [rad, share of size] that differ by less are one value: solutions are verified to 1e-10, and a regular one's
 // joints are then known to 1e-10 over the smallest singular value, which is above 1e-4 but beside singularities.

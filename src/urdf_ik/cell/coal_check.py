@@ -72,30 +72,26 @@ class ArmShapes:
         work, (joint, base) = self.work, self._base
         configuration = self.reference.configuration(q)
         pin.updateGeometryPlacements(self.reference.pin_model, work.data, self.geometry, work.geometry, configuration)
-        return _Placing(work.geometry.oMg, lambda: work.data.oMi[joint] * base, work.poses, {}, {})
+        return _Placing(work.geometry.oMg, lambda: work.data.oMi[joint] * base, {})
 
     def place_at(self, link_poses: Mapping[str, Array]) -> "_Placing":
         """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
         shapes = [se3[link] * offset for link, offset in zip(self.links, self.offsets, strict=True)]
-        return _Placing(shapes, lambda: se3[self.reference.base], self.work.poses, {}, {})
+        return _Placing(shapes, lambda: se3[self.reference.base], {})
 
 
 class _Placing(NamedTuple):
     """Where everything is.
 
     Attributes:
-        shapes: poses of the arm's shapes, each a ``pinocchio.SE3``.
+        shapes: poses of the arm's shapes, each a ``pinocchio.SE3``, which coal's queries take.
         find_base: gives ``base``, which obstacles alone need.
-        poses: memory of the thread for coal's poses of the arm's shapes.
-        links: those that are set, by the shapes' numbers: when they are first needed.
-        obstacles: the same of obstacles by their names.
+        obstacles: poses of obstacles by their names, where they were needed.
     """
 
     shapes: Any
     find_base: Callable[[], Any]
-    poses: list[Any]
-    links: dict[int, Any]
     obstacles: dict[str, Any]
 
     @property
@@ -103,24 +99,11 @@ class _Placing(NamedTuple):
         """The base link's pose, a ``pinocchio.SE3``."""
         return self.find_base()
 
-    def link(self, shape: int) -> Any:
-        """Coal's pose of a shape of the arm."""
-        if shape not in self.links:
-            placed, pose = self.shapes[shape], self.poses[shape]
-            pose.setTransform(placed.rotation, placed.translation)
-            self.links[shape] = pose
-        return self.links[shape]
-
     def obstacle(self, obstacle: Obstacle) -> Any:
-        """Coal's pose of an obstacle."""
+        """The pose of an obstacle, a ``pinocchio.SE3``."""
         if obstacle.name not in self.obstacles:
-            self.obstacles[obstacle.name] = _transform(self.base * pin.SE3(obstacle.pose))
+            self.obstacles[obstacle.name] = self.base * pin.SE3(obstacle.pose)
         return self.obstacles[obstacle.name]
-
-
-def _transform(pose: Any) -> Any:
-    """A ``pinocchio.SE3`` as coal has it."""
-    return coal.Transform3s(pose.rotation, pose.translation)
 
 
 class _Work(threading.local):
@@ -128,7 +111,6 @@ class _Work(threading.local):
 
     def __init__(self, model: Any, geometry: Any) -> None:
         self.data = model.createData()
-        self.poses = [coal.Transform3s() for _ in range(geometry.ngeoms)]
         self.geometry = geometry.createData()
         self.request, self.result = coal.CollisionRequest(), coal.CollisionResult()
 
@@ -205,14 +187,14 @@ class CoalCheck:
         return float(result.min_distance) - grown
 
     def _placed(self, placing: _Placing, pair: int) -> tuple[Solid, Solid, float, Any, Any]:
-        """The two shapes of a pair, the second one's inflation [m], and coal's poses of both."""
+        """The two shapes of a pair, the second one's inflation [m], and the poses of both."""
         solids = self.arm.solids
         if pair < len(self.pairs):
             _, first, second = self.pairs[pair]
-            return solids[first], solids[second], 0.0, placing.link(first), placing.link(second)
+            return solids[first], solids[second], 0.0, placing.shapes[first], placing.shapes[second]
         shape, obstacle = self._with_obstacle(pair)
         standing, other = self.obstacles.standing[obstacle], self.obstacles.bounds[obstacle].solid
-        return solids[shape], other, standing.shape.inflation, placing.link(shape), placing.obstacle(standing)
+        return solids[shape], other, standing.shape.inflation, placing.shapes[shape], placing.obstacle(standing)
 
     def nearest(
         self, placing: _Placing, pairs: Sequence[int], least: Sequence[float], known: dict[tuple[int, bool], float]
