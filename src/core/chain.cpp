@@ -69,7 +69,6 @@ static void jacobians(const ChainArm& arm, const double* Q, long m, double* J) {
     });
 }
 
-extern const ChainFunctions chain_functions;
-const ChainFunctions chain_functions = {poses, jacobians, axes};
+extern const ChainFunctions chain_functions = {poses, jacobians, axes};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -33,8 +33,6 @@ set(URDF_IK_UNITS
   families/general/elimination.cpp
   families/imperfect/certified.cpp
   families/imperfect/starts.cpp
-  families/imperfect/imperfect.cpp
-  families/imperfect/imperfect_too.cpp
   families/mimics/coupled.cpp
   families/seven_joints/one_given.cpp
   families/seven_joints/srs.cpp
@@ -99,10 +97,8 @@ function(urdf_ik_together group)
 endfunction()
 urdf_ik_together(certified answers/inclusion.cpp answers/on_curve.cpp answers/referee.cpp families/general/elimination.cpp
   families/imperfect/certified.cpp)
-urdf_ik_together(shoulder families/closed_forms/parallel_shoulder.cpp families/closed_forms/spherical_middle.cpp
-  families/imperfect/imperfect_too.cpp)
-urdf_ik_together(wrist families/closed_forms/spherical_wrist.cpp families/closed_forms/three_parallel.cpp
-  families/imperfect/imperfect.cpp)
+urdf_ik_together(shoulder families/closed_forms/parallel_shoulder.cpp families/closed_forms/spherical_middle.cpp)
+urdf_ik_together(wrist families/closed_forms/spherical_wrist.cpp families/closed_forms/three_parallel.cpp)
 urdf_ik_together(joints families/few_joints/few_joints.cpp families/mimics/coupled.cpp families/seven_joints/srs.cpp
   motion/tracker.cpp)
 urdf_ik_together(small answers/answer.cpp chain.cpp families/closed_forms/reversed.cpp families/imperfect/starts.cpp

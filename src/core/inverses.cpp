@@ -118,7 +118,6 @@ static void inverses(const ChainArm& arm, const double* Q, const InverseScale& s
     if (lanes.many) solve();
 }
 
-extern const InverseFunctions inverse_functions;
-const InverseFunctions inverse_functions = {inverses};
+extern const InverseFunctions inverse_functions = {inverses};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

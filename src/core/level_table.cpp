@@ -3,9 +3,6 @@
 
 #include "arithmetic/level.hpp"
 
-#define URDF_IK_TEXT_OF(x) #x
-#define URDF_IK_TEXT(x) URDF_IK_TEXT_OF(x)
-
 namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const CoupledSolvers coupled_solvers;
@@ -16,8 +13,6 @@ extern const GraphFunctions graph_functions;
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
 extern const FewJointsSolvers few_joints_solvers;
-extern const ImperfectSolvers imperfect_solvers;
-extern const ImperfectSolversToo imperfect_solvers_too;
 extern const ReversedSteps reversed_steps;
 extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const TrackerFunctions tracker_functions;
@@ -26,13 +21,11 @@ extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
-extern const LevelTable table;
-const LevelTable table = {
-    URDF_IK_TEXT(URDF_IK_LEVEL), &coupled_solvers,       &one_given_solvers,      &chain_functions,
-    &inverse_functions,          &graph_functions,       &tracker_functions,      &self_motion_functions,
-    &parallel_shoulder_solvers,  &few_joints_solvers,    &reversed_steps,         &spherical_middle_solvers,
-    &spherical_wrist_solvers,    &srs_solvers,           &three_parallel_solvers, &elimination_solvers,
-    &imperfect_solvers,          &imperfect_solvers_too,
+extern const LevelTable table = {
+    URDF_IK_TEXT(URDF_IK_LEVEL), &coupled_solvers,    &one_given_solvers,      &chain_functions,
+    &inverse_functions,          &graph_functions,    &tracker_functions,      &self_motion_functions,
+    &parallel_shoulder_solvers,  &few_joints_solvers, &reversed_steps,         &spherical_middle_solvers,
+    &spherical_wrist_solvers,    &srs_solvers,        &three_parallel_solvers, &elimination_solvers,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -9,7 +9,6 @@
 #include "families/closed_forms/three_parallel_arm.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
 #include "families/general/elimination_arm.hpp"
-#include "families/imperfect/imperfect_arm.hpp"
 #include "families/mimics/coupled_arm.hpp"
 #include "families/seven_joints/one_given_arm.hpp"
 #include "families/seven_joints/srs_arm.hpp"
@@ -36,8 +35,6 @@ struct LevelTable {
     const SrsSolvers* srs;
     const ThreeParallelSolvers* three_parallel;
     const EliminationSolvers* elimination;
-    const ImperfectSolvers* imperfect;
-    const ImperfectSolversToo* imperfect_too;
 };
 
 }  // namespace urdf_ik

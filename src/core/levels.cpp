@@ -1,4 +1,4 @@
-// See levels.hpp.
+// See levels.hpp. CMake defines URDF_IK_BUILT_V2 and so on for each instruction set that it builds.
 #include "levels.hpp"
 
 namespace urdf_ik {
@@ -8,6 +8,7 @@ namespace v3 { extern const LevelTable table; }
 namespace v4 { extern const LevelTable table; }
 namespace arm64 { extern const LevelTable table; }
 
+// From the least to the most demanding.
 static constexpr const LevelTable* TABLES[] = {
 #if defined(URDF_IK_BUILT_V2)
     &v2::table,
@@ -23,17 +24,16 @@ static constexpr const LevelTable* TABLES[] = {
 #endif
 };
 
-static const LevelTable& table_in_use() {
-    const std::string name = level_in_use();
-    const LevelTable* found = nullptr;
+std::vector<std::string> levels_built() {
+    std::vector<std::string> names;
     for (const LevelTable* each : TABLES) {
-        if (name == each->name) found = each;
+        if (runs(each->name)) names.emplace_back(each->name);
     }
-    return *found;  // level_in_use() returns only names that were built
+    return names;
 }
 
 const LevelTable& level() {
-    static const LevelTable& chosen = table_in_use();
+    static const LevelTable& chosen = in_use(TABLES);
     return chosen;
 }
 

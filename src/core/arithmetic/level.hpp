@@ -6,6 +6,8 @@
 #ifndef URDF_IK_LEVEL
 #error "URDF_IK_LEVEL names the instruction set of this build: v2, v3, v4 or arm64"
 #endif
+#define URDF_IK_TEXT_OF(x) #x
+#define URDF_IK_TEXT(x) URDF_IK_TEXT_OF(x)
 
 // A step of a solver: always compiled into its caller, so that a block's numbers stay in registers.
 #ifdef __wasm__

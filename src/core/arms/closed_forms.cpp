@@ -107,20 +107,18 @@ template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
 // Add a family to `makers`, and the solvers of arms near it to `imperfect`.
 template <class Arm, int count>
 void add(Makers& makers, Makers& imperfect, const char* kind, const char* const (&names)[count],
-         const SolveArm<Arm> (&solve)[count], const SolveArm<ImperfectArm<Arm>> (&near)[count]) {
-    makers[kind] = [&](const Values& v) { return maker(solve[variant_of(v, names)], 6, 8)(v); };
-    imperfect[kind] = [&](const Values& v) { return maker(near[variant_of(*v.group("family"), names)], 6, 16)(v); };
+         const FamilySolvers<Arm, count>& of) {
+    makers[kind] = [&](const Values& v) { return maker(of.solve[variant_of(v, names)], 6, 8)(v); };
+    imperfect[kind] = [&](const Values& v) { return maker(of.near[variant_of(*v.group("family"), names)], 6, 16)(v); };
 }
 
 void add_closed_forms(Makers& makers) {
     const LevelTable& of = level();
-    const ImperfectSolvers& near = *of.imperfect;
-    const ImperfectSolversToo& near_too = *of.imperfect_too;
     Makers imperfect;
-    add(makers, imperfect, "spherical wrist", SHOULDERS, of.spherical_wrist->solve, near.spherical_wrist);
-    add(makers, imperfect, "three parallel axes", HANDS, of.three_parallel->solve, near.three_parallel);
-    add(makers, imperfect, "parallel shoulder", LAST_AXES, of.parallel_shoulder->solve, near_too.parallel_shoulder);
-    add(makers, imperfect, "spherical middle", LAST_PAIRS, of.spherical_middle->solve, near_too.spherical_middle);
+    add(makers, imperfect, "spherical wrist", SHOULDERS, *of.spherical_wrist);
+    add(makers, imperfect, "three parallel axes", HANDS, *of.three_parallel);
+    add(makers, imperfect, "parallel shoulder", LAST_AXES, *of.parallel_shoulder);
+    add(makers, imperfect, "spherical middle", LAST_PAIRS, *of.spherical_middle);
     makers["imperfect"] = [imperfect](const Values& v) {
         const std::string kind = v.group("family")->word("kind");
         const auto found = imperfect.find(kind);

@@ -259,7 +259,6 @@ static void spread(const GraphJoints& arm, const GraphLayers& layers, const Grap
     }
 }
 
-extern const GraphFunctions graph_functions;
-const GraphFunctions graph_functions = {choose, connect, cheapest, way, spread};
+extern const GraphFunctions graph_functions = {choose, connect, cheapest, way, spread};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

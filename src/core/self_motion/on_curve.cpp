@@ -50,109 +50,60 @@ STEP Block inner(const Block (&a)[7], const Block (&b)[7]) {
     return sum;
 }
 
-// Equations (row i) x = e[i] after Gram-Schmidt orthogonalisation of the rows and right sides. `weight` holds one over the squared
-// length of each row.
-template <int N> struct Orthogonal {
-    Block row[N][7], e[N], weight[N];
+// Rows of seven numbers, each reflected by those before it (Householder 1958; Golub and Van Loan, Matrix Computations, chapter 5).
+// Reflection i turns row i into r[i] times axis i, beside its parts on the axes before. row[i] holds these parts, and from entry i
+// on the reflection's vector; weight[i] is two over its squared length.
+template <int N> struct Reflected {
+    Block row[N][7], r[N], weight[N];
 
-    STEP Orthogonal(const Six<Block> (&J)[7], const Rows<6, Block>& error, const Block (&last)[7], const Block& pinned) {
+    STEP Reflected(const Six<Block> (&J)[7], const Block* last) {
         for (int i = 0; i < N; ++i) {
             for (int j = 0; j < 7; ++j) row[i][j] = i < 6 ? J[j][i] : last[j];
-            e[i] = i < 6 ? error[i] : pinned;
         }
 #pragma GCC unroll 7
         for (int i = 0; i < N; ++i) {
-            weight[i] = inverse(inner(row[i], row[i]) + TINY);
-            for (int k = i + 1; k < N; ++k) {
-                const Block along = inner(row[i], row[k]) * weight[i];
-                for (int j = 0; j < 7; ++j) row[k][j] -= along * row[i][j];
-                e[k] -= along * e[i];
-            }
+            Block square = TINY;
+            for (int j = i; j < 7; ++j) square += row[i][j] * row[i][j];
+            r[i] = copysign(sqrt(square), -row[i][i]);
+            row[i][i] -= r[i];
+            weight[i] = -1.0 / (r[i] * row[i][i]);
+            for (int k = i + 1; k < N; ++k) reflect(i, row[k]);
         }
     }
-    // The minimum-norm solution.
-    STEP void least(Block (&x)[7]) const {
-        for (int j = 0; j < 7; ++j) x[j] = 0.0;
-        for (int i = 0; i < N; ++i) {
-            const Block share = e[i] * weight[i];
-            for (int j = 0; j < 7; ++j) x[j] += share * row[i][j];
-        }
+    STEP void reflect(int i, Block (&x)[7]) const {
+        Block along = row[i][i] * x[i];
+        for (int j = i + 1; j < 7; ++j) along += row[i][j] * x[j];
+        for (int j = i; j < 7; ++j) x[j] -= weight[i] * along * row[i][j];
     }
-    // The unit vector orthogonal to the first six rows: the projection of the joint axis with the longest projection. It is
-    // orthogonalised twice, to rounding. Returns the sign of the determinant of the rows and this vector; 0 if a row is shorter
-    // than HALF_OF_THE_DIGITS.
+    // The minimum-norm solution of (row i) x = e[i].
+    STEP void least(const Block (&e)[7], Block (&x)[7]) const {
+        for (int i = 0; i < 7; ++i) {
+            x[i] = i < N ? e[i] : Block(0.0);
+            for (int k = 0; k < i && i < N; ++k) x[i] -= row[i][k] * x[k];
+            if (i < N) x[i] = x[i] / r[i];
+        }
+#pragma GCC unroll 7
+        for (int i = N - 1; i >= 0; --i) reflect(i, x);
+    }
+    // The unit vector orthogonal to the first six rows. Returns the sign of the determinant of these rows and this vector; 0 if
+    // rounding decides it: a row's part that those before it lack is shorter than HALF_OF_THE_DIGITS.
     STEP Block free(Block (&out)[7]) const {
-        Block most = -1.0;
-#pragma GCC unroll 7
-        for (int j = 0; j < 7; ++j) {
-            Block left = 1.0;
-            for (int i = 0; i < 6; ++i) left -= weight[i] * row[i][j] * row[i][j];
-            const auto longer = left > most;
-            most = select(longer, left, most);
-            for (int k = 0; k < j; ++k) out[k] = select(longer, 0.0, out[k]);
-            out[j] = select(longer, 1.0, Block(0.0));
+        Block sense = 1.0;
+        for (int j = 0; j < 7; ++j) out[j] = j < 6 ? 0.0 : 1.0;
+#pragma GCC unroll 6
+        for (int i = 5; i >= 0; --i) {
+            reflect(i, out);
+            sense = select(abs(r[i]) < HALF_OF_THE_DIGITS, 0.0, select(r[i] < 0.0, -sense, sense));
         }
-        const Block sign = sense(out);
-        for (int again = 0; again < 2; ++again) {
-            Block share[6];
-            for (int i = 0; i < 6; ++i) share[i] = inner(row[i], out) * weight[i];
-            for (int i = 0; i < 6; ++i) {
-                for (int j = 0; j < 7; ++j) out[j] -= share[i] * row[i][j];
-            }
-        }
-        const Block scale = inverse_sqrt(inner(out, out) + TINY);
-        for (int j = 0; j < 7; ++j) out[j] *= scale;
-        return sign;
-    }
-    // The sign of the determinant of the first six rows and a unit axis: of the other columns, by elimination.
-    STEP Block sense(const Block (&axis)[7]) const {
-        Block rows[6][6], sign = 1.0;
-        // A row that is shorter than HALF_OF_THE_DIGITS after orthogonalisation cannot be distinguished from rounding.
-        for (int i = 0; i < 6; ++i) sign = select(weight[i] > 1.0 / (HALF_OF_THE_DIGITS * HALF_OF_THE_DIGITS), 0.0, sign);
-        // The last column takes the place of the axis' column; exchanging two columns flips the sign.
-        sign = select(axis[6] > 0.5, sign, -sign);
-#pragma GCC unroll 6
-        for (int j = 0; j < 6; ++j) {
-            const auto here = axis[j] > 0.5;
-            for (int i = 0; i < 6; ++i) rows[i][j] = select(here, row[i][6], row[i][j]);
-        }
-#pragma GCC unroll 6
-        for (int i = 0; i < 6; ++i) {
-            // The longest entry becomes the pivot.
-#pragma GCC unroll 6
-            for (int j = i + 1; j < 6; ++j) {
-                const auto longer = abs(rows[i][j]) > abs(rows[i][i]);
-                sign = select(longer, -sign, sign);
-#pragma GCC unroll 6
-                for (int k = i; k < 6; ++k) {
-                    const Block one = rows[k][i], other = rows[k][j];
-                    rows[k][i] = select(longer, other, one), rows[k][j] = select(longer, one, other);
-                }
-            }
-            sign = select(rows[i][i] < 0.0, -sign, sign);
-            const Block over = inverse(rows[i][i]);
-#pragma GCC unroll 6
-            for (int k = i + 1; k < 6; ++k) {
-                const Block share = rows[k][i] * over;
-#pragma GCC unroll 6
-                for (int j = i + 1; j < 6; ++j) rows[k][j] -= share * rows[i][j];
-            }
-        }
-        return sign;
+        return sense;
     }
 };
 
 // The step of Newton's method with least norm.
-template <int N>
-PART void least_step(const Six<Block> (&J)[7], const Rows<6, Block>& error, const Block (&last)[7], const Block& apart,
-                     Block (&x)[7]) {
-    Orthogonal<N>(J, error, last, apart).least(x);
+template <int N> PART void least_step(const Six<Block> (&J)[7], const Block* last, const Block (&e)[7], Block (&x)[7]) {
+    Reflected<N>(J, last).least(e, x);
 }
-PART Block tangent(const Six<Block> (&J)[7], const Rows<6, Block>& error, Block (&along)[7]) {
-    const Block none[7] = {};
-    const Orthogonal<6> rows(J, error, none, Block(0.0));
-    return rows.free(along);
-}
+PART Block tangent(const Six<Block> (&J)[7], Block (&along)[7]) { return Reflected<6>(J, nullptr).free(along); }
 
 // The goals of points, one per lane.
 STEP Goal<Block> goals_of(const Start* starts, int count) {
@@ -203,20 +154,21 @@ void settle_lanes(const FreeArm& arm, const Start* starts, int count, OnCurve* o
         jacobian_at(written, at, J);
         const Error<Block> error = pose_error(goal, at.tip, 1.0 / written.size);
         const Parameter parameter = parameter_at(arm, goal, at, q);
-        Block left = error.size, apart = 0.0, last[7];
+        Block left = error.size, e[7], last[7];
+        for (int i = 0; i < 6; ++i) e[i] = error.twist[i];
         if (from.pins) {
             const Block off = from.wanted - parameter.value;
-            apart = from.of_parameter * ((value_slides ? off : wrap(off)) * per_unit);
+            e[6] = from.of_parameter * ((value_slides ? off : wrap(off)) * per_unit);
             for (int j = 0; j < 7; ++j) {
                 last[j] = from.of_parameter * per_unit * parameter.slope[j] + from.of_joint[j];
-                apart += from.of_joint[j] * share(j, from.wanted - q[j]);
+                e[6] += from.of_joint[j] * share(j, from.wanted - q[j]);
             }
-            left = max(left, abs(apart));
+            left = max(left, abs(e[6]));
         }
         const auto moves = (left > from.enough) & (from.rounds > double(round));
         if (!any(moves)) {
             Block along[7], square = 0.0;
-            const Block sense = tangent(J, error.twist, along), rate = inner(parameter.slope, along);
+            const Block sense = tangent(J, along), rate = inner(parameter.slope, along);
             for (int j = 0; j < 7; ++j) {
                 const Block moved = share(j, q[j] - from.q[j]);
                 square += moved * moved;
@@ -230,8 +182,8 @@ void settle_lanes(const FreeArm& arm, const Start* starts, int count, OnCurve* o
             return;
         }
         Block step[7];
-        if (from.pins) least_step<7>(J, error.twist, last, apart, step);
-        else least_step<6>(J, error.twist, last, apart, step);
+        if (from.pins) least_step<7>(J, last, e, step);
+        else least_step<6>(J, last, e, step);
         const Block length = sqrt(inner(step, step)), shrink = select(length > LONGEST_STEP, LONGEST_STEP / length, Block(1.0));
         for (int j = 0; j < 7; ++j) q[j] = select(moves, advanced(written, j, q[j], shrink * step[j]), q[j]);
     }
@@ -297,7 +249,6 @@ void errors(const FreeArm& arm, const double* T, const double* q, long count, do
 
 }  // namespace
 
-extern const SelfMotionFunctions self_motion_functions;
-const SelfMotionFunctions self_motion_functions = {settle, search, errors};
+extern const SelfMotionFunctions self_motion_functions = {settle, search, errors};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

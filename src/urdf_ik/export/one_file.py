@@ -372,8 +372,8 @@ def macros() -> tuple[str, str]:
 def _guarded(name: str, text: str, space: str) -> str:
     text = re.sub(r'^#include "[^"]*"\n|^#pragma once\n', "", text, flags=re.MULTILINE)
     # One file is one unit: nothing is instantiated or defined elsewhere.
-    text = re.sub(r"^extern (template|const) [^;]*;\n", "", text, flags=re.MULTILINE)
-    text = re.sub(r"^const (\w+ \w+ = \{)", r"inline constexpr \1", text, flags=re.MULTILINE)
+    text = re.sub(r"^extern template [^;]*;\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^extern const (\w+ \w+ = \{)", r"inline constexpr \1", text, flags=re.MULTILINE)
     if name.endswith(".cpp"):
         text = re.sub(r"^template (?!<)[^;{]*;\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"\burdf_ik(?=::| \{|;)", space, text)

@@ -150,7 +150,6 @@ static constexpr Step all[] = {
 };
 #undef URDF_IK_BOTH
 
-extern const Steps steps;
-const Steps steps = {all, int(sizeof all / sizeof all[0]), do_polish};
+extern const Steps steps = {URDF_IK_TEXT(URDF_IK_LEVEL), all, int(sizeof all / sizeof all[0]), do_polish};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -13,6 +13,7 @@ struct Step {
 };
 
 struct Steps {
+    const char* name;  // of the instruction set
     const Step* all;
     int count;
     // Newton's method on an arm as written. Replaces q (6) by the best vector found, and returns its error.

@@ -14,33 +14,21 @@ namespace v3 { extern const Steps steps; }
 namespace v4 { extern const Steps steps; }
 namespace arm64 { extern const Steps steps; }
 
-struct StepsOfLevel {
-    const char* level;
-    const Steps* steps;
-};
-static constexpr StepsOfLevel LEVELS[] = {
+// As in levels.cpp.
+static constexpr const Steps* ALL[] = {
 #if defined(URDF_IK_BUILT_V2)
-    {"v2", &v2::steps},
+    &v2::steps,
 #endif
 #if defined(URDF_IK_BUILT_V3)
-    {"v3", &v3::steps},
+    &v3::steps,
 #endif
 #if defined(URDF_IK_BUILT_V4)
-    {"v4", &v4::steps},
+    &v4::steps,
 #endif
 #if defined(URDF_IK_BUILT_ARM64)
-    {"arm64", &arm64::steps},
+    &arm64::steps,
 #endif
 };
-
-static const Steps& steps_in_use() {
-    const std::string name = level_in_use();
-    const Steps* found = nullptr;
-    for (const StepsOfLevel& each : LEVELS) {
-        if (name == each.level) found = each.steps;
-    }
-    return *found;
-}
 
 using Sets = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Results = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
@@ -48,7 +36,7 @@ using Pose = nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device
 using Vector = nb::ndarray<double, nb::shape<6>, nb::c_contig, nb::device::cpu>;
 
 static Results step(const std::string& name, const Sets& x, bool side_by_side) {
-    const Steps& steps = steps_in_use();
+    const Steps& steps = in_use(ALL);
     for (int k = 0; k < steps.count; ++k) {
         const Step& each = steps.all[k];
         if (name != each.name) continue;
@@ -68,7 +56,7 @@ static Results step(const std::string& name, const Sets& x, bool side_by_side) {
 static double polish(nb::object written, const Pose& T, const Vector& q, bool damped, int rounds) {
     Written<6> arm{};
     read(PythonValues(written, "written"), arm);
-    return steps_in_use().polish(arm, T.data(), q.data(), damped, rounds);
+    return in_use(ALL).polish(arm, T.data(), q.data(), damped, rounds);
 }
 
 }  // namespace urdf_ik

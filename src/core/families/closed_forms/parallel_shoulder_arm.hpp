@@ -1,7 +1,7 @@
 // An arm whose axes 1, 2 and 3 are parallel.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "families/imperfect/imperfect_arm.hpp"
 
 namespace urdf_ik {
 
@@ -13,8 +13,6 @@ struct ParallelShoulderArm {
     Written<6> written;
 };
 
-struct ParallelShoulderSolvers {
-    SolveArm<ParallelShoulderArm> solve[5];  // by LastAxes
-};
+using ParallelShoulderSolvers = FamilySolvers<ParallelShoulderArm, 5>;  // by LastAxes
 
 }  // namespace urdf_ik

@@ -34,7 +34,6 @@ static void turn_round(long rows, int joints, double* q, std::uint8_t* flags) {
     }
 }
 
-extern const ReversedSteps reversed_steps;
-const ReversedSteps reversed_steps = {invert_poses, turn_round};
+extern const ReversedSteps reversed_steps = {invert_poses, turn_round};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

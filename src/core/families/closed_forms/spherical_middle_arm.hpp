@@ -1,7 +1,7 @@
 // An arm whose axes 2, 3 and 4 meet.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "families/imperfect/imperfect_arm.hpp"
 
 namespace urdf_ik {
 
@@ -15,8 +15,6 @@ struct SphericalMiddleArm {
     double centre[3], centre_5[3];
 };
 
-struct SphericalMiddleSolvers {
-    SolveArm<SphericalMiddleArm> solve[3];  // by LastPair
-};
+using SphericalMiddleSolvers = FamilySolvers<SphericalMiddleArm, 3>;  // by LastPair
 
 }  // namespace urdf_ik

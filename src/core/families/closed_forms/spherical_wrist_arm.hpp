@@ -1,7 +1,7 @@
 // An arm with a spherical wrist.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "families/imperfect/imperfect_arm.hpp"
 
 namespace urdf_ik {
 
@@ -21,8 +21,6 @@ struct SphericalWristArm {
     bool square_wrist;  // alpha 4 and alpha 5 are exactly +-90 degrees, so the two wrists differ by half turns
 };
 
-struct SphericalWristSolvers {
-    SolveArm<SphericalWristArm> solve[4];  // by Shoulder
-};
+using SphericalWristSolvers = FamilySolvers<SphericalWristArm, 4>;  // by Shoulder
 
 }  // namespace urdf_ik

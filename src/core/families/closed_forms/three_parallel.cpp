@@ -1,12 +1,10 @@
 // Arms with three parallel axes after the first, compiled once for every instruction set.
 #include "families/closed_forms/three_parallel.hpp"
+#include "families/imperfect/imperfect.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-using WithIntersecting56 = ThreeParallel<Hand::intersecting_56>;
-using General = ThreeParallel<Hand::general>;
-
-extern const ThreeParallelSolvers three_parallel_solvers;
-const ThreeParallelSolvers three_parallel_solvers = {{solve_closed_form<WithIntersecting56>, solve_singly<General>}};
+extern const ThreeParallelSolvers three_parallel_solvers =
+    solvers_of<ThreeParallel<Hand::intersecting_56>, ThreeParallel<Hand::general>>;
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

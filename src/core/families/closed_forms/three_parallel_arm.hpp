@@ -1,7 +1,7 @@
 // An arm whose axes 2, 3 and 4 are parallel.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "families/imperfect/imperfect_arm.hpp"
 
 namespace urdf_ik {
 
@@ -17,8 +17,6 @@ struct ThreeParallelArm {
     bool square_wrist;            // axis 5 is at right angles to axes 4 and 6: the two wrists differ by half turns
 };
 
-struct ThreeParallelSolvers {
-    SolveArm<ThreeParallelArm> solve[2];  // by Hand
-};
+using ThreeParallelSolvers = FamilySolvers<ThreeParallelArm, 2>;  // by Hand
 
 }  // namespace urdf_ik

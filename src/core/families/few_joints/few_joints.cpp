@@ -6,8 +6,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-extern const FewJointsSolvers few_joints_solvers;
-const FewJointsSolvers few_joints_solvers = {
+extern const FewJointsSolvers few_joints_solvers = {
     solve_singly<FewJoints<1, 1>>, solve_singly<FewJoints<2, 2>>, solve_singly<FewJoints<3, 4>>, solve_singly<FewJoints<3, 2>>,
     solve_singly<FewJoints<4, 4>>, solve_singly<FewJoints<5, 8>>, solve_closed_form<Planar<2>>,  solve_closed_form<PlanarPoints<2>>,
     solve_closed_form<Planar<3>>,  solve_closed_form<Planar<4>>,  solve_singly<Slides<2>>,       solve_singly<Slides<4>>,

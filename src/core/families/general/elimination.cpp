@@ -3,7 +3,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-extern const EliminationSolvers elimination_solvers;
-const EliminationSolvers elimination_solvers = {solve_singly<General6>, prove};
+extern const EliminationSolvers elimination_solvers = {solve_singly<General6>, prove};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

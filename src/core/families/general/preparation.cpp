@@ -24,7 +24,6 @@ static void try_variants(const EliminationArm& arm, const EliminationVariant* va
     }
 }
 
-extern const EliminationPreparation elimination_preparation;
-const EliminationPreparation elimination_preparation = {try_variants};
+extern const EliminationPreparation elimination_preparation = {try_variants};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

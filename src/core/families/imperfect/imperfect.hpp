@@ -104,4 +104,13 @@ template <class Family> struct Imperfect {
     }
 };
 
+template <class Kind> constexpr SolveArm<typename Kind::Arm> solver_of() {
+    if constexpr (Kind::by_signs) return solve_closed_form<Kind>;
+    else return solve_singly<Kind>;
+}
+// The solvers of a family's kinds.
+template <class First, class... Rest>
+inline constexpr FamilySolvers<typename First::Arm, 1 + int(sizeof...(Rest))> solvers_of = {
+    {solver_of<First>(), solver_of<Rest>()...}, {solve_singly<Imperfect<First>>, solve_singly<Imperfect<Rest>>...}};
+
 }  // namespace urdf_ik::URDF_IK_LEVEL

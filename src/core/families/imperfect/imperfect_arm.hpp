@@ -1,10 +1,6 @@
 // An arm near a family.
 #pragma once
 
-#include "families/closed_forms/parallel_shoulder_arm.hpp"
-#include "families/closed_forms/spherical_middle_arm.hpp"
-#include "families/closed_forms/spherical_wrist_arm.hpp"
-#include "families/closed_forms/three_parallel_arm.hpp"
 #include "families/general/elimination_arm.hpp"
 
 namespace urdf_ik {
@@ -22,13 +18,10 @@ template <class FamilyArm> struct ImperfectArm {
     BothArms both;
 };
 
-struct ImperfectSolvers {
-    SolveArm<ImperfectArm<SphericalWristArm>> spherical_wrist[4];  // by Shoulder
-    SolveArm<ImperfectArm<ThreeParallelArm>> three_parallel[2];  // by Hand
-};
-struct ImperfectSolversToo {
-    SolveArm<ImperfectArm<ParallelShoulderArm>> parallel_shoulder[5];  // by LastAxes
-    SolveArm<ImperfectArm<SphericalMiddleArm>> spherical_middle[3];  // by LastPair
+// A family's solvers by its kinds: of exact arms, and of arms near them.
+template <class Arm, int kinds> struct FamilySolvers {
+    SolveArm<Arm> solve[kinds];
+    SolveArm<ImperfectArm<Arm>> near[kinds];
 };
 
 }  // namespace urdf_ik

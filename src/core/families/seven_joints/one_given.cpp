@@ -82,7 +82,6 @@ static void insert(const GivenJoint& given, const Batch& part, const double* oth
     else insert_rows<0>(given, part, others, values, joints, branches);
 }
 
-extern const OneGivenSolvers one_given_solvers;
-const OneGivenSolvers one_given_solvers = {move, insert};
+extern const OneGivenSolvers one_given_solvers = {move, insert};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -55,7 +55,7 @@ double swivel_of(const SrsArm& arm, const double (&q)[7]) {
 
 }  // namespace
 
-extern const SrsSolvers srs_solvers;
-const SrsSolvers srs_solvers = {solve_srs<Srs, solve_closed_form<Srs>>, solve_srs<SrsNear, solve_singly<SrsNear>>, swivel_of};
+extern const SrsSolvers srs_solvers = {solve_srs<Srs, solve_closed_form<Srs>>, solve_srs<SrsNear, solve_singly<SrsNear>>,
+                                       swivel_of};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL
