@@ -30,10 +30,10 @@ void Follower::halve(Bridge& bridge, int depth, std::vector<Start>& middles) con
         const CurveSample& a = bridge.way[k - 1];
         CurveSample& b = bridge.way[k];
         if (bridge.done >> k & 1) continue;
-        double arc, turned, u;
+        double arc, turned;
         if (!(off_line(a, b, arc, turned) <= BRIDGE_OFF)) return bridge.give_up();
         b.arc = arc;
-        if (depth && arc <= LONGEST && turned <= 2.0 * AIM && least_rate(a, b, u) > 0.0) {
+        if (depth && arc <= LONGEST && turned <= 2.0 * AIM && least_rate(a, b) > 0.0) {
             bridge.done |= 1u << k;
             continue;
         }

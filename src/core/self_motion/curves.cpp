@@ -4,12 +4,10 @@
 namespace urdf_ik {
 
 void interpolate(const FreeArm& arm, const CurveSample& a, const CurveSample& b, double share, double* q, double* along) {
-    const double u = share;
     for (int j = 0; j < 7; ++j) {
-        const double d = gap_of(arm, j, b.q[j], a.q[j]), s = b.arc * a.along[j], e = b.arc * b.along[j];
-        const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
-        q[j] = a.q[j] + arm.unit[j] * u * (s + u * (second + u * third));
-        if (along) along[j] = s + u * (2.0 * second + 3.0 * u * third);
+        const Cubic way = joint_on(arm, j, a, b);
+        q[j] = a.q[j] + arm.unit[j] * way.at(share);
+        if (along) along[j] = way.slope(share);
     }
 }
 

@@ -63,8 +63,27 @@ inline double gap_of(const FreeArm& arm, int joint, double to, double from) {
     return arm.written.slides[joint] ? (to - from) / arm.unit[joint] : principal_angle(to - from);
 }
 
-// The cubic Hermite interpolant of two neighbouring samples at a share of the way: a joint vector near the curve and, unless
-// `along` is null, the derivative by the share.
+// The cubic Hermite interpolant of a number along a step, less the number at its beginning, by the share of the way.
+struct Cubic {
+    double first, second, third;  // factors of the powers of the share
+    // change: over the whole step; begin, end: derivatives by the share there.
+    Cubic(double change, double begin, double end)
+        : first(begin), second(3.0 * change - 2.0 * begin - end), third(begin + end - 2.0 * change) {}
+    double at(double u) const { return u * (first + u * (second + u * third)); }
+    double slope(double u) const { return first + u * (2.0 * second + 3.0 * u * third); }
+    // The two shares at which the slope is zero; NaN if it is nowhere.
+    std::pair<double, double> level() const {
+        const double sum = -(second + std::copysign(std::sqrt(second * second - 3.0 * third * first), second));
+        return {sum / (3.0 * third), first / sum};
+    }
+};
+inline Cubic joint_on(const FreeArm& arm, int joint, const CurveSample& a, const CurveSample& b) {
+    return {gap_of(arm, joint, b.q[joint], a.q[joint]), b.arc * a.along[joint], b.arc * b.along[joint]};
+}
+inline Cubic value_on(const CurveSample& a, const CurveSample& b) { return {b.value - a.value, b.arc * a.rate, b.arc * b.rate}; }
+
+// The joint vector near the curve between two neighbouring samples at a share of the way and, unless `along` is null, its
+// derivative by the share.
 void interpolate(const FreeArm& arm, const CurveSample& a, const CurveSample& b, double share, double* q, double* along = nullptr);
 
 void follow_curves(const FreeArm& arm, const SelfMotionFunctions& core, const GridOfSolutions& given, long pose, Intervals& to);

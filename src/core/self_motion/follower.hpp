@@ -96,7 +96,7 @@ public:
     void go_on(const OnCurve& point);
 
 private:
-    enum class State { step, first_of_fold, fold, value, behind_fold, ended };
+    enum class State { step, fold, value, behind_fold, ended };
     // Of the parameter along the step.
     double sense() const { return way.back().rate != 0.0 ? way.back().rate : to_.rate; }
     void ask(double enough, State state);
@@ -104,9 +104,8 @@ private:
     void try_step();
     void after_step(const OnCurve& point, bool settled);
     void again_shorter();
-    void after_first(const OnCurve& point, bool settled);
-    void try_secant();
-    void after_secant(const OnCurve& point, bool settled);
+    void try_fold();
+    void after_fold_point(const OnCurve& point, bool settled);
     void after_fold();
     void ask_at_value(const CurveSample& a, const CurveSample& b, State state);
     bool push_value(const OnCurve& point, bool settled);
@@ -117,10 +116,7 @@ private:
     int count_ = 0, round_ = 0;
     double h_, began_ = 0.0;  // length of the next step, and of the one before
     bool smooth_ = false, has_fold_ = false, over_ = false;
-    CurveSample to_, fold_;   // the end of the step, and the fold in it
-    // Along the step: the secant method's bracket and its two latest points, with the rate at the earlier one; `share_` of a secant
-    // step is taken, less after one that left the curve.
-    double bracket_[2], at_ = 0.0, before_ = 0.0, rate_before_ = 0.0, share_ = 1.0;
+    CurveSample to_, fold_, ends_[2];  // the end of the step, the fold in it, and points on both sides of the fold
     double value_at_ = 0.0;  // arc up to the value at which the way ends
 };
 
@@ -242,29 +238,18 @@ private:
     void between(const CurveSample& a, const CurveSample& b, double u, double* q, double* along = nullptr) const {
         interpolate(arm_, a, b, u, q, along);
     }
-    // The least derivative of the parameter on the cubic between two samples, times the arc. u: where, if it is inside.
-    double least_rate(const CurveSample& a, const CurveSample& b, double& u) const {
-        const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
-        const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
-        u = std::abs(third) > 1e-300 ? -second / (3.0 * third) : -1.0;
-        if (!(u > 0.0 && u < 1.0)) return std::min(s, e);
-        return s + u * (2.0 * second + 3.0 * u * third);
-    }
-
-    // The share at which the parameter is stationary on the cubic between two samples, one before the fold and one behind it.
-    double stand_still(const CurveSample& a, const CurveSample& b) const {
-        const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
-        const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
-        if (!(root >= 0.0)) return -1.0;
-        const double sum = -(second + std::copysign(std::sqrt(root), second)), one = sum / third;
-        return one > 0.0 && one < 1.0 ? one : s / sum;
+    // The least derivative of the parameter between two samples, times the arc.
+    static double least_rate(const CurveSample& a, const CurveSample& b) {
+        const Cubic value = value_on(a, b);
+        const double u = -value.second / (3.0 * value.third);
+        return u > 0.0 && u < 1.0 ? value.slope(u) : b.arc * std::min(a.rate, b.rate);
     }
     // Whether the cubic in the arc from a sample to a fold has another fold in between. The rate is a quadratic that is zero at the
     // fold. It has a second zero on the way if and only if the value gains less than a third of arc times the sample's rate.
     static bool folds_twice(const CurveSample& a, const CurveSample& fold, double arc) {
         return std::abs(fold.value - a.value) < std::abs(a.rate) * arc / 3.0;
     }
-    static double share_at(double from, double to, double s, double e);
+    static double share_at(double from, const Cubic& way);
     double way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     bool closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     double off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const;

@@ -45,11 +45,8 @@ void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std:
     double where = -1.0;
     for (int j = 0; depth < MOST_SPLITS && b.arc > SAME && j < 7 && where < 0.0; ++j) {
         if (!limited(j) || std::min(room(j, a.q[j]), room(j, b.q[j])) > 2.0 * b.arc * unit(j)) continue;
-        const double d = gap(j, b.q[j], a.q[j]), s = b.arc * a.along[j], e = b.arc * b.along[j];
-        const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
-        if (root < 0.0) continue;
-        const double sum = -(second + std::copysign(std::sqrt(root), second));
-        for (const double u : {sum / third, s / sum}) {
+        const auto [one, other] = joint_on(arm_, j, a, b).level();
+        for (const double u : {one, other}) {
             if (!(u > 0.01 && u < 0.99)) continue;
             double q[7];
             between(a, b, u, q);
@@ -78,12 +75,11 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
         for (int side = 0; side < 2; ++side) {
             const double limit = side ? given_.upper[j] : given_.lower[j];
             if (!std::isfinite(limit)) continue;
-            const double from = gap(j, a.q[j], limit), d = gap(j, b.q[j], a.q[j]);
-            if (std::abs(from) > 2.0 || from * (from + d) > 0.0 || (from + d == 0.0)) continue;
+            const double from = gap(j, a.q[j], limit), end = from + gap(j, b.q[j], a.q[j]);
+            if (std::abs(from) > 2.0 || from * end > 0.0 || end == 0.0) continue;
             // One root of the cubic. split() has put samples where a joint turns back: three roots are not expected.
             Crossing& c = to.emplace_back();
-            c.share = share_at(from, from + d, b.arc * a.along[j], b.arc * b.along[j]), c.joint = j, c.upper = side,
-            c.wide = wide(j);
+            c.share = share_at(from, joint_on(arm_, j, a, b)), c.joint = j, c.upper = side, c.wide = wide(j);
             Start& near = starts.emplace_back(start(MANY_ROUNDS, EXACT));
             between(a, b, c.share, near.q);
             near.pin = {Pin::joint, j, arm_.written.slides[j] ? limit : principal_angle(limit)};

@@ -3,15 +3,15 @@
 
 namespace urdf_ik::self_motion {
 
-// The share at which the cubic Hermite interpolant of two numbers with opposite signs, and of their derivatives by the share, is
-// zero: Newton's method, and bisection where it leaves the bracket.
-double Follower::share_at(double from, double to, double s, double e) {
-    const double d = to - from, third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
-    double low = 0.0, high = 1.0, u = from / (from - to);
+// The share at which a number that changes its sign along the way is zero: Newton's method, and bisection where it leaves the
+// bracket.
+double Follower::share_at(double from, const Cubic& way) {
+    const double change = way.at(1.0);
+    double low = 0.0, high = 1.0, u = -from / change;
     for (int round = 0; round < MOST_SECANTS; ++round) {
-        const double there = from + u * (s + u * (second + u * third));
-        (there * d < 0.0 ? low : high) = u;
-        double next = u - there / (s + u * (2.0 * second + 3.0 * u * third));
+        const double there = from + way.at(u);
+        (there * change < 0.0 ? low : high) = u;
+        double next = u - there / way.slope(u);
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (std::abs(next - u) < 1e-12) return next;
         u = next;
@@ -54,10 +54,8 @@ void Travel::go_on(const OnCurve& point) {
     switch (state_) {
         case State::step:
             return after_step(point, settled);
-        case State::first_of_fold:
-            return after_first(point, settled);
         case State::fold:
-            return after_secant(point, settled);
+            return after_fold_point(point, settled);
         case State::value:
             if (push_value(point, settled)) return end(over_ ? Stop::high : Stop::low);
             if (to_.arc < 1e-5) return end(Stop::lost);
@@ -104,16 +102,14 @@ void Travel::after_step(const OnCurve& point, bool settled) {
     to_.arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
     h_ = std::min(f_.longest_, h_ * std::clamp(AIM / (turned + 1e-3), 0.3, 2.0));
 
-    double u;
     CurveSample a = from, b = to_;
     if (sense() < 0.0) a.value = -a.value, a.rate = -a.rate, b.value = -b.value, b.rate = -b.rate;
-    if (b.rate >= 0.0 && a.rate > NEARLY_EXACT && f_.least_rate(a, b, u) <= 0.0 && to_.arc > 1e-5)
+    if (b.rate >= 0.0 && a.rate > NEARLY_EXACT && f_.least_rate(a, b) <= 0.0 && to_.arc > 1e-5)
         return again_shorter();  // two folds
     has_fold_ = from.rate * to_.rate < 0.0 && std::abs(from.rate) > NEARLY_EXACT;
     if (!has_fold_) return after_fold();
-    const double ahead = f_.stand_still(from, to_);
-    f_.between(from, to_, ahead > 0.0 && ahead < 1.0 ? ahead : 0.5, next.q);
-    ask(EXACT, State::first_of_fold);
+    ends_[0] = from, ends_[1] = to_, round_ = 0;
+    try_fold();
 }
 // Several folds may lie in the step.
 void Travel::again_shorter() {
@@ -121,38 +117,26 @@ void Travel::again_shorter() {
     begin_step();
 }
 
-// The fold, where the rate is zero: the secant method on the rate, from the cubic's stationary point.
-void Travel::after_first(const OnCurve& point, bool settled) {
-    const CurveSample& from = way.back();
-    fold_ = f_.oriented(point, from.along, from.value);
-    if (!settled || !f_.agree(from, fold_)) return end(Stop::lost);
-    bracket_[0] = 0.0, bracket_[1] = to_.arc, share_ = 1.0, round_ = 0;
-    at_ = to_.arc * f_.way_to(from, to_, fold_), before_ = from.rate * fold_.rate > 0.0 ? bracket_[1] : bracket_[0];
-    rate_before_ = before_ > 0.0 ? to_.rate : from.rate;
-    try_secant();
-}
-void Travel::try_secant() {
-    if (round_++ == MOST_SECANTS || !(std::abs(fold_.rate) >= NEARLY_EXACT) || !(bracket_[1] - bracket_[0] > 1e-12 * to_.arc)) {
-        fold_.arc = at_;
-        return after_fold();
-    }
-    bracket_[fold_.rate * way.back().rate > 0.0 ? 0 : 1] = at_;
-    double there = at_ - fold_.rate * (at_ - before_) / (fold_.rate - rate_before_);
-    if (!(there > bracket_[0] && there < bracket_[1])) there = 0.5 * (bracket_[0] + bracket_[1]);
-    there = at_ + share_ * (there - at_);
-    for (int j = 0; j < 7; ++j) next.q[j] = fold_.q[j] + f_.unit(j) * (there - at_) * fold_.along[j];
+// The fold, where the rate is zero: between two points on the curve with rates of opposite signs, the next one is where the cubic
+// stands still, and takes the place of one of them.
+void Travel::try_fold() {
+    const auto [one, other] = value_on(ends_[0], ends_[1]).level();
+    const double share = one > 0.0 && one < 1.0 ? one : other;
+    f_.between(ends_[0], ends_[1], share > 0.0 && share < 1.0 ? share : 0.5, next.q);
     ask(EXACT, State::fold);
 }
-void Travel::after_secant(const OnCurve& point, bool settled) {
-    const CurveSample here = f_.oriented(point, fold_.along, fold_.value);
-    if (settled && f_.agree(fold_, here)) {
-        before_ = at_, rate_before_ = fold_.rate, share_ = 1.0;
-        for (int j = 0; j < 7; ++j) at_ += f_.gap(j, here.q[j], fold_.q[j]) * fold_.along[j];
-        fold_ = here;
-    } else {
-        share_ *= 0.25;
-    }
-    try_secant();
+void Travel::after_fold_point(const OnCurve& point, bool settled) {
+    const CurveSample& from = way.back();
+    auto& [begin, end_] = ends_;
+    fold_ = f_.oriented(point, begin.along, begin.value);
+    if (!settled || !f_.agree(from, fold_)) return end(Stop::lost);
+    fold_.arc = end_.arc * f_.way_to(begin, end_, fold_);
+    const bool before = fold_.rate * from.rate > 0.0;
+    if (before) end_.arc -= fold_.arc, begin = fold_;
+    else end_ = fold_;
+    if (std::abs(fold_.rate) >= NEARLY_EXACT && ++round_ < MOST_SECANTS && end_.arc > 1e-12 * to_.arc) return try_fold();
+    fold_.arc = to_.arc * f_.way_to(from, to_, fold_);
+    after_fold();
 }
 
 // The step and its fold are known. Where the value leaves the range, the way ends.
@@ -193,7 +177,7 @@ void Travel::after_fold() {
 // The point between two samples at which the value leaves the range.
 void Travel::ask_at_value(const CurveSample& a, const CurveSample& b, State state) {
     const double value = over_ ? high_ : low_;
-    const double share = Follower::share_at(a.value - value, b.value - value, b.arc * a.rate, b.arc * b.rate);
+    const double share = Follower::share_at(a.value - value, value_on(a, b));
     f_.between(a, b, share, next.q);
     next.pin = {Pin::parameter, 0, value};
     value_at_ = share * b.arc;
