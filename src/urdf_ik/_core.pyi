@@ -232,18 +232,6 @@ class SelfMotion:
         after: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
         shares: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
     ) -> object: ...
-    def samples(
-        self,
-        T: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        q: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        values: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    ) -> object: ...
-    def at(
-        self,
-        T: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        q: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        values: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    ) -> object: ...
 
 class Solver:
     """An arm, ready to be solved; immutable."""

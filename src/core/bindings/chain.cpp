@@ -123,9 +123,12 @@ struct PyChain {
 
     // Least-squares inverses of the Jacobians at joint vectors (..., n), which may be NaN: an array (..., n, 6), or (..., 7, 7)
     // with the derivative by the parameter that seven joints hold.
-    nb::object inverse(nb::handle q, const InverseScale& scale) const {
+    // held: the joint; negative: the swivel angle, measured from the vectors in `swivel`.
+    nb::object inverse(nb::handle q, double size, double singular, int held, const std::array<double, 9>& swivel) const {
         const int n = arm.joints;
-        if (scale.held >= n) throw nb::value_error("there is no such joint to hold");
+        if (held >= n) throw nb::value_error("there is no such joint to hold");
+        InverseScale scale = {size, singular, held, {}};
+        std::memcpy(&scale.swivel, swivel.data(), sizeof scale.swivel);
         const auto fill = [&](const ChainArm& chain, const double* Q, long m, double* X) {
             level().inverse->inverses(chain, Q, scale, m, X);
         };
@@ -161,32 +164,8 @@ void bind_chain(nb::module_& m) {
             [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().jacobians, 6, self.arm.joints); },
             nb::arg().none())
         .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().axes, 6, self.arm.joints); })
-        .def(
-            "inverse",
-            [](const PyChain& self, nb::handle q, double size, double singular) {
-                if (self.arm.joints == 7) throw nb::value_error("seven joints hold a parameter");
-                return self.inverse(q, {size, singular, -1, {}});
-            },
-            nb::arg("q"), nb::arg("size"), nb::arg("singular"))
-        .def(
-            "inverse_holding_joint",
-            [](const PyChain& self, nb::handle q, int joint, double size, double singular) {
-                if (self.arm.joints != 7 || joint < 0) throw nb::value_error("a joint of seven is held");
-                return self.inverse(q, {size, singular, joint, {}});
-            },
-            nb::arg("q"), nb::arg("joint"), nb::arg("size"), nb::arg("singular"))
-        .def(
-            "inverse_holding_swivel",
-            [](const PyChain& self, nb::handle q, const std::array<double, 3>& wrist, const std::array<double, 3>& shoulder,
-               const std::array<double, 3>& up, double size, double singular) {
-                if (self.arm.joints != 7) throw nb::value_error("seven joints have a swivel angle");
-                InverseScale scale = {size, singular, -1, {}};
-                for (int i = 0; i < 3; ++i) {
-                    scale.swivel.wrist[i] = wrist[i], scale.swivel.shoulder[i] = shoulder[i], scale.swivel.up[i] = up[i];
-                }
-                return self.inverse(q, scale);
-            },
-            nb::arg("q"), nb::arg("wrist"), nb::arg("shoulder"), nb::arg("up"), nb::arg("size"), nb::arg("singular"));
+        .def("inverse", &PyChain::inverse, nb::arg("q"), nb::arg("size"), nb::arg("singular"), nb::arg("held") = -1,
+             nb::arg("swivel") = std::array<double, 9>());
 }
 
 }  // namespace urdf_ik

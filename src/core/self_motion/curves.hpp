@@ -20,9 +20,9 @@ namespace urdf_ik {
 enum class EndOf : int { nothing, fold, reach, singularity, lower_limit, upper_limit, range };
 
 struct CurveSample {
-    double q[7], along[7];  // the tangent points towards growing values
     double value, rate;     // of the parameter, continuous along the curve; its derivative by arc length
     double arc;             // arc length from the previous sample [rad, shares of size]
+    double q[7], along[7];  // the tangent points towards growing values
     int sense;              // with that tangent; see OnCurve
 };
 

@@ -290,7 +290,6 @@ private:
     void places_near(const CurveSample& at, const std::vector<std::vector<int>>& by_cell, std::vector<Start>& to) const;
     void places_on(const Part& part, const CurveSample& at, std::vector<Start>& to) const;
     std::vector<std::vector<int>> parts_by_cell() const;
-    bool meets(const OnCurve& place, const double* q) const;
     void drop_known(std::vector<CurveSample>& points) const;
     void add_loop(const CurveSample& at);
     bool leads_on(const Part& part, int side) const {

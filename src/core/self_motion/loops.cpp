@@ -3,8 +3,8 @@
 
 namespace urdf_ik::self_motion {
 
-// The places on followed curves near a point, from which meets() is decided. Two curves may lie close together, on both sides of a
-// nearly straight elbow. The joint that moves most is pinned to its value at the point; the other joints then decide.
+// The places on followed curves near a point, from which drop_known() decides. Two curves may lie close together, on both sides of
+// a nearly straight elbow. The joint that moves most is pinned to its value at the point; the other joints then decide.
 void Follower::places_near(const CurveSample& at, const std::vector<std::vector<int>>& by_cell, std::vector<Start>& to) const {
     // A point this close to the end of a cell may lie on a part of its neighbour.
     const long first = cell_of(at.value - NEARLY_SAME), last = cell_of(at.value + NEARLY_SAME);
@@ -14,33 +14,31 @@ void Follower::places_near(const CurveSample& at, const std::vector<std::vector<
     }
 }
 void Follower::places_on(const Part& part, const CurveSample& at, std::vector<Start>& to) const {
-    {
-        const double low = part.samples.front().value, high = part.samples.back().value;
-        const double value = turns_ ? low + (principal_angle(at.value - low - PI) + PI) : at.value;
-        // A value just below the beginning is wrapped to the far end, so it is tried one turn lower too.
-        for (const double there : {value, turns_ ? value - 2.0 * PI : value}) {
-            if (there < low - NEARLY_SAME || there > high + NEARLY_SAME) continue;
-            for (std::size_t i = 1; i < part.samples.size(); ++i) {
-                const CurveSample &a = part.samples[i - 1], &b = part.samples[i];
-                if (there > b.value + NEARLY_SAME || there < a.value - NEARLY_SAME) continue;
-                if (!nearer(at.q, a.q, 1.1 * b.arc + NEARLY_SAME)) continue;
-                double along = 0.0;
-                for (int j = 0; j < 7; ++j) along += gap(j, at.q[j], a.q[j]) * a.along[j];
-                double u = std::clamp(along / (b.arc + 1e-300), 0.0, 1.0), q[7], t[7];
-                for (int round = 0; round < 3; ++round) {
-                    between(a, b, u, q, t);
-                    double off = 0.0, square = 1e-300;
-                    for (int j = 0; j < 7; ++j) off += gap(j, at.q[j], q[j]) * t[j], square += t[j] * t[j];
-                    u = std::clamp(u + off / square, 0.0, 1.0);
-                }
-                Start place = start(MANY_ROUNDS, NEARLY_EXACT);
-                between(a, b, u, place.q);
-                if (!nearer(place.q, at.q, NEARLY_SAME)) continue;
-                int most = 0;
-                for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
-                place.pin = {Pin::joint, most, at.q[most]};
-                to.push_back(place);
+    const double low = part.samples.front().value, high = part.samples.back().value;
+    const double value = turns_ ? low + (principal_angle(at.value - low - PI) + PI) : at.value;
+    // A value just below the beginning is wrapped to the far end, so it is tried one turn lower too.
+    for (const double there : {value, turns_ ? value - 2.0 * PI : value}) {
+        if (there < low - NEARLY_SAME || there > high + NEARLY_SAME) continue;
+        for (std::size_t i = 1; i < part.samples.size(); ++i) {
+            const CurveSample &a = part.samples[i - 1], &b = part.samples[i];
+            if (there > b.value + NEARLY_SAME || there < a.value - NEARLY_SAME) continue;
+            if (!nearer(at.q, a.q, 1.1 * b.arc + NEARLY_SAME)) continue;
+            double along = 0.0;
+            for (int j = 0; j < 7; ++j) along += gap(j, at.q[j], a.q[j]) * a.along[j];
+            double u = std::clamp(along / (b.arc + 1e-300), 0.0, 1.0), q[7], t[7];
+            for (int round = 0; round < 3; ++round) {
+                between(a, b, u, q, t);
+                double off = 0.0, square = 1e-300;
+                for (int j = 0; j < 7; ++j) off += gap(j, at.q[j], q[j]) * t[j], square += t[j] * t[j];
+                u = std::clamp(u + off / square, 0.0, 1.0);
             }
+            Start place = start(MANY_ROUNDS, NEARLY_EXACT);
+            between(a, b, u, place.q);
+            if (!nearer(place.q, at.q, NEARLY_SAME)) continue;
+            int most = 0;
+            for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
+            place.pin = {Pin::joint, most, at.q[most]};
+            to.push_back(place);
         }
     }
 }
@@ -51,17 +49,12 @@ std::vector<std::vector<int>> Follower::parts_by_cell() const {
     }
     return out;
 }
-bool Follower::meets(const OnCurve& place, const double* q) const {
-    return !is_settled(place, NEARLY_EXACT) || nearer(place.q, q, SAME);
-}
 
 // Whether a point lies on a followed curve.
 bool Follower::known(const CurveSample& at) const {
-    std::vector<Start> starts;
-    std::vector<OnCurve> places;
-    places_near(at, parts_by_cell(), starts);
-    settle(starts, places);
-    return std::any_of(places.begin(), places.end(), [&](const OnCurve& each) { return meets(each, at.q); });
+    std::vector<CurveSample> left(1, at);
+    drop_known(left);
+    return left.empty();
 }
 
 // The same for many points, side by side; those that do not are left over.
@@ -78,7 +71,8 @@ void Follower::drop_known(std::vector<CurveSample>& points) const {
     std::size_t place = 0, kept = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         bool found = false;
-        for (; place < ends[i]; ++place) found |= meets(places[place], points[i].q);
+        for (; place < ends[i]; ++place)
+            found |= !is_settled(places[place], NEARLY_EXACT) || nearer(places[place].q, points[i].q, SAME);
         if (!found) points[kept++] = points[i];
     }
     points.resize(kept);

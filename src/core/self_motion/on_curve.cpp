@@ -118,6 +118,14 @@ STEP Goal<Block> goals_of(const Start* starts, int count) {
     return {{column(0), column(1), column(2)}, column(3)};
 }
 
+// A block of joint vectors; from(l): the one for a lane.
+template <class From> STEP void load_lanes(const Written<7>& written, const From& from, Block (&x)[7]) {
+    for (int j = 0; j < 7; ++j) {
+        for (int l = 0; l < BLOCK; ++l) x[j].set(l, from(l)[j]);
+        x[j] = written.slides[j] ? x[j] : wrap(x[j]);
+    }
+}
+
 // A block of starts: the joint vectors, which joint or whether the parameter is pinned, as ones among zeros, and the ends.
 struct Starts {
     Block q[7], of_joint[7], of_parameter = 0.0, wanted, rounds, enough;
@@ -127,13 +135,12 @@ struct Starts {
         for (Block& each : of_joint) each = 0.0;
         for (int l = 0; l < BLOCK; ++l) {
             const Start& from = starts[l < count ? l : count - 1];
-            for (int j = 0; j < 7; ++j) q[j].set(l, from.q[j]);
             wanted.set(l, from.pin.value), rounds.set(l, from.rounds), enough.set(l, from.enough);
             pins |= from.pin.what != Pin::nothing;
             if (from.pin.what == Pin::joint) of_joint[from.pin.joint].set(l, 1.0);
             if (from.pin.what == Pin::parameter) of_parameter.set(l, 1.0);
         }
-        for (int j = 0; j < 7; ++j) q[j] = written.slides[j] ? q[j] : wrap(q[j]);
+        load_lanes(written, [&](int l) { return starts[std::min(l, count - 1)].q; }, q);
     }
 };
 
@@ -193,57 +200,40 @@ void settle(const FreeArm& arm, const Start* starts, int count, OnCurve* out) {
     for (int k = 0; k < count; k += BLOCK) settle_lanes(arm, starts + k, count - k < BLOCK ? count - k : BLOCK, out + k);
 }
 
-// Newton's method from starts (count, 7), with the numbers `of` (count); each is replaced by what it reaches. error: (count).
-void search_from(const Written<7>& written, const Goal<Block>& goals, const int* of, int count, int rounds, double* q,
-                 double* error) {
-    for (int k = 0; k < count; k += BLOCK) {
-        const int many = count - k < BLOCK ? count - k : BLOCK;
-        Block x[7];
-        for (int l = 0; l < BLOCK; ++l) {
-            const double* from = q + 7 * of[k + (l < many ? l : many - 1)];
-            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
-        }
-        const Block reached = polish<true>(written, goals, x, {rounds, NEARLY_EXACT, SEARCH_PATIENCE}).error;
-        for (int l = 0; l < many; ++l) {
-            const int i = of[k + l];
-            for (int j = 0; j < 7; ++j) q[7 * i + j] = x[j][l];
-            error[i] = reached[l];
-        }
-    }
-}
-
 int search(const FreeArm& arm, const double* T, const double* starts, int count, double* q) {
     const Goal<Block> goals = spread<Block>(goal_of(T));
     std::vector<int> of(count);
     std::vector<double> error(count);
     std::copy_n(starts, 7 * count, q);
     for (int i = 0; i < count; ++i) of[i] = i;
-    search_from(arm.written, goals, of.data(), count, SEARCH_FIRST, q, error.data());
-    std::erase_if(of, [&](int i) { return !(error[i] > NEARLY_EXACT); });
-    search_from(arm.written, goals, of.data(), int(of.size()), SEARCH_ROUNDS - SEARCH_FIRST, q, error.data());
+    for (const int rounds : {SEARCH_FIRST, SEARCH_ROUNDS - SEARCH_FIRST}) {
+        for (std::size_t k = 0; k < of.size(); k += BLOCK) {
+            const auto start = [&](int l) { return of[std::min(k + l, of.size() - 1)]; };
+            Block x[7];
+            load_lanes(arm.written, [&](int l) { return q + 7 * start(l); }, x);
+            const Block reached = polish<true>(arm.written, goals, x, {rounds, NEARLY_EXACT, SEARCH_PATIENCE}).error;
+            for (int l = 0; l < BLOCK; ++l) {
+                for (int j = 0; j < 7; ++j) q[7 * start(l) + j] = x[j][l];
+                error[start(l)] = reached[l];
+            }
+        }
+        std::erase_if(of, [&](int i) { return !(error[i] > NEARLY_EXACT); });
+    }
     int many = 0;
     for (int i = 0; i < count; ++i) {
-        if (!(error[i] <= SAME)) continue;
-        std::copy_n(q + 7 * i, 7, q + 7 * many);
-        ++many;
+        if (error[i] <= SAME) std::copy_n(q + 7 * i, 7, q + 7 * many++);
     }
     return many;
 }
 
 void errors(const FreeArm& arm, const double* T, const double* q, long count, double* to) {
-    const Written<7>& written = arm.written;
     const Goal<Block> goals = spread<Block>(goal_of(T));
     for (long k = 0; k < count; k += BLOCK) {
-        const int many = count - k < BLOCK ? int(count - k) : BLOCK;
-        Block x[7];
-        for (int l = 0; l < BLOCK; ++l) {
-            const double* from = q + 7 * (k + (l < many ? l : many - 1));
-            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
-        }
-        Block lost = 0.0;
-        for (int j = 0; j < 7; ++j) lost = lost + 0.0 * x[j];
-        const Block size = pose_error(goals, place(written, x).tip, 1.0 / written.size).size + lost;
-        for (int l = 0; l < many; ++l) to[k + l] = size[l];
+        Block x[7], lost = 0.0;
+        load_lanes(arm.written, [&](int l) { return q + 7 * std::min(k + l, count - 1); }, x);
+        for (int j = 0; j < 7; ++j) lost += 0.0 * x[j];
+        const Block size = pose_error(goals, place(arm.written, x).tip, 1.0 / arm.written.size).size + lost;
+        for (int l = 0; l < BLOCK && k + l < count; ++l) to[k + l] = size[l];
     }
 }
 

@@ -24,7 +24,7 @@ using Bytes = nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu>;
 // Points are settled in at most this many rounds of Newton's method.
 constexpr int ROUNDS = 20;
 
-constexpr std::size_t SAMPLE = 17;  // numbers: value, rate, arc, seven joints, seven of the tangent
+constexpr std::size_t SAMPLE = 17;  // numbers of a CurveSample: all but its sense
 
 nb::object array_of(const std::vector<double>& from, npy_intp columns) {
     npy_intp shape[2] = {npy_intp(from.size()) / columns, columns};
@@ -47,12 +47,6 @@ struct PySelfMotion {
             const bool slides = j < 7 && arm.written.slides[j];
             arm.slides[j] = slides ? 1.0 : 0.0, arm.unit[j] = slides ? arm.written.size : 1.0;
         }
-    }
-
-    std::vector<OnCurve> settled(const std::vector<Start>& starts) const {
-        std::vector<OnCurve> points(starts.size());
-        level().self_motion->settle(arm, starts.data(), int(starts.size()), points.data());
-        return points;
     }
 
     // T (m, 4, 4), grid (v) ascending, q (m, v, branches, 7), flags (m, v, branches), limits (7, 2), beyond (m, fine, branches, 7)
@@ -89,13 +83,9 @@ struct PySelfMotion {
                 follow_curves(arm, *level().self_motion, given, i, all);
             }
         });
-        std::vector<double> samples, found;
-        samples.reserve(SAMPLE * all.samples.size());
-        for (const CurveSample& s : all.samples) {
-            samples.push_back(s.value), samples.push_back(s.rate), samples.push_back(s.arc);
-            samples.insert(samples.end(), s.q, s.q + 7);
-            samples.insert(samples.end(), s.along, s.along + 7);
-        }
+        std::vector<double> samples(SAMPLE * all.samples.size()), found;
+        for (std::size_t i = 0; i < all.samples.size(); ++i)
+            std::memcpy(&samples[SAMPLE * i], &all.samples[i], sizeof(double) * SAMPLE);
         for (const Interval& f : all.found) {
             for (const long each :
                  {f.pose, f.first, f.count, long(f.column), long(f.why[0]), long(f.why[1]), long(f.joint[0]), long(f.joint[1])}) {
@@ -114,22 +104,19 @@ struct PySelfMotion {
         if (T.size() != 16 * m || before.size() != SAMPLE * m || after.size() != SAMPLE * m) {
             throw nb::value_error("arrays of poses and samples do not fit each other");
         }
-        const auto sample = [](const double* from) {
-            CurveSample s{};
-            s.value = from[0], s.rate = from[1], s.arc = from[2];
-            std::memcpy(s.q, from + 3, sizeof s.q), std::memcpy(s.along, from + 10, sizeof s.along);
-            return s;
-        };
         std::vector<double> out(8 * m);
         {
             nb::gil_scoped_release release;
             std::vector<Start> starts(m, {nullptr, {}, {Pin::nothing, 0, 0.0}, ROUNDS, CONVERGED});
             for (std::size_t i = 0; i < m; ++i) {
+                CurveSample ends[2];
+                std::memcpy(&ends[0], before.data() + SAMPLE * i, sizeof(double) * SAMPLE);
+                std::memcpy(&ends[1], after.data() + SAMPLE * i, sizeof(double) * SAMPLE);
                 starts[i].T = T.data() + 16 * i;
-                interpolate(arm, sample(before.data() + SAMPLE * i), sample(after.data() + SAMPLE * i), shares.data()[i],
-                            starts[i].q);
+                interpolate(arm, ends[0], ends[1], shares.data()[i], starts[i].q);
             }
-            const std::vector<OnCurve> points = settled(starts);
+            std::vector<OnCurve> points(m);
+            level().self_motion->settle(arm, starts.data(), int(m), points.data());
             for (std::size_t i = 0; i < m; ++i) {
                 const bool found = points[i].left <= arm.written.tolerances.reach;
                 out[8 * i] = found ? points[i].value : __builtin_nan("");
@@ -137,53 +124,6 @@ struct PySelfMotion {
             }
         }
         return array_of(out, 8);
-    }
-
-    // Samples (m, 17) of one pose's curve at joint vectors (m, 7) on it, in order of their values (m).
-    nb::object samples(const Doubles& T, const Doubles& q, const Doubles& values) const {
-        const std::size_t m = values.size();
-        if (T.size() != 16 || q.size() != 7 * m) throw nb::value_error("arrays of a pose and joint vectors do not fit each other");
-        std::vector<Start> starts(m, {T.data(), {}, {Pin::nothing, 0, 0.0}, 0, 0.0});
-        for (std::size_t i = 0; i < m; ++i) std::memcpy(starts[i].q, q.data() + 7 * i, sizeof starts[i].q);
-        const std::vector<OnCurve> points = settled(starts);
-        std::vector<double> out;
-        for (std::size_t i = 0; i < m; ++i) {
-            const double* here = q.data() + 7 * i;
-            const OnCurve& point = points[i];
-            const double sense = point.rate < 0.0 ? -1.0 : 1.0;
-            double square = 0.0;
-            for (int j = 0; i && j < 7; ++j) {
-                const double step = gap_of(arm, j, here[j], here[j - 7]);
-                square += step * step;
-            }
-            out.push_back(values.data()[i]), out.push_back(sense * point.rate), out.push_back(std::sqrt(square));
-            out.insert(out.end(), here, here + 7);
-            for (const double each : point.along) out.push_back(sense * each);
-        }
-        return array_of(out, SAMPLE);
-    }
-
-    // Joint vectors with given values, from starts near them: T (m, 4, 4), q (m, 7), values (m) -> (m, 7). NaN if Newton's method
-    // does not converge.
-    nb::object at(const Doubles& T, const Doubles& q, const Doubles& values) const {
-        const std::size_t m = values.size();
-        if (T.size() != 16 * m || q.size() != 7 * m)
-            throw nb::value_error("arrays of poses and joint vectors do not fit each other");
-        std::vector<double> out(7 * m);
-        {
-            nb::gil_scoped_release release;
-            std::vector<Start> starts(m, {nullptr, {}, {}, ROUNDS, CONVERGED});
-            for (std::size_t i = 0; i < m; ++i) {
-                starts[i].T = T.data() + 16 * i, starts[i].pin = {Pin::parameter, 0, values.data()[i]};
-                std::memcpy(starts[i].q, q.data() + 7 * i, sizeof starts[i].q);
-            }
-            const std::vector<OnCurve> points = settled(starts);
-            for (std::size_t i = 0; i < m; ++i) {
-                for (int j = 0; j < 7; ++j)
-                    out[7 * i + j] = points[i].left <= arm.written.tolerances.reach ? points[i].q[j] : __builtin_nan("");
-            }
-        }
-        return array_of(out, 7);
     }
 };
 
@@ -194,9 +134,7 @@ void bind_self_motion(nb::module_& m) {
         .def(nb::init<nb::object>(), nb::arg("arm"))
         .def("intervals", &PySelfMotion::intervals, nb::arg("T"), nb::arg("grid"), nb::arg("round"), nb::arg("q"), nb::arg("flags"),
              nb::arg("limits"), nb::arg("beyond").none(), nb::arg("off"), nb::arg("starts"))
-        .def("between", &PySelfMotion::between, nb::arg("T"), nb::arg("before"), nb::arg("after"), nb::arg("shares"))
-        .def("samples", &PySelfMotion::samples, nb::arg("T"), nb::arg("q"), nb::arg("values"))
-        .def("at", &PySelfMotion::at, nb::arg("T"), nb::arg("q"), nb::arg("values"));
+        .def("between", &PySelfMotion::between, nb::arg("T"), nb::arg("before"), nb::arg("after"), nb::arg("shares"));
 }
 
 }  // namespace urdf_ik

@@ -143,11 +143,6 @@ class Curves:
         """The arm's joints of vectors (..., 7)."""
         return q[..., :-1] if self.appended else q
 
-    def samples(self, T: Array, q: Array, values: Array) -> Array:
-        """(k, 17) joint vectors (k, n) of one curve of a pose (4, 4), at growing values (k,), as the core has them."""
-        seven = np.ascontiguousarray(self.seven(q, values))
-        return np.asarray(self.core.samples(np.ascontiguousarray(T), seven, np.ascontiguousarray(values)))
-
 
 def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Array]:
     """Where in the intervals of poses (m, 4, 4) a cost is least: values (m,) of the parameter, and the costs.

@@ -104,10 +104,10 @@ def _at_one_value(solver: Solver, curves: Curves, T: Array, value: float, bounds
     kept = solutions.within_limits() if np.isfinite(bounds).any() else solutions
     pose, column = np.nonzero(kept.valid)
     q, one = solutions.q[pose, column], np.full(len(pose), value)
-    core = [curves.samples(T[i], each[None], values[:1]) for i, each in zip(pose, q, strict=True)]
+    core = np.hstack([one[:, None], np.zeros((len(pose), 2)), curves.seven(q, one), np.zeros((len(pose), 7))])
     first, count = np.arange(len(pose)), np.ones(len(pose), dtype=np.intp)
     ends = np.full((len(pose), 2), End("range"))
-    return Found(pose, one, one, column, ends, first, count, one, q, np.concatenate([*core, np.empty((0, 17))]))
+    return Found(pose, one, one, column, ends, first, count, one, q, core)
 
 
 def _traced(solver: Solver, member: FamilyMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:

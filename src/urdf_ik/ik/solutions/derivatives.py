@@ -38,10 +38,10 @@ def inverse(solutions: KeptSolutions) -> Array:
             X = chain.motion.inverse(q, chain.size, DEFAULT.singular)
         elif ends is None:
             joint = chain.joint_names.index(held[0].joint)
-            X = chain.motion.inverse_holding_joint(q, joint, chain.size, DEFAULT.singular)
+            X = chain.motion.inverse(q, chain.size, DEFAULT.singular, held=joint)
         else:
-            seen = (each.tolist() for each in (ends.tool_point, ends.base_origin, ends.base_rotation[2]))
-            X = chain.motion.inverse_holding_swivel(q, *seen, chain.size, DEFAULT.singular)
+            seen = [*ends.tool_point, *ends.base_origin, *ends.base_rotation[2]]
+            X = chain.motion.inverse(q, chain.size, DEFAULT.singular, swivel=seen)
     else:
         X = _inverse_of_any(solutions, held, weights)
     singular = solutions.singular
