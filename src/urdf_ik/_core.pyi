@@ -7,19 +7,14 @@ from typing import Annotated
 import numpy
 from numpy.typing import NDArray
 
+
 def isa() -> str:
     """The instruction set in use."""
 
 def levels() -> list[str]:
     """The instruction sets that were built and that this processor runs."""
 
-def try_elimination(
-    setup: object,
-    variants: object,
-    T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order="C", device="cpu", writable=False)],
-    counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu")],
-    certain: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu")],
-) -> None: ...
+def try_elimination(setup: object, variants: object, T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], certain: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
 class Answer:
     """The numbers of solutions; arrays are made when they are asked for."""
@@ -39,23 +34,19 @@ class Chain:
     """
 
     def __init__(self, arg0: object, arg1: object, arg2: object, arg3: object, /) -> None: ...
+
     @property
     def steps(self) -> object: ...
+
     def __reduce__(self) -> tuple: ...
+
     def fk(self, arg: object | None, /) -> object: ...
+
     def jacobian(self, arg: object | None, /) -> object: ...
+
     def axes(self, arg: object, /) -> object: ...
-    def inverse(self, q: object, size: float, singular: float) -> object: ...
-    def inverse_holding_joint(self, q: object, joint: int, size: float, singular: float) -> object: ...
-    def inverse_holding_swivel(
-        self,
-        q: object,
-        wrist: Sequence[float],
-        shoulder: Sequence[float],
-        up: Sequence[float],
-        size: float,
-        singular: float,
-    ) -> object: ...
+
+    def inverse(self, q: object, size: float, singular: float, held: int = -1, swivel: Sequence[float] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]) -> object: ...
 
 def image_range(q: object, bounds: object, turns: object) -> tuple:
     """
@@ -109,15 +100,20 @@ class Step:
         """Between the tip and the target [rad]."""
 
     def __getstate__(self) -> tuple: ...
+
     def __setstate__(self, arg: tuple, /) -> None: ...
+
     def __repr__(self) -> str: ...
 
 class Tracker:
     """An arm that follows poses, one a cycle."""
 
     def __init__(self, arm: object) -> None: ...
+
     def step(self, T: object, /) -> Step | None: ...
+
     def reset(self, arg0: object, arg1: object, /) -> None: ...
+
     def back(self, arg: str, /) -> Step: ...
 
 class PathGraph:
@@ -125,87 +121,22 @@ class PathGraph:
     Joint vectors along a path and the motions between them; see paths/planner/graph.py.
     """
 
-    def __init__(
-        self,
-        lower: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        upper: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        turn: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        counted: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order="C", device="cpu", writable=False)],
-    ) -> None: ...
-    def choose(
-        self,
-        q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        flags: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        centres: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)]
-        | None,
-        near: float,
-        outside: bool,
-        kept: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        lowest: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu")],
-        counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu")],
-    ) -> int: ...
-    def connect(
-        self,
-        first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        jacobians: Annotated[
-            NDArray[numpy.float64], dict(shape=(None, None, None), order="C", device="cpu", writable=False)
-        ],
-        twists: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        mismatch: tuple[float, float],
-        window: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        cost: int,
-        weights: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        scale: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order="C", device="cpu")],
-        costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu")],
-    ) -> int: ...
-    def cheapest(
-        self,
-        first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order="C", device="cpu")],
-        costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu")],
-        digits: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        strides: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        node: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        value: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu")],
-        changes: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order="C", device="cpu")] | None,
-        edge: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order="C", device="cpu")],
-        jump: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-    ) -> None: ...
-    def way(
-        self,
-        first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order="C", device="cpu")],
-        costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu")],
-        digits: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        strides: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        edge: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order="C", device="cpu")],
-        jump: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        state: int,
-        passed: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        taken: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-    ) -> None: ...
-    def spread(
-        self,
-        first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu")],
-        end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order="C", device="cpu")],
-        costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu")],
-        digits: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        strides: Annotated[NDArray[numpy.int64], dict(shape=(None,), order="C", device="cpu", writable=False)],
-        counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        node: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-        marks: Annotated[NDArray[numpy.uint64], dict(shape=(None, None), order="C", device="cpu")],
-    ) -> None: ...
+    def __init__(self, lower: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], upper: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], turn: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], counted: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def choose(self, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], centres: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, near: float, outside: bool, kept: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], lowest: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> int: ...
+
+    def connect(self, first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], jacobians: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], twists: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], mismatch: tuple[float, float], window: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], cost: int, weights: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], scale: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')], costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')]) -> int: ...
+
+class StateGraph:
+    """The states of a path's graph, and the edges between them."""
+
+    def __init__(self, joints: PathGraph, arrays: tuple[Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')], Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')], Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)]]) -> None: ...
+
+    def cheapest(self, node: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')], changes: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')] | None, edge: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')], jump: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
+    def way(self, edge: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')], jump: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], state: int, passed: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], taken: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
+    def spread(self, node: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], marks: Annotated[NDArray[numpy.uint64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
 class SelfMotion:
     """
@@ -213,38 +144,26 @@ class SelfMotion:
     """
 
     def __init__(self, arm: object) -> None: ...
-    def intervals(
-        self,
-        T: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        grid: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        round: bool,
-        q: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        flags: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        limits: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        beyond: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None,
-        off: float,
-        starts: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    ) -> tuple: ...
-    def between(
-        self,
-        T: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        before: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        after: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        shares: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    ) -> object: ...
+
+    def intervals(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], grid: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], round: bool, q: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], flags: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], limits: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], beyond: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None, off: float, starts: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple: ...
+
+    def between(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], before: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], after: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shares: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> object: ...
 
 class Solver:
     """An arm, ready to be solved; immutable."""
 
     def __init__(self, arm: object) -> None: ...
+
     @property
     def arm(self) -> object:
         """The dataclass that it was made from."""
 
     @property
     def joints(self) -> int: ...
+
     @property
     def branches(self) -> int: ...
+
     @property
     def numbers(self) -> int:
         """How many numbers a target has."""
@@ -254,35 +173,17 @@ class Solver:
         """How many redundancy parameters are given with each target."""
 
     def __reduce__(self) -> tuple: ...
+
     def one(self, arg0: object, arg1: object, arg2: object, arg3: object, /) -> object: ...
+
     def one_near(self, arg0: object, arg1: object, arg2: object, arg3: object, arg4: object, /) -> object: ...
-    def many(
-        self,
-        kind: object,
-        arm: object,
-        branches: object,
-        T: object,
-        q_ref: object | None,
-        values: object | None,
-        threads: int,
-        out: object | None,
-    ) -> object: ...
+
+    def many(self, kind: object, arm: object, branches: object, T: object, q_ref: object | None, values: object | None, threads: int, out: object | None) -> object: ...
+
     def image(self) -> bytes:
         """The bytes of the struct with the arm's numbers."""
 
-    def prove(
-        self, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order="C", device="cpu", writable=False)]
-    ) -> object:
+    def prove(self, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> object:
         """What is proven about a pose's solutions; None: nothing."""
 
-    def solve(
-        self,
-        T: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)] | None,
-        q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order="C", device="cpu")],
-        flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order="C", device="cpu")],
-        values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)]
-        | None = None,
-        threads: int = 1,
-        beyond: bool = False,
-    ) -> int: ...
+    def solve(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, threads: int = 1, beyond: bool = False) -> int: ...

@@ -129,9 +129,10 @@ STEP long states_within(const GraphImages& images, int joints, const int* low, c
 constexpr int MOST_JOINTS = 16, MOST_STATES = 1024;
 
 // shift[k]: image i of joint k at node a is nearest to image i + shift[k] at node b. Returns the change of the state's number.
-STEP std::int64_t shift_between(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b,
-                                int* shift) {
+STEP std::int64_t shift_between(const StateGraph& graph, std::int64_t a, std::int64_t b, int* shift) {
+    const auto& [arm, layers, edges, images] = graph;
     const int n = arm.joints;
+    const double* q = layers.q;
     std::int64_t whole = 0;
     for (int k = 0; k < n; ++k) {
         shift[k] = arm.counted[k] ? int(turns_between(arm, k, q[n * a + k], q[n * b + k])) : 0;
@@ -140,27 +141,20 @@ STEP std::int64_t shift_between(const GraphJoints& arm, const double* q, const G
     return whole;
 }
 
-// For nodes with one image each: whether a motion connects these images. It does not if the shorter way round leads to another
-// turn, which is outside the limits. A joint with stride zero is not checked.
-STEP bool connects_only_images(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b) {
-    const int n = arm.joints;
-    for (int k = 0; k < n; ++k) {
-        if (arm.counted[k] && images.strides[k] && turns_between(arm, k, q[n * a + k], q[n * b + k]) != 0.0) return false;
-    }
-    return true;
-}
-
-// Calls each(state of a, state of b) for the images that a motion from node a to node b connects.
-template <class Each>
-STEP void each_passage(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b,
-                       const Each& each) {
-    if (images.states == 1) {
-        if (connects_only_images(arm, q, images, a, b)) each(0, 0);
-        return;
-    }
-    const int n = arm.joints;
+// Calls each(state of a, state of b) for the images that a motion from node a to node b connects. Of nodes with one image each it
+// connects these, unless the shorter way round leads to another turn, which is outside the limits. There a joint with stride zero
+// is not checked.
+template <class Each> STEP void each_passage(const StateGraph& graph, std::int64_t a, std::int64_t b, const Each& each) {
+    const GraphImages& images = graph.images;
+    const int n = graph.arm.joints;
     int shift[MOST_JOINTS], low[MOST_JOINTS], high[MOST_JOINTS], states[MOST_STATES];
-    const std::int64_t whole = shift_between(arm, q, images, a, b, shift);
+    const std::int64_t whole = shift_between(graph, a, b, shift);
+    if (images.states == 1) {
+        for (int k = 0; k < n; ++k) {
+            if (images.strides[k] && shift[k]) return;
+        }
+        return each(0, 0);
+    }
     for (int k = 0; k < n; ++k) {
         const int here = images.counts[n * a + k], there = images.counts[n * b + k] - shift[k];
         low[k] = shift[k] < 0 ? -shift[k] : 0, high[k] = here < there ? here : there;
@@ -198,8 +192,8 @@ STEP void keep(const GraphValues& values, std::int64_t at, const Best& best, std
     if (values.changes) values.changes[at] = best.changes;
 }
 
-static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const GraphEdges& edges, const GraphImages& images,
-                     const GraphValues& values, const Stop& stop) {
+static void cheapest(const StateGraph& graph, const GraphValues& values, const Stop& stop) {
+    const auto& [arm, layers, edges, images] = graph;
     const long states = images.states;
     for (long i = layers.waypoints - 1; i >= 0 && !stop.asked(); --i) {
         const bool last = i + 1 == layers.waypoints;
@@ -219,7 +213,7 @@ static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const Gr
                 const double cost = edges.cost[e];
                 if (cost == __builtin_inf()) continue;
                 const std::int64_t b = edges.end[e];
-                each_passage(arm, layers.q, images, a, b, [&](long from, long to) {
+                each_passage(graph, a, b, [&](long from, long to) {
                     Best way = best_of(values, b * states + to);
                     way.value += cost;
                     if (better(way, best_of(values, a * states + from))) keep(values, a * states + from, way, std::int32_t(e));
@@ -230,28 +224,28 @@ static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const Gr
     }
 }
 
-static void way(const GraphJoints& arm, const GraphLayers& layers, const GraphEdges& edges, const GraphImages& images,
-                const GraphValues& values, std::int64_t state, std::int64_t* passed, std::int64_t* taken) {
-    for (long i = 0; i < layers.waypoints; ++i) {
-        const std::int64_t edge = values.edge[state], node = state / images.states;
+static void way(const StateGraph& graph, const GraphValues& values, std::int64_t state, std::int64_t* passed, std::int64_t* taken) {
+    const long states = graph.images.states;
+    for (long i = 0; i < graph.layers.waypoints; ++i) {
+        const std::int64_t edge = values.edge[state], node = state / states;
         passed[i] = state, taken[i] = edge;
         if (edge == -2) state = values.jump[i];
         if (edge < 0) continue;
         int shift[MOST_JOINTS];
-        const std::int64_t next = edges.end[edge];
-        state = next * images.states + state % images.states + shift_between(arm, layers.q, images, node, next, shift);
+        const std::int64_t next = graph.edges.end[edge];
+        state = next * states + state % states + shift_between(graph, node, next, shift);
     }
 }
 
-static void spread(const GraphJoints& arm, const GraphLayers& layers, const GraphEdges& edges, const GraphImages& images,
-                   const double* node, std::uint64_t* marks, const Stop& stop) {
+static void spread(const StateGraph& graph, const double* node, std::uint64_t* marks, const Stop& stop) {
+    const auto& [arm, layers, edges, images] = graph;
     const long states = images.states;
     for (long i = 0; i + 1 < layers.waypoints && !stop.asked(); ++i) {
         for (std::int64_t a = layers.first[i]; a < layers.first[i + 1]; ++a) {
             for (std::int64_t e = edges.first[a]; e < edges.first[a + 1]; ++e) {
                 if (edges.cost[e] == __builtin_inf()) continue;
                 const std::int64_t b = edges.end[e];
-                each_passage(arm, layers.q, images, a, b, [&](long from, long to) {
+                each_passage(graph, a, b, [&](long from, long to) {
                     if (node[b * states + to] != __builtin_inf()) marks[b * states + to] |= marks[a * states + from];
                 });
             }

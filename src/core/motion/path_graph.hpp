@@ -62,6 +62,14 @@ struct GraphImages {
     const std::uint8_t* counts;   // (nodes, joints) images of each node's joints
 };
 
+// What the states of a graph are connected by.
+struct StateGraph {
+    GraphJoints arm;
+    GraphLayers layers;
+    GraphEdges edges;
+    GraphImages images;
+};
+
 struct GraphValues {
     const double* node;     // (nodes, states) cost of the state itself; infinite: excluded
     double* value;          // (nodes, states) least cost from the state to the last waypoint
@@ -80,14 +88,11 @@ struct GraphFunctions {
     // room. Scratch: joints times the nodes of the largest layer and seven more.
     long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch, const Stop&);
     // The cheapest way from every state to the last waypoint, computed from the last waypoint to the first.
-    void (*cheapest)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
-                     const Stop&);
+    void (*cheapest)(const StateGraph&, const GraphValues&, const Stop&);
     // The states (waypoints) on the cheapest way from a state of the first waypoint, and its edges, as in GraphValues::edge.
-    void (*way)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
-                std::int64_t state, std::int64_t* passed, std::int64_t* taken);
+    void (*way)(const StateGraph&, const GraphValues&, std::int64_t state, std::int64_t* passed, std::int64_t* taken);
     // Propagate marks (nodes, states) along the edges, from the first waypoint to the last.
-    void (*spread)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const double* node,
-                   std::uint64_t* marks, const Stop&);
+    void (*spread)(const StateGraph&, const double* node, std::uint64_t* marks, const Stop&);
 };
 
 }  // namespace urdf_ik

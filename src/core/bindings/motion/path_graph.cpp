@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
 
 #include <algorithm>
 #include <optional>
@@ -45,19 +46,29 @@ struct PyPathGraph {
         require(std::size_t(first.data()[first.size() - 1]) == q.shape(0));
         return {long(first.size()) - 1, first.data(), q.data()};
     }
+};
 
-    // Edges that `connect` made.
-    GraphEdges edges(const Out<std::int64_t, 1>& first, const Out<std::int32_t, 1>& end, const Out<double, 1>& cost,
-                     std::size_t nodes) const {
-        require(first.size() == nodes + 1 && end.size() == cost.size() && std::size_t(first.data()[nodes]) <= end.size());
-        return {first.data(), end.data(), cost.data(), long(end.size())};
-    }
+// first, q, edge_first, end, cost, digits, strides, counts: see path_graph.hpp.
+using StateArrays = std::tuple<In<std::int64_t, 1>, In<double, 2>, Out<std::int64_t, 1>, Out<std::int32_t, 1>, Out<double, 1>,
+                               In<std::uint8_t, 2>, In<std::int64_t, 1>, In<std::uint8_t, 2>>;
 
-    GraphImages images_of(const In<std::uint8_t, 2>& digits, const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts,
-                          std::size_t nodes) const {
-        require(digits.shape(0) && digits.shape(0) <= 1024 && digits.shape(1) == joints() && strides.size() == joints() &&
-                counts.shape(0) == nodes && counts.shape(1) == joints());
-        return {long(digits.shape(0)), digits.data(), strides.data(), counts.data()};
+// The states of a graph and the edges that `connect` made.
+struct PyStateGraph {
+    StateArrays arrays;
+    StateGraph graph;
+    std::size_t states, waypoints;  // the states of all nodes
+
+    PyStateGraph(const PyPathGraph& of, const StateArrays& given) : arrays(given) {
+        const auto& [first, q, edge_first, end, cost, digits, strides, counts] = arrays;
+        const std::size_t nodes = q.shape(0), images = digits.shape(0);
+        require(edge_first.size() == nodes + 1 && end.size() == cost.size() && std::size_t(edge_first.data()[nodes]) <= end.size());
+        require(images && images <= 1024 && digits.shape(1) == of.joints() && strides.size() == of.joints());
+        require(counts.shape(0) == nodes && counts.shape(1) == of.joints());
+        graph = {of.arm(),
+                 of.layers(first, q),
+                 {edge_first.data(), end.data(), cost.data(), long(end.size())},
+                 {long(images), digits.data(), strides.data(), counts.data()}};
+        states = nodes * images, waypoints = first.size() - 1;
     }
 };
 
@@ -93,46 +104,25 @@ long connect(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In
         [&](const Stop& stop) { return level().graph->connect(self.arm(), layers, motions, edges, scratch.data(), stop); });
 }
 
-void cheapest(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q,
-              const Out<std::int64_t, 1>& edge_first, const Out<std::int32_t, 1>& end, const Out<double, 1>& costs,
-              const In<std::uint8_t, 2>& digits, const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts,
-              const In<double, 2>& node, const Out<double, 2>& value, const std::optional<Out<std::int32_t, 2>>& changes,
-              const Out<std::int32_t, 2>& edge, const Out<std::int64_t, 1>& jump) {
-    const GraphLayers layers = self.layers(first, q);
-    const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
-    const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
-    const std::size_t states = q.shape(0) * digits.shape(0);
-    require(node.size() == states && value.size() == states && edge.size() == states && (!changes || changes->size() == states));
-    require(jump.size() + 1 == first.size());
+void cheapest(const PyStateGraph& self, const In<double, 2>& node, const Out<double, 2>& value,
+              const std::optional<Out<std::int32_t, 2>>& changes, const Out<std::int32_t, 2>& edge,
+              const Out<std::int64_t, 1>& jump) {
+    require(node.size() == self.states && value.size() == self.states && edge.size() == self.states);
+    require((!changes || changes->size() == self.states) && jump.size() == self.waypoints);
     const GraphValues values = {node.data(), value.data(), changes ? changes->data() : nullptr, edge.data(), jump.data()};
-    without_gil([&](const Stop& stop) { level().graph->cheapest(self.arm(), layers, edges, images, values, stop); });
+    without_gil([&](const Stop& stop) { level().graph->cheapest(self.graph, values, stop); });
 }
 
-void way(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q, const Out<std::int64_t, 1>& edge_first,
-         const Out<std::int32_t, 1>& end, const Out<double, 1>& costs, const In<std::uint8_t, 2>& digits,
-         const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts, const Out<std::int32_t, 2>& edge,
-         const Out<std::int64_t, 1>& jump, std::int64_t state, const Out<std::int64_t, 1>& passed,
-         const Out<std::int64_t, 1>& taken) {
-    const GraphLayers layers = self.layers(first, q);
-    const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
-    const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
-    const std::size_t waypoints = first.size() - 1;
-    require(edge.size() == q.shape(0) * digits.shape(0) && jump.size() == waypoints && passed.size() == waypoints);
-    require(taken.size() == waypoints && state >= 0 && std::size_t(state) < edge.size());
-    const GraphValues values = {nullptr, nullptr, nullptr, edge.data(), jump.data()};
-    level().graph->way(self.arm(), layers, edges, images, values, state, passed.data(), taken.data());
+void way(const PyStateGraph& self, const Out<std::int32_t, 2>& edge, const Out<std::int64_t, 1>& jump, std::int64_t state,
+         const Out<std::int64_t, 1>& passed, const Out<std::int64_t, 1>& taken) {
+    require(edge.size() == self.states && jump.size() == self.waypoints && passed.size() == self.waypoints);
+    require(taken.size() == self.waypoints && state >= 0 && std::size_t(state) < edge.size());
+    level().graph->way(self.graph, {nullptr, nullptr, nullptr, edge.data(), jump.data()}, state, passed.data(), taken.data());
 }
 
-void spread(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q,
-            const Out<std::int64_t, 1>& edge_first, const Out<std::int32_t, 1>& end, const Out<double, 1>& costs,
-            const In<std::uint8_t, 2>& digits, const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts,
-            const In<double, 2>& node, const Out<std::uint64_t, 2>& marks) {
-    const GraphLayers layers = self.layers(first, q);
-    const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
-    const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
-    require(marks.size() == q.shape(0) * digits.shape(0) && node.size() == marks.size());
-    without_gil(
-        [&](const Stop& stop) { level().graph->spread(self.arm(), layers, edges, images, node.data(), marks.data(), stop); });
+void spread(const PyStateGraph& self, const In<double, 2>& node, const Out<std::uint64_t, 2>& marks) {
+    require(marks.size() == self.states && node.size() == self.states);
+    without_gil([&](const Stop& stop) { level().graph->spread(self.graph, node.data(), marks.data(), stop); });
 }
 
 }  // namespace
@@ -145,15 +135,12 @@ void bind_path_graph(nb::module_& m) {
              nb::arg("kept"), nb::arg("lowest"), nb::arg("counts"))
         .def("connect", &connect, nb::arg("first"), nb::arg("q"), nb::arg("jacobians"), nb::arg("twists"), nb::arg("mismatch"),
              nb::arg("window"), nb::arg("cost"), nb::arg("weights"), nb::arg("scale"), nb::arg("edge_first"), nb::arg("end"),
-             nb::arg("costs"))
-        .def("cheapest", &cheapest, nb::arg("first"), nb::arg("q"), nb::arg("edge_first"), nb::arg("end"), nb::arg("costs"),
-             nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("node"), nb::arg("value"), nb::arg("changes").none(),
-             nb::arg("edge"), nb::arg("jump"))
-        .def("way", &way, nb::arg("first"), nb::arg("q"), nb::arg("edge_first"), nb::arg("end"), nb::arg("costs"),
-             nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("edge"), nb::arg("jump"), nb::arg("state"),
-             nb::arg("passed"), nb::arg("taken"))
-        .def("spread", &spread, nb::arg("first"), nb::arg("q"), nb::arg("edge_first"), nb::arg("end"), nb::arg("costs"),
-             nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("node"), nb::arg("marks"));
+             nb::arg("costs"));
+    nb::class_<PyStateGraph>(m, "StateGraph", "The states of a path's graph, and the edges between them.")
+        .def(nb::init<const PyPathGraph&, const StateArrays&>(), nb::keep_alive<1, 2>(), nb::arg("joints"), nb::arg("arrays"))
+        .def("cheapest", &cheapest, nb::arg("node"), nb::arg("value"), nb::arg("changes").none(), nb::arg("edge"), nb::arg("jump"))
+        .def("way", &way, nb::arg("edge"), nb::arg("jump"), nb::arg("state"), nb::arg("passed"), nb::arg("taken"))
+        .def("spread", &spread, nb::arg("node"), nb::arg("marks"));
 }
 
 }  // namespace urdf_ik

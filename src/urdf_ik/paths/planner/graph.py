@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik._core import StateGraph
 from urdf_ik.ik.solutions import limits
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths.path_settings import COSTS, CheckedSettings
@@ -222,11 +223,14 @@ class Graph:
     def reached(self, marks: NDArray[np.uint64]) -> NDArray[np.uint64]:
         """Marks (N, states) of the first waypoint's states, passed on along all edges."""
         out = np.ascontiguousarray(marks)
-        self.joints.core.spread(
-            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
-            self.joints.strides, self.layers.counts, self.state_costs(), out,
-        )  # fmt: skip
+        self.states(self.joints.digits, self.joints.strides).spread(self.state_costs(), out)
         return out
+
+    def states(self, digits: NDArray[np.uint8], strides: Ints) -> StateGraph:
+        """The states of these images, as the compiled core has them."""
+        of = self.layers
+        arrays = of.first, of.q, self.edge_first, self.end, self.cost, digits, strides, of.counts
+        return StateGraph(self.joints.core, arrays)
 
 
 @dataclass(frozen=True)
@@ -236,7 +240,7 @@ class _Routes:
     Attributes:
         graph: the graph.
         digits: (states, n) number of each joint's image in each state.
-        strides: (n,) difference of the state's number between neighbouring images of a joint.
+        core: its states, as the compiled core has them.
         value: (N, states) cost of the route.
         changes: (N, states) changes of branch on it; None where they are not allowed.
         edge: (N, states) the edge to take.
@@ -245,7 +249,7 @@ class _Routes:
 
     graph: Graph
     digits: NDArray[np.uint8]
-    strides: Ints
+    core: StateGraph
     value: Array
     changes: NDArray[np.int32] | None
     edge: NDArray[np.int32]
@@ -254,17 +258,15 @@ class _Routes:
     @classmethod
     def cheapest(cls, graph: Graph, *, images: bool = True) -> "_Routes":
         """Solve a graph; without ``images`` as if its joints had no limits."""
-        joints, layers = graph.joints, graph.layers
+        joints = graph.joints
         digits, strides = (joints.digits, joints.strides) if images else (joints.digits[:1], 0 * joints.strides)
         node = graph.state_costs(images)
         value, edge = np.empty(node.shape), np.empty(node.shape, np.int32)
-        jump = np.full(len(layers.T), -1, np.int64)
+        jump = np.full(len(graph.layers.T), -1, np.int64)
         changes = np.zeros(node.shape, np.int32) if graph.settings.reconfigure else None
-        joints.core.cheapest(
-            layers.first, layers.q, graph.edge_first, graph.end, graph.cost, digits, strides, layers.counts,
-            node, value, changes, edge, jump,
-        )  # fmt: skip
-        return cls(graph, digits, strides, value, changes, edge, jump)
+        core = graph.states(digits, strides)
+        core.cheapest(node, value, changes, edge, jump)
+        return cls(graph, digits, core, value, changes, edge, jump)
 
     def best_start(self, nodes: Mask | None) -> int | None:
         """See :meth:`Graph.best_start`; of images that cost the same, the one nearest to the middle of the limits."""
@@ -284,12 +286,8 @@ class _Routes:
 
     def traced(self, state: int) -> tuple[Ints, Ints]:
         """States (m,) and edges (m,) of the route from a state of the first waypoint."""
-        graph, layers = self.graph, self.graph.layers
-        passed, taken = np.empty(len(layers.T), np.int64), np.empty(len(layers.T), np.int64)
-        graph.joints.core.way(
-            layers.first, layers.q, graph.edge_first, graph.end, graph.cost, self.digits, self.strides,
-            layers.counts, self.edge, self.jump, state, passed, taken,
-        )  # fmt: skip
+        passed, taken = np.empty(len(self.jump), np.int64), np.empty(len(self.jump), np.int64)
+        self.core.way(self.edge, self.jump, state, passed, taken)
         return passed, taken
 
 
