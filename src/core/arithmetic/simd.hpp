@@ -169,55 +169,35 @@ template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, double a, co
 STEP double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
 template <int L, int K> STEP Pack<L, K> fused(Pack<L, K> a, const Pack<L, K>& b, const Pack<L, K>& c) {
     for (int k = 0; k < K; ++k) {
-        using R [[maybe_unused]] = typename Register<L>::type;
-#if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_fmadd_pd((__m512d)a.r[k], (__m512d)b.r[k], (__m512d)c.r[k]);
-#endif
-#if defined(__AVX__)
-        if constexpr (L == 4) a.r[k] = (R)_mm256_fmadd_pd((__m256d)a.r[k], (__m256d)b.r[k], (__m256d)c.r[k]);
-        if constexpr (L == 2) a.r[k] = (R)_mm_fmadd_pd((__m128d)a.r[k], (__m128d)b.r[k], (__m128d)c.r[k]);
-#else
         for (int l = 0; l < L; ++l) a.r[k][l] = __builtin_fma(a.r[k][l], b.r[k][l], c.r[k][l]);
-#endif
     }
     return a;
 }
 #endif
 
-// The smaller and the greater of two numbers; the second one if either is NaN. With AVX-512, GCC warns about the unmasked
-// intrinsics. It compiles the masked ones, with all lanes set, to the same instructions.
-template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
-    for (int k = 0; k < K; ++k) {
-        using R [[maybe_unused]] = typename Register<L>::type;
+// The smaller and the greater of two numbers; the second one if either is NaN. GCC would make two instructions of a comparison.
+// With AVX-512, it warns about the unmasked intrinsics, and compiles the masked ones, with all lanes set, to the same instructions.
 #if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_min_pd(0xff, (__m512d)a.r[k], (__m512d)b.r[k]);
+STEP __m512d lesser(__m512d a, __m512d b) { return _mm512_maskz_min_pd(0xff, a, b); }
+STEP __m512d greater(__m512d a, __m512d b) { return _mm512_maskz_max_pd(0xff, a, b); }
 #endif
 #if defined(__AVX__)
-        if constexpr (L == 4) a.r[k] = (R)_mm256_min_pd((__m256d)a.r[k], (__m256d)b.r[k]);
+STEP __m256d lesser(__m256d a, __m256d b) { return _mm256_min_pd(a, b); }
+STEP __m256d greater(__m256d a, __m256d b) { return _mm256_max_pd(a, b); }
 #endif
 #if defined(__SSE2__)
-        if constexpr (L == 2) a.r[k] = (R)_mm_min_pd((__m128d)a.r[k], (__m128d)b.r[k]);
+STEP __m128d lesser(__m128d a, __m128d b) { return _mm_min_pd(a, b); }
+STEP __m128d greater(__m128d a, __m128d b) { return _mm_max_pd(a, b); }
 #else
-        a.r[k] = a.r[k] < b.r[k] ? a.r[k] : b.r[k];
+template <class R> STEP R lesser(R a, R b) { return a < b ? a : b; }
+template <class R> STEP R greater(R a, R b) { return a > b ? a : b; }
 #endif
-    }
+template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
+    for (int k = 0; k < K; ++k) a.r[k] = lesser(a.r[k], b.r[k]);
     return a;
 }
 template <int L, int K> STEP Pack<L, K> max(Pack<L, K> a, const Pack<L, K>& b) {
-    for (int k = 0; k < K; ++k) {
-        using R [[maybe_unused]] = typename Register<L>::type;
-#if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_max_pd(0xff, (__m512d)a.r[k], (__m512d)b.r[k]);
-#endif
-#if defined(__AVX__)
-        if constexpr (L == 4) a.r[k] = (R)_mm256_max_pd((__m256d)a.r[k], (__m256d)b.r[k]);
-#endif
-#if defined(__SSE2__)
-        if constexpr (L == 2) a.r[k] = (R)_mm_max_pd((__m128d)a.r[k], (__m128d)b.r[k]);
-#else
-        a.r[k] = a.r[k] > b.r[k] ? a.r[k] : b.r[k];
-#endif
-    }
+    for (int k = 0; k < K; ++k) a.r[k] = greater(a.r[k], b.r[k]);
     return a;
 }
 template <int L, int K> STEP Pack<L, K> min(const Pack<L, K>& a, double b) { return min(a, Pack<L, K>(b)); }
@@ -225,18 +205,7 @@ template <int L, int K> STEP Pack<L, K> max(const Pack<L, K>& a, double b) { ret
 
 template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
     for (int k = 0; k < K; ++k) {
-        using R [[maybe_unused]] = typename Register<L>::type;
-#if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.r[k]);
-#endif
-#if defined(__AVX__)
-        if constexpr (L == 4) a.r[k] = (R)_mm256_sqrt_pd((__m256d)a.r[k]);
-#endif
-#if defined(__SSE2__)
-        if constexpr (L == 2) a.r[k] = (R)_mm_sqrt_pd((__m128d)a.r[k]);
-#else
         for (int l = 0; l < L; ++l) a.r[k][l] = __builtin_sqrt(a.r[k][l]);
-#endif
     }
     return a;
 }
