@@ -10,14 +10,20 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Axes moved by 1e-16, 115 digits decide every pose of 30 arms that was tried, and 77 nearly all.
 inline constexpr int FEW_LIMBS = 4, MANY_LIMBS = 6;
-// Where the chain is cut, and whether it is reversed; those that leave the fewest poses open come first. After two cuts with few
-// limbs all are tried with many.
+// Where the chain is cut, and whether it is reversed.
 struct Cut {
     int first;
     bool back;
+    // The joint whose angle is hidden is the sixth.
+    STEP int joint(int k) const { return back ? 5 - (first + k) % 6 : (first + k) % 6; }
 };
+// Those that leave the fewest poses open come first.
 inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0, true}, {1, false}, {2, true}, {3, false}};
-inline constexpr int ALL_CUTS = 8, CUTS_WITH_FEW = 2;
+inline constexpr int ALL_CUTS = 8;
+// Solutions share the hidden angle if they differ by less than this [rad]. Where more than CROWD do, few limbs do not tell their
+// zeros apart, which are about NUDGE from each other.
+inline constexpr double SHARES = 1e-6;
+inline constexpr int CROWD = 3;
 // A cut is of no use where the joint vector of a zero near real misses the pose by this or more [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL. It counts where
@@ -46,8 +52,6 @@ template <int L> struct CircleZeros {
     CircleZero at[ROOTS];
     int many = 0;
     Cut cut;
-
-    STEP int joint(int k) const { return cut.back ? 5 - (cut.first + k) % 6 : (cut.first + k) % 6; }
 };
 
 // Columns whose solutions have certificates.
@@ -70,7 +74,7 @@ template <int L> PART int column_of_zero(const CircleZeros<L>& zeros, int i, con
     int found = -1;
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
-        const double apart = abs(wrap(wrap(columns.row(b)[zeros.joint(5)] - own)));
+        const double apart = abs(wrap(wrap(columns.row(b)[zeros.cut.joint(5)] - own)));
         if (apart < SAME_ANGLE && found < 0 && certified >> b & 1) found = b;
         else if (apart < OTHER_ANGLE) return -1;
     }
@@ -108,7 +112,7 @@ PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& 
             return false;
         }
         CircleZero& to = out.at[out.many++];
-        for (int k = 0; k < 6; ++k) to.q[out.joint(k)] = wrap(atan2(z[k].im, z[k].re));
+        for (int k = 0; k < 6; ++k) to.q[out.cut.joint(k)] = wrap(atan2(z[k].im, z[k].re));
         to.real = real, to.certified = false;
         to.own = error_at<6, double>(arm, goal, to.q).size;
         if (real && !(to.own < MISREAD)) return false;
@@ -270,7 +274,7 @@ PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const Cir
             continue;
         }
         for (int l = many; l < BLOCK; ++l) {
-            for (int k = 0; k < 6; ++k) z[zeros.joint(k)].re.set(l, at[k].re), z[zeros.joint(k)].im.set(l, at[k].im);
+            for (int k = 0; k < 6; ++k) z[zeros.cut.joint(k)].re.set(l, at[k].re), z[zeros.cut.joint(k)].im.set(l, at[k].im);
         }
         if (++many == BLOCK) certify_block();
     }
@@ -320,14 +324,27 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
     return keep_curve(arm, goal, columns) ? Status::continuum : status;
 }
 
+// How many of the solutions share one angle of the joint, at most.
+PART int sharing(const Columns<6>& columns, int joint) {
+    int out = 0;
+    for (int b = 0; b < columns.many; ++b) {
+        int own = 0;
+        for (int c = 0; c < columns.many; ++c) {
+            own += columns.valid(b) && columns.valid(c) && abs(wrap(columns.row(b)[joint] - columns.row(c)[joint])) < SHARES;
+        }
+        out = larger(out, own);
+    }
+    return out;
+}
+
 template <int L>
-PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, int cuts) {
+PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, const Cut* cuts, int many) {
     const WidePose<L> pose = wide_pose<L>(arm, goal), back = reversed(pose);
     CircleZeros<L> zeros;
     Status status = Status::incomplete;
-    for (int i = 0; i < cuts && status == Status::incomplete; ++i) {
+    for (int i = 0; i < many && status == Status::incomplete; ++i) {
         const unsigned certified = certified_columns(loop_of(arm, goal), columns);
-        if (!list_zeros(CUTS[i].back ? back : pose, CUTS[i], arm, goal, columns, certified, zeros)) continue;
+        if (!list_zeros(cuts[i].back ? back : pose, cuts[i], arm, goal, columns, certified, zeros)) continue;
         follow_zeros(arm, goal, zeros);
         certify_all_zeros(arm, goal, zeros);
         status = status_of_zeros(arm, goal, zeros, columns);
@@ -339,8 +356,18 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     for (const bool slides : arm.slides) {
         if (slides) return Status::incomplete;
     }
-    const Status status = refer_with<FEW_LIMBS>(arm, goal, columns, CUTS_WITH_FEW);
-    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, ALL_CUTS);
+    // Hidden angles that the fewest solutions share come first.
+    Cut cuts[ALL_CUTS];
+    int least = 0, many = 0;
+    for (int most = 0; many < ALL_CUTS; ++most) {
+        for (const Cut& each : CUTS) {
+            if (sharing(columns, each.joint(5)) == most) cuts[many++] = each;
+        }
+        if (!many) least = most + 1;
+    }
+    Status status = Status::incomplete;
+    if (least <= CROWD) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1);
+    return status != Status::incomplete ? status : refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -57,6 +57,12 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
+STEP bool any_singular(const Columns<6>& columns) {
+    bool any = false;
+    for (int b = 0; b < columns.many; ++b) any |= columns.valid(b) && columns.flags[b] & SINGULAR;
+    return any;
+}
+
 // Elimination, in several ways if doubts remain, until the solutions are proven to be all.
 PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Eliminant own;
@@ -73,8 +79,9 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     eliminate(arm, arm.variant[0], goal, own);
     const bool certain = gather(arm, arm.variant[0], goal, own, search);
     if ((certain && search.provable) || count_twice() || certain) return;
-    // Where nothing is counted, the referee does without these proposals.
+    // The referee does without these proposals where nothing is counted, or a singular solution has no certificate.
     if (!search.provable && !counting && !arm.any_slide) return;
+    if (search.provable && any_singular(search.columns) && !keep_curve(arm.written, goal, search.columns)) return;
     const Goal<double> moved = beside(arm.written, goal);
     for (const Proposal& each : PROPOSALS) {
         if (each.variant < arm.variants) {
