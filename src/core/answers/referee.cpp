@@ -171,7 +171,7 @@ PART void certify_zeros(const LoopOf<WideMotion<CERTIFYING_LIMBS>>& loop, Circle
         longest = max(longest, square_of(each));
         S += 1.4143 * sqrt(square_of(each));
     }
-    const double small = ROUNDINGS * WIDE_UNIT<CERTIFYING_LIMBS>;
+    const double small = ROUNDINGS * FIXED_UNIT<CERTIFYING_LIMBS>;
     const Certificate c =
         certify(at, f, Rounding{small, small * (1.0 + longest), 2.0 * UNIT * sqrt(longest)}, 0.9 * LARGEST_BALL / S);
     for (int l = 0; l < many; ++l) {

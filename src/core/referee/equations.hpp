@@ -35,26 +35,30 @@ template <int L> PART Frame<Wide<L>> beyond(const Frame<Wide<L>>& at, const Wide
 
 // The motion with the rotation nearest to the stored one, which is orthogonal to 3e-14; each step squares what is left of this.
 template <int L> PART WideMotion<L> wide_motion(const Motion& m, double scale) {
-    using W = Wide<L>;
-    WideMotion<L> out;
+    using F = Fixed<L>;
+    F R[3][3], next[3][3], square[3][3];
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) out.R[i][j] = m.R[i][j];
-        out.t[i] = W(m.t[i]) * W(scale);
+        for (int j = 0; j < 3; ++j) R[i][j] = {m.R[i][j], 0};
     }
     for (int bits = 44; bits < 64 * L; bits *= 2) {
-        W square[3][3], next[3][3];
         for (int k = 0; k < 3; ++k) {
-            for (int j = 0; j < 3; ++j) {
-                square[k][j] =
-                    W(k == j ? 3.0 : 0.0) - (out.R[0][k] * out.R[0][j] + out.R[1][k] * out.R[1][j] + out.R[2][k] * out.R[2][j]);
+            for (int j = k; j < 3; ++j) {
+                square[k][j] = {k == j ? 3.0 : 0.0, 0};
+                for (int i = 0; i < 3; ++i) square[k][j].subtract(R[i][k], R[i][j]);
+                square[j][k] = square[k][j];
             }
         }
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
-                next[i][j] = half(out.R[i][0] * square[0][j] + out.R[i][1] * square[1][j] + out.R[i][2] * square[2][j]);
+                next[i][j] = half(R[i][0] * square[0][j] + R[i][1] * square[1][j] + R[i][2] * square[2][j]);
             }
         }
-        __builtin_memcpy(out.R, next, sizeof next);
+        __builtin_memcpy(R, next, sizeof next);
+    }
+    WideMotion<L> out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = R[i][j].wide();
+        out.t[i] = Wide<L>(m.t[i]) * Wide<L>(scale);
     }
     return out;
 }

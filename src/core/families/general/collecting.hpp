@@ -169,6 +169,13 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
     }
 }
 
+// Whether a singular solution has no certificate: then no count of certified roots will be complete.
+STEP bool lacks_certificate(const SearchState& search) {
+    bool singular = false;
+    for (int b = 0; b < search.columns.many; ++b) singular |= search.columns.valid(b) && search.columns.flags[b] & SINGULAR;
+    return singular && search.account.reals < search.columns.count();
+}
+
 // ---- continua -----------------------------------------------------------------------------------------------------------
 
 PART void mark_singular(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {

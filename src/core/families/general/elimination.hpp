@@ -57,12 +57,6 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
-STEP bool any_singular(const Columns<6>& columns) {
-    bool any = false;
-    for (int b = 0; b < columns.many; ++b) any |= columns.valid(b) && columns.flags[b] & SINGULAR;
-    return any;
-}
-
 // Elimination, in several ways if doubts remain, until the solutions are proven to be all.
 PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Eliminant own;
@@ -81,7 +75,7 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     if ((certain && search.provable) || count_twice() || certain) return;
     // The referee does without these proposals where nothing is counted, or a singular solution has no certificate.
     if (!search.provable && !counting && !arm.any_slide) return;
-    if (search.provable && any_singular(search.columns) && !keep_curve(arm.written, goal, search.columns)) return;
+    if (search.provable && lacks_certificate(search) && !keep_curve(arm.written, goal, search.columns)) return;
     const Goal<double> moved = beside(arm.written, goal);
     for (const Proposal& each : PROPOSALS) {
         if (each.variant < arm.variants) {
@@ -151,7 +145,7 @@ bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<
     if (!counts(arm.counter)) return false;
     SearchState search = search_state(arm, goal, columns, CONVERGED);
     certify_columns(search);
-    if (!search.account.reals) return false;
+    if (!search.account.reals || lacks_certificate(search)) return false;
     Eliminant of;
     eliminate(arm, arm.counter, goal, of);
     if (!count_zeros(arm, arm.counter, on_circle(of), search) && !count_precisely(arm, goal, search)) return false;
