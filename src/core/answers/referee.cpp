@@ -20,9 +20,8 @@ struct Cut {
 // Those that leave the fewest poses open come first.
 inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0, true}, {1, false}, {2, true}, {3, false}};
 inline constexpr int ALL_CUTS = 8;
-// Solutions share the hidden angle if they differ by less than this [rad]. Where more than CROWD do, few limbs do not tell their
-// zeros apart, which are about NUDGE from each other.
-inline constexpr double SHARES = 1e-6;
+// Where more solutions than this share the hidden angle, few limbs do not tell their zeros apart, which are about NUDGE from each
+// other.
 inline constexpr int CROWD = 3;
 // A cut is of no use where the joint vector of a zero near real misses the pose by this or more [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
@@ -330,7 +329,7 @@ PART int sharing(const Columns<6>& columns, int joint) {
     for (int b = 0; b < columns.many; ++b) {
         int own = 0;
         for (int c = 0; c < columns.many; ++c) {
-            own += columns.valid(b) && columns.valid(c) && abs(wrap(columns.row(b)[joint] - columns.row(c)[joint])) < SHARES;
+            own += columns.valid(b) && columns.valid(c) && abs(wrap(columns.row(b)[joint] - columns.row(c)[joint])) < OTHER_ANGLE;
         }
         out = larger(out, own);
     }

@@ -12,12 +12,9 @@ template <int L> inline constexpr double FIXED_UNIT = WIDE_UNIT<L> * (1 << (WHOL
 
 // a - (b & mask).
 template <int L> STEP void subtract_limbs(std::uint64_t* a, const std::uint64_t* b, std::uint64_t mask) {
-    std::uint64_t borrow = 0;
+    unsigned char borrow = 0;
 #pragma GCC unroll 8
-    for (int i = 0; i < L; ++i) {
-        const std::uint64_t y = b[i] & mask, x = a[i] - y, below = a[i] < y;
-        a[i] = x - borrow, borrow = below | (x < borrow);
-    }
+    for (int i = 0; i < L; ++i) a[i] = difference64(a[i], b[i] & mask, borrow);
 }
 
 // A number in two's complement, the lowest limb first.
@@ -99,12 +96,9 @@ template <int L> struct Fixed {
     }
     friend STEP Fixed operator-(Fixed a, const Fixed& b) { return a -= b; }
     STEP Fixed& operator+=(const Fixed& b) {
-        std::uint64_t carry = 0;
+        unsigned char carry = 0;
 #pragma GCC unroll 8
-        for (int i = 0; i < L; ++i) {
-            const std::uint64_t x = m[i] + b.m[i], over = x < b.m[i];
-            m[i] = x + carry, carry = over | (m[i] < x);
-        }
+        for (int i = 0; i < L; ++i) m[i] = sum64(m[i], b.m[i], carry);
         return *this;
     }
     friend STEP Fixed operator+(Fixed a, const Fixed& b) { return a += b; }

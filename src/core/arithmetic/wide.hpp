@@ -27,6 +27,31 @@ STEP Product64 product64(std::uint64_t a, std::uint64_t b, std::uint64_t c, std:
 #endif
 }
 
+// a + b + carry and a - b - carry, and the next carry. Compilers do not find the instructions that x86-64 has for it.
+#if defined(__x86_64__)
+STEP std::uint64_t sum64(std::uint64_t a, std::uint64_t b, unsigned char& carry) {
+    unsigned long long out;
+    carry = _addcarry_u64(carry, a, b, &out);
+    return out;
+}
+STEP std::uint64_t difference64(std::uint64_t a, std::uint64_t b, unsigned char& carry) {
+    unsigned long long out;
+    carry = _subborrow_u64(carry, a, b, &out);
+    return out;
+}
+#else
+STEP std::uint64_t sum64(std::uint64_t a, std::uint64_t b, unsigned char& carry) {
+    const std::uint64_t x = a + b, out = x + carry;
+    carry = (x < a) | (out < x);
+    return out;
+}
+STEP std::uint64_t difference64(std::uint64_t a, std::uint64_t b, unsigned char& carry) {
+    const std::uint64_t x = a - b, out = x - carry;
+    carry = (a < b) | (x < out);
+    return out;
+}
+#endif
+
 // The upper limb of two that are shifted to the left by less than a limb. One limb after the other: vectors of limbs would have to
 // wait until the limbs that they are made of have reached memory.
 STEP std::uint64_t upper_of(std::uint64_t high, std::uint64_t low, int shift) {
@@ -162,15 +187,13 @@ template <int L> struct Wide {
         out.negative = swapped ? sign : a.negative;
         if (small.is_zero() || shift >= 64 * L) return out;
         // The smaller one is added, or its complement.
-        const std::uint64_t differ = std::uint64_t(a.negative != sign), mask = 0 - differ;
-        std::uint64_t t[L], carry = differ;
+        const bool differ = a.negative != sign;
+        const std::uint64_t mask = 0 - std::uint64_t(differ);
+        std::uint64_t t[L];
+        unsigned char carry = differ;
         shift_right(small.m, shift, 0, t);
 #pragma GCC unroll 8
-        for (int i = 0; i < L; ++i) {
-            const std::uint64_t x = out.m[i] + (t[i] ^ mask);
-            const std::uint64_t over = x < out.m[i];
-            out.m[i] = x + carry, carry = over | (out.m[i] < x);
-        }
+        for (int i = 0; i < L; ++i) out.m[i] = sum64(out.m[i], t[i] ^ mask, carry);
         if (differ) return out.m[L - 1] >> 63 ? out : out.normalised();
         for (int i = 0; i < L; ++i) {
             const std::uint64_t next = i + 1 < L ? out.m[i + 1] : carry;
