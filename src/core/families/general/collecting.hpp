@@ -23,7 +23,6 @@ struct SearchState {
     double enough;  // a candidate with at most this error is a solution
     double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
     bool provable = false;  // whether complex roots are counted
-    bool on_curve = false;  // whether a curve of solutions was found
     OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
     int reals_counted = -1;
     bool certifies = false;  // whether real roots are certified: all joints turn
@@ -174,15 +173,6 @@ STEP bool lacks_certificate(const SearchState& search) {
     bool singular = false;
     for (int b = 0; b < search.columns.many; ++b) singular |= search.columns.valid(b) && search.columns.flags[b] & SINGULAR;
     return singular && search.account.reals < search.columns.count();
-}
-
-// ---- continua -----------------------------------------------------------------------------------------------------------
-
-PART void mark_singular(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    for (int b = 0; b < columns.many; ++b) {
-        if (columns.valid(b))
-            columns.flags[b] |= std::uint8_t(singular_marks(arm, goal, columns.row(b), columns.flags[b] & SINGULAR));
-    }
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -21,13 +21,12 @@ inline constexpr double BESIDE_TARGET = 1e-2;
 // Starts all over the joint space of an arm with slides.
 inline constexpr int ALL_OVER = 160;
 
-// What is tried where the first variant leaves doubts: another one, or the roots of a pose beside the target. `curves`: a curve of
-// solutions then ends the search.
+// What is tried where the first variant leaves doubts: another one, or the roots of a pose beside the target.
 struct Proposal {
     int variant;
-    bool beside, curves;
+    bool beside;
 };
-inline constexpr Proposal PROPOSALS[] = {{1, false, false}, {0, true, true}, {1, true, false}, {2, false, false}, {2, true, false}};
+inline constexpr Proposal PROPOSALS[] = {{1, false}, {0, true}, {1, true}, {2, false}, {2, true}};
 
 // A pose beside the target, in a generic direction.
 PART Goal<double> beside(const Written<6>& arm, const Goal<double>& goal) {
@@ -75,17 +74,13 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     if ((certain && search.provable) || count_twice() || certain) return;
     // The referee does without these proposals where nothing is counted, or a singular solution has no certificate.
     if (!search.provable && !counting && !arm.any_slide) return;
-    if (search.provable && lacks_certificate(search) && !keep_curve(arm.written, goal, search.columns)) return;
+    if (search.provable && lacks_certificate(search)) return;
     const Goal<double> moved = beside(arm.written, goal);
     for (const Proposal& each : PROPOSALS) {
-        if (each.variant < arm.variants) {
-            const EliminationVariant& variant = arm.variant[each.variant];
-            eliminate(arm, variant, each.beside ? moved : goal, own);
-            if (gather(arm, variant, goal, own, search, each.beside) || count_twice()) return;
-        }
-        // A curve's own solutions fill the columns, and no count ends a proof.
-        search.on_curve = each.curves && search.provable && keep_curve(arm.written, goal, search.columns);
-        if (search.on_curve) return;
+        if (each.variant >= arm.variants) continue;
+        const EliminationVariant& variant = arm.variant[each.variant];
+        eliminate(arm, variant, each.beside ? moved : goal, own);
+        if (gather(arm, variant, goal, own, search, each.beside) || count_twice()) return;
     }
 }
 
@@ -117,10 +112,6 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = 0;
         return Status::complete;
     }
-    if (search.on_curve) {
-        mark_singular(arm.written, goal, columns);
-        return Status::continuum;
-    }
     // If no candidate converged, the best may be a double root.
     if (columns.count() == 0 && search.error < HALF_OF_THE_DIGITS) {
         if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
@@ -132,7 +123,6 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         search_all_over(arm, goal, search);
         search_beside_folds(arm.written, goal, columns);
     }
-    if (search.certifies && keep_curve(arm.written, goal, search.columns)) return Status::continuum;
     return Status::incomplete;
 }
 
