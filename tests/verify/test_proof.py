@@ -140,7 +140,7 @@ def test_where_two_folds_meet_a_solution_stands_for_four_roots(quarters: tuple[i
     [
         (jaco_like, (0, 1, 2, 2, -1, -1)),
         (jaco_like, (-1, -1, 2, 2, 2, 1)),
-        (irb140_like, (1, 2, -1, 1, 0, 1)),
+        (irb140_like, (0, 2, 0, 2, 0, 1)),
         (irb140_like, (0, -1, -1, 0, 2, 0)),
     ],
 )
