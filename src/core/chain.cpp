@@ -28,9 +28,9 @@ static void poses(const ChainArm& arm, const double* Q, long m, double* T) {
         const Rot<Block>& R = tip.R;
         const Block rows[16] = {R.x.x, R.y.x, R.z.x, tip.p.x, R.x.y, R.y.y, R.z.y, tip.p.y,
                                 R.x.z, R.y.z, R.z.z, tip.p.z, 0.0,   0.0,   0.0,   1.0};
-        if (many == BLOCK) return store_rows<Write::plain, 16>(rows, T + 16 * from);
+        if (many == BLOCK) return store_rows<Write::plain>(rows, T + 16 * from);
         double part[16 * BLOCK];
-        store_rows<Write::plain, 16>(rows, part);
+        store_rows<Write::plain>(rows, part);
         __builtin_memcpy(T + 16 * from, part, 128u * unsigned(many));
     });
 }

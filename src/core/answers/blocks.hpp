@@ -70,14 +70,12 @@ template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* _
 }
 
 // Loads as many poses as the block has lanes into sixteen registers.
-template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
-    for (int k = 0; k < K; ++k) {
-        for (int c = 0; c < 16; c += L) {
-            typename Register<L>::type r[L];
-            for (int l = 0; l < L; ++l) r[l] = *(const typename Register<L>::unaligned*)(T + 16 * (L * k + l) + c);
-            transpose<L>(r);
-            for (int l = 0; l < L; ++l) t[c + l].r[k] = r[l];
-        }
+template <int L> STEP void load_poses(const double* T, Pack<L, 1> (&t)[16]) {
+    for (int c = 0; c < 16; c += L) {
+        typename Register<L>::type r[L];
+        for (int l = 0; l < L; ++l) r[l] = *(const typename Register<L>::unaligned*)(T + 16 * l + c);
+        transpose<L>(r);
+        for (int l = 0; l < L; ++l) t[c + l].r[0] = r[l];
     }
 }
 
@@ -100,37 +98,20 @@ template <Write how, int L> STEP void put(double* to, const typename Register<L>
     *(typename Register<L>::unaligned*)to = x;
 }
 
-// Store COUNT packs with one pose per lane as COUNT consecutive numbers per pose.
-template <Write how, int COUNT, int L, int K>
-    requires(COUNT % L == 0)
-STEP void store_rows(const Pack<L, K>* rows, double* to) {
-    for (int k = 0; k < K; ++k) {
+// Store COUNT packs with one pose per lane as COUNT consecutive numbers per pose; numbers that do not fill whole registers by way
+// of the cache.
+template <Write how, int COUNT, int L> STEP void store_rows(const Pack<L, 1> (&rows)[COUNT], double* to) {
+    if constexpr (COUNT % L) {
+        double* row[L];
+        for (int l = 0; l < L; ++l) row[l] = to + COUNT * l;
+        store_rows(rows, row);
+    } else {
 #pragma GCC unroll 8
         for (int c = 0; c < COUNT; c += L) {
             typename Register<L>::type r[L];
-            for (int l = 0; l < L; ++l) r[l] = rows[c + l].r[k];
+            for (int l = 0; l < L; ++l) r[l] = rows[c + l].r[0];
             transpose<L>(r);
-            for (int l = 0; l < L; ++l) put<how, L>(to + COUNT * (L * k + l) + c, r[l]);
-        }
-    }
-}
-
-// The same for poses whose numbers do not fill whole registers, through a buffer. The surplus of a register is overwritten later,
-// because the last part of every pose is stored first.
-template <Write how, int COUNT, int L, int K>
-    requires(COUNT % L != 0)
-STEP void store_rows(const Pack<L, K>* rows, double* to) {
-    double buffer[COUNT * L + L];
-    for (int k = 0; k < K; ++k) {
-        for (int c = COUNT / L * L; c >= 0; c -= L) {
-            typename Register<L>::type r[L];
-            for (int l = 0; l < L; ++l) r[l] = rows[c + l < COUNT ? c + l : c].r[k];
-            transpose<L>(r);
-            for (int l = 0; l < L; ++l) put<Write::plain, L>(buffer + COUNT * l + c, r[l]);
-        }
-        for (int i = 0; i < COUNT * L; i += L) {
-            const typename Register<L>::type r = *(const typename Register<L>::unaligned*)(buffer + i);
-            put<how, L>(to + COUNT * L * k + i, r);
+            for (int l = 0; l < L; ++l) put<how, L>(to + COUNT * l + c, r[l]);
         }
     }
 }
@@ -176,8 +157,9 @@ template <int B> STEP void store_flags(const unsigned (&valid)[B], int many, std
 
 // A block's answers to a batch.
 template <int B, int N> PART void store_block(const Found<B, N>& found, const Batch& to, Write how) {
-    if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], to.q);
-    else store_rows<Write::plain, N * B>(&found.q[0][0], to.q);
+    const auto& rows = reinterpret_cast<const Block(&)[N * B]>(found.q);
+    if (how == Write::streaming) store_rows<Write::streaming>(rows, to.q);
+    else store_rows<Write::plain>(rows, to.q);
     store_flags(found.valid, int(to.m), to.flags);
 }
 

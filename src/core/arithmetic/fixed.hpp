@@ -77,18 +77,8 @@ template <int L> struct Fixed {
     friend PART Fixed operator*(const Fixed& a, const Fixed& b) { return product(a, b); }
     PART void subtract(const Fixed& a, const Fixed& b) { *this -= product(a, b); }
     static STEP Fixed product(const Fixed& a, const Fixed& b) {
-        // Products of limbs that are less than a unit together are left out.
         std::uint64_t p[2 * L] = {};
-#pragma GCC unroll 8
-        for (int i = 0; i < L; ++i) {
-            std::uint64_t carry = 0;
-#pragma GCC unroll 8
-            for (int j = L - 2 - i > 0 ? L - 2 - i : 0; j < L; ++j) {
-                const Product64 each = product64(a.m[i], b.m[j], p[i + j], carry);
-                p[i + j] = each.low, carry = each.high;
-            }
-            p[i + L] = carry;
-        }
+        multiply_limbs(a.m, b.m, p);
         subtract_limbs<L>(p + L, b.m, a.sign()), subtract_limbs<L>(p + L, a.m, b.sign());
         Fixed out;
         for (int i = 0; i < L; ++i) out.m[i] = upper_of(p[L + i], p[L + i - 1], WHOLE_BITS);

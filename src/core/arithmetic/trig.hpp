@@ -17,6 +17,13 @@ template <class V> struct Turn {
     V c, s;
 };
 
+// The polynomial with these coefficients, that of the highest power first.
+template <class V, class... Rest> STEP V polynomial(const V& x, double highest, Rest... rest) {
+    V p = highest;
+    ((p = p * x + rest), ...);
+    return p;
+}
+
 // Angle of (x, y) in [-pi, pi]; 0 for (0, 0). Error below 2.5 units in the last place.
 // The octant is folded to |t| <= tan(pi / 8), where (atan(t) / t - 1) / t^2 is its Chebyshev expansion in t^2, truncated
 // after 11 terms: error 5e-18.
@@ -25,17 +32,9 @@ template <class V> STEP V atan2(V y, V x) {
     const auto folded = low > 0.41421356237309503 * high;
     const V t = quotient(select(folded, low - high, low), select(folded, low + high, high) + TINY);
     const V z = t * t;
-    V p = -0.01917688711906226;
-    p = p * z + 0.03923165829558719;
-    p = p * z - 0.0508544973794026;
-    p = p * z + 0.0585814891280221;
-    p = p * z - 0.06664511447381948;
-    p = p * z + 0.07692183190826087;
-    p = p * z - 0.09090904578123903;
-    p = p * z + 0.11111111015256361;
-    p = p * z - 0.14285714284666542;
-    p = p * z + 0.1999999999999552;
-    p = p * z - 0.3333333333333333;
+    const V p = polynomial(z, -0.01917688711906226, 0.03923165829558719, -0.0508544973794026, 0.0585814891280221,
+                           -0.06664511447381948, 0.07692183190826087, -0.09090904578123903, 0.11111111015256361,
+                           -0.14285714284666542, 0.1999999999999552, -0.3333333333333333);
     V a = t + t * (z * p);
     a = a + select(folded, V(0.7853981633974483), 0.0);
     a = select(ay > ax, 1.5707963267948966 - a, a);
@@ -61,20 +60,12 @@ inline constexpr double ROUNDS = 6755399441055744.0;  // adding and then subtrac
 // (sin x / x - 1) / x^2 and (cos x - 1 + x^2 / 2) / x^4 at z = x^2, |x| at most a little over pi / 4: their Chebyshev
 // expansions in z, truncated after six terms. The error of sin x / x is below 3e-17, that of cos x below 1e-18.
 template <class V> STEP V sine_rest(const V& z) {
-    V p = 1.5916732964827756e-10;
-    p = p * z - 2.5051112378038593e-08;
-    p = p * z + 2.755731600874652e-06;
-    p = p * z - 0.0001984126983657699;
-    p = p * z + 0.008333333333330828;
-    return p * z - 0.16666666666666666;
+    return polynomial(z, 1.5916732964827756e-10, -2.5051112378038593e-08, 2.755731600874652e-06, -0.0001984126983657699,
+                      0.008333333333330828, -0.16666666666666666);
 }
 template <class V> STEP V cosine_rest(const V& z) {
-    V p = -1.1381758418038708e-11;
-    p = p * z + 2.087613408272447e-09;
-    p = p * z - 2.755731721300625e-07;
-    p = p * z + 2.4801587298652004e-05;
-    p = p * z - 0.0013888888888887322;
-    return p * z + 0.041666666666666664;
+    return polynomial(z, -1.1381758418038708e-11, 2.087613408272447e-09, -2.755731721300625e-07, 2.4801587298652004e-05,
+                      -0.0013888888888887322, 0.041666666666666664);
 }
 
 // Cosine and sine of an angle that is quarter * pi / 2 more than the one given: quarter is a whole number from -2 to 2.
@@ -141,17 +132,9 @@ STEP double exponential(double x) {
     if (!(abs(x) <= 700.0)) return x > 0.0 ? __builtin_inf() : x < 0.0 ? 0.0 : x;
     const double k = (x * 1.4426950408889634 + ROUNDS) - ROUNDS, high = x - k * 0.6931471801362932, low = k * 4.236521365809284e-10;
     const double r = high - low, rest = (high - r) - low;
-    double p = 2.091813816945801e-09;
-    p = p * r + 2.5105217695684516e-08;
-    p = p * r + 2.7557263277791584e-07;
-    p = p * r + 2.755725539833871e-06;
-    p = p * r + 2.4801587336443602e-05;
-    p = p * r + 0.00019841269874822307;
-    p = p * r + 0.0013888888888879073;
-    p = p * r + 0.008333333333326134;
-    p = p * r + 0.04166666666666668;
-    p = p * r + 0.1666666666666667;
-    p = p * r + 0.5;
+    const double p = polynomial(r, 2.091813816945801e-09, 2.5105217695684516e-08, 2.7557263277791584e-07, 2.755725539833871e-06,
+                                2.4801587336443602e-05, 0.00019841269874822307, 0.0013888888888879073, 0.008333333333326134,
+                                0.04166666666666668, 0.1666666666666667, 0.5);
     const std::uint64_t bits = std::uint64_t(std::int64_t(k) + 1023) << 52;
     double power;
     __builtin_memcpy(&power, &bits, 8);
@@ -172,14 +155,8 @@ STEP double logarithm(double x) {
     double m;
     __builtin_memcpy(&m, &bits, 8);
     const double f = m - 1.0, s = f / (2.0 + f), z = s * s, half = 0.5 * f * f;
-    double p = 0.06543749512170148;
-    p = p * z + 0.06634342654043388;
-    p = p * z + 0.07693121586270234;
-    p = p * z + 0.09090897786105524;
-    p = p * z + 0.11111111196197966;
-    p = p * z + 0.14285714285400178;
-    p = p * z + 0.20000000000000442;
-    p = p * z + 0.3333333333333333;
+    const double p = polynomial(z, 0.06543749512170148, 0.06634342654043388, 0.07693121586270234, 0.09090897786105524,
+                                0.11111111196197966, 0.14285714285400178, 0.20000000000000442, 0.3333333333333333);
     const double rest = s * (half + 2.0 * (z * p));
     return double(k) * 0.6931471801362932 + (f - (half - (rest + double(k) * 4.236521365809284e-10)));
 }

@@ -93,6 +93,20 @@ template <int L> STEP void shift_right(const std::uint64_t (&m)[L], int bits, st
     }
 }
 
+// p = a b, p being zero before. Products of limbs that are less than a unit together are left out.
+template <int L> STEP void multiply_limbs(const std::uint64_t (&a)[L], const std::uint64_t (&b)[L], std::uint64_t (&p)[2 * L]) {
+#pragma GCC unroll 8
+    for (int i = 0; i < L; ++i) {
+        std::uint64_t carry = 0;
+#pragma GCC unroll 8
+        for (int j = L - 2 - i > 0 ? L - 2 - i : 0; j < L; ++j) {
+            const Product64 each = product64(a[i], b[j], p[i + j], carry);
+            p[i + j] = each.low, carry = each.high;
+        }
+        p[i + L] = carry;
+    }
+}
+
 // 2^exponent, for results that doubles can hold; 0 below, infinity above.
 STEP double power_of_two(int exponent) {
     if (exponent < -1022) return 0.0;
@@ -144,18 +158,8 @@ template <int L> struct Wide {
     }
     friend PART Wide operator*(const Wide& a, const Wide& b) {
         if (a.is_zero() || b.is_zero()) return Wide(0.0);
-        // Products of limbs that are less than a unit together are left out.
         std::uint64_t p[2 * L] = {};
-#pragma GCC unroll 8
-        for (int i = 0; i < L; ++i) {
-            std::uint64_t carry = 0;
-#pragma GCC unroll 8
-            for (int j = L - 2 - i > 0 ? L - 2 - i : 0; j < L; ++j) {
-                const Product64 each = product64(a.m[i], b.m[j], p[i + j], carry);
-                p[i + j] = each.low, carry = each.high;
-            }
-            p[i + L] = carry;
-        }
+        multiply_limbs(a.m, b.m, p);
         Wide out;
         const bool top = p[2 * L - 1] >> 63;
         for (int i = 0; i < L; ++i) out.m[i] = upper_of(p[L + i], p[L + i - 1], !top);

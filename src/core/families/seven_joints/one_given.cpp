@@ -30,7 +30,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
     }
     // The last row is copied, so that the solver can check it.
     for (int j = 12; j < 16; ++j) out[j] = t[j];
-    store_rows<Write::plain, 16>(out, to);
+    store_rows<Write::plain>(out, to);
 }
 
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
