@@ -19,8 +19,6 @@ namespace {
 
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-// Joint vectors between two polls for signals.
-constexpr long AT_ONCE = 4096;
 
 // A frame whose z axis is the unit vector z. Its x axis is orthogonal to z and to the coordinate axis most nearly orthogonal to z.
 Motion frame_on(const double* z, const double* origin) {
@@ -107,17 +105,9 @@ struct PyChain {
         long m = 1;
         for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
         shape[dimensions - 1] = rows, shape[dimensions] = columns;
-        nb::object made = nb::steal(PyArray_SimpleNew(dimensions + 1, shape, NPY_DOUBLE));
-        if (!made.is_valid()) throw nb::python_error();
-        double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
-        if (m < 100) fill(arm, Q, m, to);
-        else {
-            without_gil([&](const Stop& stop) {
-                for (long i = 0; i < m && !stop.asked(); i += AT_ONCE) {
-                    fill(arm, Q + i * arm.joints, std::min(AT_ONCE, m - i), to + i * rows * columns);
-                }
-            });
-        }
+        double* to;
+        nb::object made = new_array(dimensions + 1, shape, NPY_DOUBLE, to);
+        in_parts(m, [&](long first, long many) { fill(arm, Q + first * arm.joints, many, to + first * rows * columns); });
         return made;
     }
 
@@ -139,9 +129,8 @@ struct PyChain {
 
     nb::object steps() const {
         const npy_intp shape[3] = {arm.joints + 1, 3, 4};
-        nb::object made = nb::steal(PyArray_SimpleNew(3, shape, NPY_DOUBLE));
-        if (!made.is_valid()) throw nb::python_error();
-        double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
+        double* to;
+        nb::object made = new_array(3, shape, NPY_DOUBLE, to);
         for (const Motion& each : step) {
             for (int i = 0; i < 3; ++i, to += 4) std::copy_n(each.R[i], 3, to), to[3] = each.t[i];
         }

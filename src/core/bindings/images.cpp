@@ -12,9 +12,6 @@ namespace urdf_ik {
 
 namespace {
 
-// AT_ONCE: joint vectors between two polls for signals. Below FEW vectors, releasing the GIL costs more than it gains.
-constexpr long AT_ONCE = 4096, FEW = 100;
-
 // Joint vectors (..., n), and the limits of their joints.
 struct Vectors {
     PyArrayObject* array;
@@ -42,22 +39,12 @@ struct Vectors {
     // A new array: (..., n) of numbers, or (...) of booleans.
     template <class T> nb::object made(T*& to) const {
         const bool truth = sizeof(T) == 1;
-        nb::object out =
-            nb::steal(PyArray_SimpleNew(PyArray_NDIM(array) - truth, PyArray_DIMS(array), truth ? NPY_BOOL : NPY_DOUBLE));
-        if (!out.is_valid()) throw nb::python_error();
-        to = (T*)PyArray_DATA((PyArrayObject*)out.ptr());
-        return out;
+        return new_array(PyArray_NDIM(array) - truth, PyArray_DIMS(array), truth ? NPY_BOOL : NPY_DOUBLE, to);
     }
     // Calls work(i) for every vector.
     template <class Work> void each(const Work& work) const {
-        if (count < FEW) {
-            for (long i = 0; i < count; ++i) work(i);
-            return;
-        }
-        without_gil([&](const Stop& stop) {
-            for (long begin = 0; begin < count && !stop.asked(); begin += AT_ONCE) {
-                for (long i = begin; i < std::min(count, begin + AT_ONCE); ++i) work(i);
-            }
+        in_parts(count, [&](long first, long many) {
+            for (long i = first; i < first + many; ++i) work(i);
         });
     }
     // Calls image(vector, joint, to) for every value. A vector is NaN if one of its joints has no image.

@@ -23,6 +23,14 @@ inline PyArrayObject* doubles(nanobind::handle object) {
     return PyArray_TYPE(array) == NPY_DOUBLE && PyArray_ISCARRAY_RO(array) ? array : nullptr;
 }
 
+// A new array; to: its numbers.
+template <class Number> nanobind::object new_array(int dimensions, const npy_intp* shape, int type, Number*& to) {
+    nanobind::object made = nanobind::steal(PyArray_SimpleNew(dimensions, shape, type));
+    if (!made.is_valid()) throw nanobind::python_error();
+    to = (Number*)PyArray_DATA((PyArrayObject*)made.ptr());
+    return made;
+}
+
 // Whether all numbers are within +-LARGEST; NaN is not.
 inline bool all_in_range(const double* x, npy_intp count) {
     bool bad = false;

@@ -57,4 +57,14 @@ template <class Work> auto without_gil(const Work& work) {
     }
 }
 
+// Calls work(first, many) for all of `count` joint vectors, a part between two polls for signals. Of few vectors, releasing the GIL
+// costs more than it gains.
+template <class Work> void in_parts(long count, const Work& work) {
+    constexpr long AT_ONCE = 4096, FEW = 100;
+    if (count < FEW) return work(0, count);
+    without_gil([&](const Stop& stop) {
+        for (long i = 0; i < count && !stop.asked(); i += AT_ONCE) work(i, count - i < AT_ONCE ? count - i : AT_ONCE);
+    });
+}
+
 }  // namespace urdf_ik

@@ -86,33 +86,33 @@ private:
         return read.kind = Json::number, read;
     }
 
-    Json list(int depth) {
-        Json read;
-        read.kind = Json::list;
-        expect('[');
-        if (next() == ']') return ++at_, read;
+    // Reads items up to this bracket; item() reads one.
+    template <class Item> void sequence(char end, const Item& item) {
+        ++at_;
+        if (next() == end) return void(++at_);
         for (;;) {
-            read.items.push_back(value(depth + 1));
+            item();
             if (next() != ',') break;
             ++at_;
         }
-        return expect(']'), read;
+        expect(end);
     }
-
+    Json list(int depth) {
+        Json read;
+        read.kind = Json::list;
+        sequence(']', [&] { read.items.push_back(value(depth + 1)); });
+        return read;
+    }
     Json group(int depth) {
         Json read;
         read.kind = Json::group;
-        expect('{');
-        if (next() == '}') return ++at_, read;
-        for (;;) {
+        sequence('}', [&] {
             if (next() != '"') fail("a name is missing");
             std::string name = word();
             expect(':');
             read.members.push_back({std::move(name), value(depth + 1)});
-            if (next() != ',') break;
-            ++at_;
-        }
-        return expect('}'), read;
+        });
+        return read;
     }
 
     std::string word() {

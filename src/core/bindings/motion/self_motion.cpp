@@ -27,10 +27,10 @@ constexpr int ROUNDS = 20;
 constexpr std::size_t SAMPLE = 17;  // numbers of a CurveSample: all but its sense
 
 nb::object array_of(const std::vector<double>& from, npy_intp columns) {
-    npy_intp shape[2] = {npy_intp(from.size()) / columns, columns};
-    nb::object made = nb::steal(PyArray_SimpleNew(2, shape, NPY_DOUBLE));
-    if (!made.is_valid()) throw nb::python_error();
-    if (!from.empty()) std::memcpy(PyArray_DATA((PyArrayObject*)made.ptr()), from.data(), from.size() * sizeof(double));
+    const npy_intp shape[2] = {npy_intp(from.size()) / columns, columns};
+    double* to;
+    nb::object made = new_array(2, shape, NPY_DOUBLE, to);
+    std::copy(from.begin(), from.end(), to);
     return made;
 }
 

@@ -16,9 +16,9 @@ namespace {
 constexpr int MOST_TRACKED = 7;
 
 nb::object array_of(const double* from, npy_intp count) {
-    nb::object made = nb::steal(PyArray_SimpleNew(1, &count, NPY_DOUBLE));
-    if (!made.is_valid()) throw nb::python_error();
-    std::copy_n(from, count, (double*)PyArray_DATA((PyArrayObject*)made.ptr()));
+    double* to;
+    nb::object made = new_array(1, &count, NPY_DOUBLE, to);
+    std::copy_n(from, count, to);
     return made;
 }
 
