@@ -22,49 +22,42 @@ double Follower::off_line(const CurveSample& a, const CurveSample& b, double& ar
     return std::sqrt(off) / (arc + 1e-300);
 }
 
-// Check a bridge's steps, and add the points from which their middles are settled. The curve is halved until its steps are as short
-// as those of step(), at least once. A bridge is given up if the value does not grow all the way.
-void Follower::halve(Bridge& bridge, int depth, std::vector<Start>& middles) const {
-    bridge.halved = 0;
-    for (int k = 1; k < bridge.count; ++k) {
-        const CurveSample& a = bridge.way[k - 1];
-        CurveSample& b = bridge.way[k];
-        if (bridge.done >> k & 1) continue;
-        double arc, turned;
-        if (!(off_line(a, b, arc, turned) <= BRIDGE_OFF)) return bridge.give_up();
-        b.arc = arc;
-        if (depth && arc <= LONGEST && turned <= 2.0 * AIM && least_rate(a, b) > 0.0) {
-            bridge.done |= 1u << k;
-            continue;
+// Halve bridges until their steps are as short as those of step(), at least once. A bridge is given up if the value does not grow
+// all the way, if a step is no short arc, or if a middle is far from the cubic, or not between its neighbours' values.
+void Follower::halve(std::vector<Bridge>& bridges) const {
+    struct Gap {
+        Bridge* of;
+        std::list<CurveSample>::iterator end;
+    };
+    std::vector<Gap> gaps, halved;
+    for (Bridge& each : bridges) gaps.push_back({&each, std::prev(each.way.end())});
+    std::vector<Start> middles;
+    std::vector<OnCurve> points;
+    for (int depth = 0; depth <= MOST_HALVED; ++depth) {
+        middles.clear(), halved.clear();
+        for (const Gap& gap : gaps) {
+            const CurveSample& a = *std::prev(gap.end);
+            CurveSample& b = *gap.end;
+            double arc, turned;
+            gap.of->good = gap.of->good && off_line(a, b, arc, turned) <= BRIDGE_OFF;
+            if (!gap.of->good) continue;
+            b.arc = arc;
+            if (depth && arc <= LONGEST && turned <= 2.0 * AIM && least_rate(a, b) > 0.0) continue;
+            gap.of->good = depth < MOST_HALVED;
+            halved.push_back(gap);
+            between(a, b, 0.5, middles.emplace_back(start(FEW_ROUNDS, ON_THE_WAY)).q);
         }
-        if (depth == MOST_HALVED) return bridge.give_up();
-        bridge.halved |= 1u << k;
-    }
-    for (int k = 1; k < bridge.count; ++k) {
-        if (bridge.halved >> k & 1)
-            between(bridge.way[k - 1], bridge.way[k], 0.5, middles.emplace_back(start(FEW_ROUNDS, ON_THE_WAY)).q);
-    }
-}
-
-// Put the settled middles into a bridge. It is given up if one is far from the cubic, or not between its neighbours' values.
-const OnCurve* Follower::put_middles(Bridge& bridge, const OnCurve* next) const {
-    if (!bridge.halved) return next;
-    const Bridge before = bridge;
-    bridge.count = 1, bridge.done = 0;
-    for (int k = 1; k < before.count; ++k) {
-        const CurveSample &a = before.way[k - 1], &b = before.way[k];
-        if (before.halved >> k & 1) {
-            const OnCurve& point = *next++;
-            CurveSample middle = oriented(point, a.along, a.value);
-            if (!(point.left <= ON_THE_WAY && point.moved <= 0.25 * ASIDE * b.arc && middle.rate > 0.0 && middle.value > a.value &&
-                  middle.value < b.value))
-                bridge.good = false;
-            bridge.way[bridge.count++] = middle;
+        settle(middles, points);
+        gaps.clear();
+        for (std::size_t i = 0; i < halved.size(); ++i) {
+            const auto& [bridge, end] = halved[i];
+            const CurveSample &a = *std::prev(end), &b = *end, middle = oriented(points[i], a.along, a.value);
+            bridge->good = bridge->good && points[i].left <= ON_THE_WAY && points[i].moved <= 0.25 * ASIDE * b.arc &&
+                           middle.rate > 0.0 && middle.value > a.value && middle.value < b.value;
+            gaps.push_back({bridge, bridge->way.insert(end, middle)});
+            gaps.push_back(halved[i]);
         }
-        if (before.done >> k & 1) bridge.done |= 1u << bridge.count;
-        bridge.way[bridge.count++] = b;
     }
-    return next;
 }
 
 // Join solutions at the two ends of cells that clearly lie on one curve.
@@ -87,27 +80,15 @@ void Follower::bridge_cells() {
             if (to.stands || to.before >= 0) continue;
             Bridge& bridge = bridges.emplace_back();
             bridge.cell = cell, bridge.node = i;
-            bridge.way[0] = from.at, bridge.way[1] = to.at;
-            bridge.way[0].value = low_of(cell), bridge.way[1].value = high_of(cell);
+            bridge.way = {from.at, to.at};
+            bridge.way.front().value = low_of(cell), bridge.way.back().value = high_of(cell);
         }
     }
-    std::vector<Start> middles;
-    std::vector<OnCurve> points;
-    for (int depth = 0; depth <= MOST_HALVED; ++depth) {
-        middles.clear();
-        for (Bridge& bridge : bridges) {
-            if (bridge.good) halve(bridge, depth, middles);
-        }
-        settle(middles, points);
-        const OnCurve* next = points.data();
-        for (Bridge& bridge : bridges) {
-            if (bridge.good) next = put_middles(bridge, next);
-        }
-    }
+    halve(bridges);
     for (const Bridge& bridge : bridges) {
         if (!bridge.good) continue;
         const std::size_t parts = parts_.size();
-        std::vector<CurveSample> way(bridge.way, bridge.way + bridge.count);
+        std::vector<CurveSample> way(bridge.way.begin(), bridge.way.end());
         if (add_parts(bridge.cell, way, {}, bridge.cell, bridge.node, true, Stop::high)) parts_[parts].bridge = true;
     }
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 #include <memory>
 #include <optional>
 
@@ -59,12 +60,8 @@ struct Part {
 // The way from a node to another one, at the next value of the grid.
 struct Bridge {
     long cell, node;
-    CurveSample way[1 + (1 << MOST_HALVED)];
-    int count = 2;
-    unsigned done = 0, halved = 0;  // the steps, by their ends: those that are short enough, and those being halved
+    std::list<CurveSample> way;
     bool good = true;
-
-    void give_up() { good = false, halved = 0; }
 };
 
 // Consecutive parts joined over all cells.
@@ -253,8 +250,7 @@ private:
     double way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     bool closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     double off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const;
-    void halve(Bridge& bridge, int depth, std::vector<Start>& middles) const;
-    const OnCurve* put_middles(Bridge& bridge, const OnCurve* next) const;
+    void halve(std::vector<Bridge>& bridges) const;
     void bridge_cells();
     void follow(std::vector<Travel*> ways) const;
     void travel_ahead();
