@@ -147,8 +147,8 @@ public:
 
     // The intervals of pieces inside the limits.
     void cut(const std::vector<Piece>& pieces, long pose, Intervals& to) const {
-        const std::vector<Cut> cuts = crossed(pieces);
-        for (std::size_t i = 0; i < pieces.size(); ++i) keep_inside(pieces[i], cuts[i], pose, to);
+        const std::vector<std::vector<Mark>> marks = marked(pieces);
+        for (std::size_t i = 0; i < pieces.size(); ++i) keep_inside(pieces[i], marks[i], pose, to);
     }
 
 private:
@@ -297,34 +297,26 @@ private:
     Piece joined(Part& first);
     void mark_reach(std::vector<Piece>& pieces) const;
 
-    // A joint's crossing of a limit. wide: the joint's range is a turn or more, so another image is still inside and no interval
-    // ends.
-    struct Crossing {
+    // Whether a step between two samples is known to be inside or outside the limits all the way.
+    enum class Step : std::uint8_t { inside, outside, open };
+    // A sample, or where a joint crosses a limit, `share` of the way to a sample. joint: -1 for a sample, or where the joint's
+    // range is a turn or more, so that another image is still inside and no interval ends. step: up to here.
+    struct Mark {
         CurveSample at;
-        double share;
-        int joint;
-        bool upper, wide;
+        double share = 1.0;
+        int joint = -1;
+        bool upper = false, crossing = false;
+        Step step = Step::open;
     };
     bool limited(int j) const { return std::isfinite(given_.lower[j]) || std::isfinite(given_.upper[j]); }
     bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= 2.0 * PI; }
     double room(int j, double q) const;
     bool inside(const double* q) const;
-    bool outside(const CurveSample& a, const CurveSample& b) const;
-    bool all_inside(const CurveSample& a, const CurveSample& b) const;
-    bool off_limits(int j, double q, double far) const;
+    Step step_of(const CurveSample& a, const CurveSample& b) const;
     void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
-    void crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to, std::vector<Start>& starts) const;
-    // Whether a step between two samples is known to be inside or outside the limits all the way.
-    enum class Step : std::uint8_t { inside, outside, open };
-    // A piece with more samples; for the step up to each, what is known, and the end of its crossings.
-    struct Cut {
-        std::vector<CurveSample> fine;
-        std::vector<Step> steps;
-        std::vector<Crossing> met;
-        std::vector<std::size_t> ends;
-    };
-    std::vector<Cut> crossed(const std::vector<Piece>& pieces) const;
-    void keep_inside(const Piece& piece, const Cut& cut, long pose, Intervals& to) const;
+    void crossings(const CurveSample& a, const CurveSample& b, std::vector<Mark>& to, std::vector<Start>& starts) const;
+    std::vector<std::vector<Mark>> marked(const std::vector<Piece>& pieces) const;
+    void keep_inside(const Piece& piece, const std::vector<Mark>& marks, long pose, Intervals& to) const;
     bool is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const;
     // A part of a piece inside the limits.
     struct Run {

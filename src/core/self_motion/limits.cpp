@@ -18,26 +18,18 @@ bool Follower::inside(const double* q) const {
     return true;
 }
 
-// Whether one joint is outside its limits all the way between two samples: farther at both ends than the way is long.
-bool Follower::outside(const CurveSample& a, const CurveSample& b) const {
+// What is known of the joints between two samples, which are no farther from each other than the way is long.
+Follower::Step Follower::step_of(const CurveSample& a, const CurveSample& b) const {
+    Step out = Step::inside;
     for (int j = 0; j < 7; ++j) {
-        const double far = -1.5 * b.arc * unit(j);
-        if (limited(j) && room(j, a.q[j]) < far && room(j, b.q[j]) < far) return true;
-    }
-    return false;
-}
-// Whether all joints are inside their limits all the way between two samples: farther from them at both ends than the way is long.
-bool Follower::all_inside(const CurveSample& a, const CurveSample& b) const {
-    for (int j = 0; j < 7; ++j) {
-        const double far = 1.5 * b.arc * unit(j);
+        const double far = 1.5 * b.arc * unit(j), low = given_.lower[j], high = given_.upper[j], one = room(j, a.q[j]);
         if (!limited(j)) continue;
-        if (wide(j) ? !off_limits(j, a.q[j], far) : !(room(j, a.q[j]) > far && room(j, b.q[j]) > far)) return false;
+        if (one < -far && room(j, b.q[j]) < -far) return Step::outside;
+        const bool off = wide(j) ? std::abs(principal_angle(a.q[j] - low)) > far && std::abs(principal_angle(a.q[j] - high)) > far
+                                 : one > far && room(j, b.q[j]) > far;
+        if (!off) out = Step::open;
     }
-    return true;
-}
-// Whether a joint whose range is a turn or more is farther from its limits.
-bool Follower::off_limits(int j, double q, double far) const {
-    return std::abs(principal_angle(q - given_.lower[j])) > far && std::abs(principal_angle(q - given_.upper[j])) > far;
+    return out;
 }
 
 // Append `b`, after samples between `a` and `b` at which a joint turns back near a limit.
@@ -69,19 +61,18 @@ void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std:
 }
 
 // Where joints cross their limits between two samples: the starts from which the crossings are settled.
-void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to, std::vector<Start>& starts) const {
+void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector<Mark>& to, std::vector<Start>& starts) const {
     for (int j = 0; j < 7; ++j) {
-        if (!limited(j)) continue;
-        for (int side = 0; side < 2; ++side) {
-            const double limit = side ? given_.upper[j] : given_.lower[j];
+        for (const bool upper : {false, true}) {
+            const double limit = upper ? given_.upper[j] : given_.lower[j];
             if (!std::isfinite(limit)) continue;
             const double from = gap(j, a.q[j], limit), end = from + gap(j, b.q[j], a.q[j]);
             if (std::abs(from) > 2.0 || from * end > 0.0 || end == 0.0) continue;
             // One root of the cubic. split() has put samples where a joint turns back: three roots are not expected.
-            Crossing& c = to.emplace_back();
-            c.share = share_at(from, joint_on(arm_, j, a, b)), c.joint = j, c.upper = side, c.wide = wide(j);
+            const double share = share_at(from, joint_on(arm_, j, a, b));
+            to.push_back({b, share, wide(j) ? -1 : j, upper, true});
             Start& near = starts.emplace_back(start(MANY_ROUNDS, EXACT));
-            between(a, b, c.share, near.q);
+            between(a, b, share, near.q);
             near.pin = {Pin::joint, j, arm_.written.slides[j] ? limit : principal_angle(limit)};
         }
     }
@@ -101,45 +92,49 @@ bool Follower::is_inside(const CurveSample& a, const CurveSample& b, double from
     return inside(middle.q);
 }
 
-// The pieces with samples where joints turn back, and the crossings of the limits, settled side by side.
-std::vector<Follower::Cut> Follower::crossed(const std::vector<Piece>& pieces) const {
-    std::vector<Cut> out(pieces.size());
+// The pieces with samples where joints turn back and where they cross their limits, which are settled side by side.
+std::vector<std::vector<Follower::Mark>> Follower::marked(const std::vector<Piece>& pieces) const {
+    // Samples, and behind each the crossings on the way to it.
+    std::vector<std::vector<Mark>> out(pieces.size());
     std::vector<Start> starts;
     std::vector<OnCurve> points;
+    std::vector<CurveSample> fine;
     for (std::size_t p = 0; p < pieces.size(); ++p) {
         const std::vector<CurveSample>& samples = pieces[p].samples;
-        Cut& cut = out[p];
-        cut.fine.reserve(samples.size() + 8), cut.steps.reserve(samples.size() + 8);
-        cut.fine.push_back(samples.front()), cut.steps.push_back(Step::outside);
+        out[p].push_back({samples.front()});
         for (std::size_t i = 1; i < samples.size(); ++i) {
-            const CurveSample &a = samples[i - 1], &b = samples[i];
-            const Step step = outside(a, b) ? Step::outside : all_inside(a, b) ? Step::inside : Step::open;
-            if (step == Step::open) split(a, b, 0, cut.fine);
-            else cut.fine.push_back(b);
-            cut.steps.resize(cut.fine.size(), step);
-        }
-        for (std::size_t i = 1; i < cut.fine.size(); ++i) {
-            if (cut.steps[i] == Step::open) crossings(cut.fine[i - 1], cut.fine[i], cut.met, starts);
-            cut.ends.push_back(cut.met.size());
+            const Step step = step_of(samples[i - 1], samples[i]);
+            fine.assign(1, samples[i - 1]);
+            if (step == Step::open) split(samples[i - 1], samples[i], 0, fine);
+            else fine.push_back(samples[i]);
+            for (std::size_t k = 1; k < fine.size(); ++k) {
+                out[p].push_back({fine[k], 1.0, -1, false, false, step});
+                if (step == Step::open) crossings(fine[k - 1], fine[k], out[p], starts);
+            }
         }
     }
     settle(starts, points);
-    std::size_t next = 0;
-    for (Cut& cut : out) {
-        std::size_t met = 0;
-        std::vector<Crossing> kept;
-        for (std::size_t i = 1; i < cut.fine.size(); ++i) {
+    const OnCurve* point = points.data();
+    for (std::vector<Mark>& marks : out) {
+        std::vector<Mark> kept(1, marks[0]);
+        for (std::size_t i = 1, next = 1; i < marks.size(); i = next) {
+            const CurveSample a = kept.back().at, &b = marks[i].at;
             const std::size_t first = kept.size();
-            for (; met < cut.ends[i - 1]; ++met, ++next) {
-                if (!is_settled(points[next], EXACT)) continue;
-                Crossing& c = kept.emplace_back(cut.met[met]);
-                c.at = oriented(points[next], cut.fine[i - 1].along, cut.fine[i - 1].value);
-                c.at.arc = c.share * cut.fine[i].arc;
+            for (++next; next < marks.size() && marks[next].crossing; ++next, ++point) {
+                if (!is_settled(*point, EXACT)) continue;
+                kept.push_back(marks[next]);
+                kept.back().at = oriented(*point, a.along, a.value);
             }
-            std::sort(kept.begin() + first, kept.end(), [](const Crossing& x, const Crossing& y) { return x.share < y.share; });
-            cut.ends[i - 1] = kept.size();
+            std::sort(kept.begin() + first, kept.end(), [](const Mark& x, const Mark& y) { return x.share < y.share; });
+            kept.push_back(marks[i]);
+            double from = 0.0;
+            for (std::size_t k = first; k < kept.size(); from = kept[k++].share) {
+                kept[k].at.arc = (kept[k].share - from) * b.arc;
+                if (marks[i].step == Step::open) kept[k].step = is_inside(a, b, from, kept[k].share) ? Step::inside : Step::outside;
+                else kept[k].step = marks[i].step;
+            }
         }
-        cut.met = std::move(kept);
+        marks = std::move(kept);
     }
     return out;
 }
@@ -154,54 +149,26 @@ template <class Run> static void join_first_to_last(std::vector<Run>& runs, doub
     runs.erase(runs.begin());
 }
 
-void Follower::keep_inside(const Piece& piece, const Cut& cut, long pose, Intervals& to) const {
-    const std::vector<CurveSample>& fine = cut.fine;
+void Follower::keep_inside(const Piece& piece, const std::vector<Mark>& marks, long pose, Intervals& to) const {
     std::vector<Run> runs;
-    bool open = false;
-    Crossing last_crossing = {};
-    bool crossed = false;
-    const auto begin = [&](const CurveSample& at, bool at_crossing) {
-        Run run;
-        run.samples.push_back(at);
-        run.samples.back().arc = 0.0;
-        run.why[0] = at_crossing ? (last_crossing.upper ? EndOf::upper_limit : EndOf::lower_limit) : piece.why[0];
-        run.joint[0] = at_crossing ? last_crossing.joint : -1;
-        runs.push_back(std::move(run));
-        open = true;
+    // The cause of an end of a run: where no crossing was found, it ends at the last sample.
+    const auto end = [&](int side, const Mark& at, EndOf other) {
+        runs.back().why[side] = at.joint < 0 ? other : at.upper ? EndOf::upper_limit : EndOf::lower_limit;
+        runs.back().joint[side] = at.joint;
     };
-    for (std::size_t i = 1; i < fine.size(); ++i) {
-        const CurveSample &a = fine[i - 1], &b = fine[i];
-        const Crossing* met = cut.met.data() + (i > 1 ? cut.ends[i - 2] : 0);
-        const std::size_t many = cut.met.data() + cut.ends[i - 1] - met;
-        double from = 0.0;
-        for (std::size_t k = 0; k <= many; ++k) {
-            const double end = k < many ? met[k].share : 1.0;
-            const bool in = cut.steps[i] == Step::inside || (cut.steps[i] == Step::open && is_inside(a, b, from, end));
-            if (in && !open) begin(crossed ? last_crossing.at : a, crossed);
-            if (!in && open) {
-                // If no crossing was found, the run ends at the last sample.
-                runs.back().why[1] = crossed ? (last_crossing.upper ? EndOf::upper_limit : EndOf::lower_limit) : EndOf::singularity;
-                runs.back().joint[1] = crossed ? last_crossing.joint : -1;
-                open = false;
-            }
-            if (k < many) {
-                if (!met[k].wide) last_crossing = met[k], crossed = true;
-                if (open) {
-                    CurveSample at = met[k].at;
-                    at.arc = (end - from) * b.arc;
-                    runs.back().samples.push_back(at);
-                }
-                from = end;
-            } else if (open) {
-                runs.back().samples.push_back(b);
-                runs.back().samples.back().arc = (end - from) * b.arc;
-                crossed = false;
-            } else {
-                crossed = false;
-            }
+    bool open = false;
+    for (std::size_t i = 1; i < marks.size(); ++i) {
+        const bool in = marks[i].step == Step::inside;
+        if (in && !open) {
+            runs.push_back({{marks[i - 1].at}, {}, {}});
+            runs.back().samples[0].arc = 0.0;
+            end(0, marks[i - 1], i == 1 ? piece.why[0] : EndOf::singularity);
         }
+        if (!in && open) end(1, marks[i - 1], EndOf::singularity);
+        if (in) runs.back().samples.push_back(marks[i].at);
+        open = in;
     }
-    if (open) runs.back().why[1] = piece.why[1], runs.back().joint[1] = -1;
+    if (open) end(1, marks.back(), piece.why[1]);
     // A closed curve may need several turns of the value to close.
     const double turns = piece.samples.back().value - piece.samples.front().value;
     // On a closed curve, join the last run to the first if both touch the sample at which the curve was opened.
