@@ -55,13 +55,10 @@ bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::ve
         }
         if (last && stop == Stop::lost) part.why[end] = EndOf::singularity;
         if (!grows) {
-            std::vector<CurveSample> back(part.samples.rbegin(), part.samples.rend());
-            for (std::size_t k = 0; k < back.size(); ++k) {
-                // The arc belongs to the step before a sample.
-                back[k].arc = k ? part.samples[part.samples.size() - k].arc : 0.0;
-                flip(back[k]);
-            }
-            part.samples = std::move(back);
+            std::reverse(part.samples.begin(), part.samples.end());
+            for (CurveSample& each : part.samples) flip(each);
+            // The arc belongs to the step before a sample.
+            for (std::size_t k = part.samples.size() - 1; k > 0; --k) part.samples[k].arc = part.samples[k - 1].arc;
         }
         part.samples.front().arc = 0.0;
         parts_.push_back(std::move(part));
@@ -179,11 +176,8 @@ void Follower::mark_reach(std::vector<Piece>& pieces) const {
             bool any = false;
             for (const Piece& other : pieces) {
                 const double low = other.samples.front().value, high = other.samples.back().value;
-                any |= other.closed || (beyond >= low && beyond <= high);
-                if (turns_ && given_.round) {
-                    const double there = low + (principal_angle(beyond - low - PI) + PI);
-                    any |= there <= high;
-                }
+                const double there = turns_ && given_.round ? low + (principal_angle(beyond - low - PI) + PI) : beyond;
+                any |= other.closed || (there >= low && there <= high);
             }
             if (!any) piece.why[side] = EndOf::reach;
         }

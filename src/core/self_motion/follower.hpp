@@ -324,7 +324,7 @@ private:
         EndOf why[2];
         int joint[2];
     };
-    std::vector<Run> by_turns(Run&& run) const;
+    std::vector<Run> by_turns(const Run& run) const;
     void keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const;
 
     // A way that was followed ahead: from a node, into the cell behind it or, on side 1, before it.

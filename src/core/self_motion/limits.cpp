@@ -175,21 +175,17 @@ void Follower::keep_inside(const Piece& piece, const std::vector<Mark>& marks, l
     if (piece.closed && runs.size() > 1 && runs.front().why[0] == EndOf::nothing && runs.back().why[1] == EndOf::nothing) {
         join_first_to_last(runs, turns);
     }
-    for (Run& run : runs) {
-        for (const Run& part : by_turns(std::move(run))) {
+    for (const Run& run : runs) {
+        for (const Run& part : by_turns(run)) {
             if (part.samples.size() >= 2) keep(piece, part, turns, pose, to);
         }
     }
 }
 
 // A run; if it covers more than one turn of the value, it is cut where it passes the first value of the grid.
-std::vector<Follower::Run> Follower::by_turns(Run&& run) const {
-    std::vector<Run> out;
-    if (!given_.round || run.samples.back().value - run.samples.front().value <= 2.0 * PI + NEARLY_EXACT) {
-        out.push_back(std::move(run));
-        return out;
-    }
-    out.push_back(run);
+std::vector<Follower::Run> Follower::by_turns(const Run& run) const {
+    std::vector<Run> out(1, run);
+    if (!given_.round || run.samples.back().value - run.samples.front().value <= 2.0 * PI + NEARLY_EXACT) return out;
     out[0].samples.clear();
     for (const CurveSample& each : run.samples) {
         out.back().samples.push_back(each);
