@@ -67,7 +67,7 @@ void Follower::bridge_cells() {
         const long after = next(cell);
         for (long i = 0; i < long(nodes_[cell].size()); ++i) {
             const Node& from = nodes_[cell][i];
-            if (from.stands || from.behind >= 0) continue;
+            if (from.stands || from.part[0] >= 0) continue;
             long best = -1;
             double least = INFINITY, second = INFINITY, arc, turned;
             for (long j = 0; j < long(nodes_[after].size()); ++j) {
@@ -77,9 +77,9 @@ void Follower::bridge_cells() {
             }
             if (best < 0 || least > BRIDGE_OFF || second < BRIDGE_CLEAR * least) continue;
             const Node& to = nodes_[after][best];
-            if (to.stands || to.before >= 0) continue;
+            if (to.stands || to.part[1] >= 0) continue;
             Bridge& bridge = bridges.emplace_back();
-            bridge.cell = cell, bridge.node = i;
+            bridge.from = {cell, i};
             bridge.way = {from.at, to.at};
             bridge.way.front().value = low_of(cell), bridge.way.back().value = high_of(cell);
         }
@@ -89,16 +89,15 @@ void Follower::bridge_cells() {
         if (!bridge.good) continue;
         const std::size_t parts = parts_.size();
         std::vector<CurveSample> way(bridge.way.begin(), bridge.way.end());
-        if (add_parts(bridge.cell, way, {}, bridge.cell, bridge.node, true, Stop::high)) parts_[parts].bridge = true;
+        if (add_parts(bridge.from.k, way, {}, bridge.from, true, Stop::high)) parts_[parts].bridge = true;
     }
 }
 // Undo the bridges of a cell: its curves contradict each other.
 void Follower::drop_bridges(long cell) {
-    for (Node& node : nodes_[cell]) {
-        if (node.behind < 0 || !parts_[node.behind].bridge) continue;
-        Part& part = parts_[node.behind];
-        nodes_[part.node[1][0]][part.node[1][1]].before = -1;
-        node.behind = -1;
+    for (Node& from : nodes_[cell]) {
+        if (from.part[0] < 0 || !parts_[from.part[0]].bridge) continue;
+        Part& part = parts_[from.part[0]];
+        node(part.node[1]).part[1] = from.part[0] = -1;
         part.used = true;
     }
 }

@@ -15,21 +15,15 @@ long Follower::node_at(long k, const CurveSample& at) const {
 
 // Split a followed curve at its folds and add the parts. Returns false if it ends at its own start, or at a node that another
 // curve has met from this side.
-bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node,
-                         bool up, Stop stop) {
-    long end_k = -1, end_node = -1;
+bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, const Place& from, bool up,
+                         Stop stop) {
+    Place to;
     if (stop == Stop::low || stop == Stop::high) {
-        end_k = stop == Stop::high ? next(cell) : cell;
-        end_node = node_at(end_k, way.back());
-        if (end_node < 0) {
-            CurveSample at = way.back();
-            at.value = given_.grid[end_k];
-            if (at.rate < 0.0) flip(at);
-            end_node = add_node(end_k, at, -1);
-        }
-        const Node& met = nodes_[end_k][end_node];
-        const bool taken = (stop == Stop::high ? met.before : met.behind) >= 0;
-        if (taken || (end_k == from_k && end_node == from_node && (stop == Stop::high) == !up)) return false;
+        const int side = stop == Stop::high;
+        to.k = side ? next(cell) : cell;
+        to.i = node_at(to.k, way.back());
+        if (to.i < 0) to.i = add_node(to.k, way.back(), -1);
+        if (node(to).part[side] >= 0 || (to == from && bool(side) == !up)) return false;
     }
     std::vector<long> cuts = folds;
     cuts.insert(cuts.begin(), 0);
@@ -39,19 +33,12 @@ bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::ve
         Part part;
         part.cell = cell;
         part.samples.assign(way.begin() + cuts[i], way.begin() + cuts[i + 1] + 1);
-        const bool first = i == 0, last = i + 2 == cuts.size();
-        const bool grows = part.samples.back().value >= part.samples.front().value;
-        const int begin = grows ? 0 : 1, end = grows ? 1 : 0;
-        part.node[0][0] = part.node[1][0] = part.node[0][1] = part.node[1][1] = -1;
-        part.why[0] = part.why[1] = EndOf::fold;
-        const int number = int(parts_.size());
-        if (first && from_node >= 0) {
-            part.node[begin][0] = from_k, part.node[begin][1] = from_node;
-            (begin ? nodes_[from_k][from_node].before : nodes_[from_k][from_node].behind) = number;
-        }
-        if (last && end_node >= 0) {
-            part.node[end][0] = end_k, part.node[end][1] = end_node;
-            (end ? nodes_[end_k][end_node].before : nodes_[end_k][end_node].behind) = number;
+        const bool last = i + 2 == cuts.size(), grows = part.samples.back().value >= part.samples.front().value;
+        const int end = grows ? 1 : 0;
+        if (i == 0) part.node[!end] = from;
+        if (last) part.node[end] = to;
+        for (int side = 0; side < 2; ++side) {
+            if (part.node[side].k >= 0) node(part.node[side]).part[side] = int(parts_.size());
         }
         if (last && stop == Stop::lost) part.why[end] = EndOf::singularity;
         if (!grows) {
@@ -75,17 +62,17 @@ bool Follower::follow_cell(long cell) {
         const long k = side ? next(cell) : cell;
         for (long i = 0; i < long(nodes_[k].size()); ++i) {
             const Node& node = nodes_[k][i];
-            if (node.stands || (side ? node.before : node.behind) >= 0) continue;
+            if (node.stands || node.part[side] >= 0) continue;
             CurveSample from = node.at;
             if (side) {
                 flip(from);
                 from.value = high;
             }
-            Travel* travel = travelled(k, i, side);
+            Travel* travel = straight_ || longest_ != LONGEST ? nullptr : node.ahead[side].get();
             std::optional<Travel> fresh;
             if (!travel) follow({travel = &fresh.emplace(*this, from, low, high)});
             const Stop stop = travel->stop;
-            if (!add_parts(cell, travel->way, travel->folds, k, i, !side, stop) || (stop == Stop::lost && !straight_))
+            if (!add_parts(cell, travel->way, travel->folds, {k, i}, !side, stop) || (stop == Stop::lost && !straight_))
                 agrees = false;
         }
     }
@@ -110,8 +97,7 @@ void Follower::follow_cells() {
                 parts_.resize(parts);
                 for (const long k : {cell, next(cell)}) {
                     for (Node& node : nodes_[k]) {
-                        if (node.before >= int(parts)) node.before = -1;
-                        if (node.behind >= int(parts)) node.behind = -1;
+                        for (int& part : node.part) part = part < int(parts) ? part : -1;
                     }
                 }
             }
@@ -120,7 +106,7 @@ void Follower::follow_cells() {
         for (long k = 0; k < given_.values; ++k) {
             for (const Node& node : nodes_[k]) {
                 const bool first = !given_.round && k == 0, last = !given_.round && k + 1 == given_.values;
-                open |= !node.stands && ((node.before < 0 && !first) || (node.behind < 0 && !last));
+                open |= !node.stands && ((node.part[1] < 0 && !first) || (node.part[0] < 0 && !last));
             }
         }
         if (!open) break;
@@ -131,7 +117,7 @@ void Follower::follow_cells() {
 Piece Follower::joined(Part& first) {
     Piece out;
     out.samples.reserve(4 * cells_);
-    out.why[0] = first.node[0][0] >= 0 ? EndOf::range : first.why[0];
+    out.why[0] = first.node[0].k >= 0 ? EndOf::range : first.why[0];
     out.closed = false;
     Part* part = &first;
     double turned = 0.0;
@@ -141,20 +127,17 @@ Piece Follower::joined(Part& first) {
             out.samples.push_back(part->samples[i]);
             out.samples.back().value += turned;
         }
-        if (part->node[0][0] >= 0) {
-            const Node& node = nodes_[part->node[0][0]][part->node[0][1]];
-            out.columns.push_back({part->samples.front().value + turned, node.column});
-        }
+        if (part->node[0].k >= 0) out.columns.push_back({part->samples.front().value + turned, node(part->node[0]).column});
         out.why[1] = part->why[1];
-        if (part->node[1][0] < 0) break;
-        const Node& node = nodes_[part->node[1][0]][part->node[1][1]];
-        if (node.behind < 0) {
-            out.columns.push_back({part->samples.back().value + turned, node.column});
-            const bool last = !given_.round && part->node[1][0] + 1 == given_.values;
+        if (part->node[1].k < 0) break;
+        const Node& to = node(part->node[1]);
+        if (to.part[0] < 0) {
+            out.columns.push_back({part->samples.back().value + turned, to.column});
+            const bool last = !given_.round && part->node[1].k + 1 == given_.values;
             out.why[1] = last ? EndOf::range : EndOf::singularity;
             break;
         }
-        Part* behind = &parts_[node.behind];
+        Part* behind = &parts_[to.part[0]];
         if (behind == &first) {
             out.closed = true, out.why[0] = out.why[1] = EndOf::nothing;
             break;
@@ -163,7 +146,7 @@ Piece Follower::joined(Part& first) {
         turned += part->samples.back().value - behind->samples.front().value;
         part = behind;
     }
-    if (out.why[0] == EndOf::range && !(!given_.round && first.node[0][0] == 0)) out.why[0] = EndOf::singularity;
+    if (out.why[0] == EndOf::range && !(!given_.round && first.node[0].k == 0)) out.why[0] = EndOf::singularity;
     return out;
 }
 

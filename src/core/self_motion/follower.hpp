@@ -41,25 +41,36 @@ inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST
 // arm), on which the search for curves would not end.
 inline constexpr long MOST_SETTLED = 15000;
 
-// A solution at a value of the grid, and the parts that end and begin there; -1: not yet followed.
+class Travel;
+
+// A solution at a value of the grid. By side, 0 behind it and 1 before it: the part that begins or ends there, -1: not yet
+// followed; what was followed ahead, or null.
 struct Node {
     CurveSample at;
-    int column, before = -1, behind = -1;
+    int column;
     bool stands;  // the parameter is stationary there
+    int part[2] = {-1, -1};
+    std::shared_ptr<Travel> ahead[2] = {};
+};
+
+// The numbers of a value of the grid and of a node there; -1: none.
+struct Place {
+    long k = -1, i = -1;
+    bool operator==(const Place&) const = default;
 };
 
 // A part of a curve in one cell of the grid, with growing values.
 struct Part {
     std::vector<CurveSample> samples;
-    long node[2][2];  // at both ends: index of the grid's value and of the node, or -1
+    Place node[2];  // at both ends
     long cell;
-    EndOf why[2];
+    EndOf why[2] = {EndOf::fold, EndOf::fold};
     bool bridge = false, used = false;
 };
 
 // The way from a node to another one, at the next value of the grid.
 struct Bridge {
-    long cell, node;
+    Place from;
     std::list<CurveSample> way;
     bool good = true;
 };
@@ -191,10 +202,7 @@ private:
         settle(starts, points);
         for (std::size_t i = 0; i < of.size(); ++i) {
             const auto [k, b] = of[i];
-            CurveSample at = sample_of(points[i], given_.grid[k]);
-            at.value = given_.grid[k];
-            if (at.rate < 0.0) flip(at);
-            add_node(k, at, b);
+            add_node(k, sample_of(points[i], given_.grid[k]), b);
         }
     }
     static bool is_settled(const OnCurve& point, double enough) { return point.left <= std::max(enough, SETTLED); }
@@ -255,10 +263,13 @@ private:
     void follow(std::vector<Travel*> ways) const;
     void travel_ahead();
 
-    long add_node(long k, const CurveSample& at, int column) {
-        nodes_[k].push_back({at, column, -1, -1, std::abs(at.rate) < NEARLY_EXACT});
+    long add_node(long k, CurveSample at, int column) {
+        at.value = given_.grid[k];
+        if (at.rate < 0.0) flip(at);
+        nodes_[k].push_back({at, column, std::abs(at.rate) < NEARLY_EXACT});
         return long(nodes_[k].size()) - 1;
     }
+    Node& node(const Place& place) { return nodes_[place.k][place.i]; }
     double low_of(long cell) const { return given_.grid[cell]; }
     double high_of(long cell) const { return cell + 1 < given_.values ? given_.grid[cell + 1] : given_.grid[0] + 2.0 * PI; }
     // A value of a periodic grid, in the turn from its first value.
@@ -275,10 +286,8 @@ private:
     bool has_enough() const { return settled_ > MOST_SETTLED; }
     void follow_cells();
     bool follow_cell(long cell);
-    Travel* travelled(long k, long node, int side) const;
     void drop_bridges(long cell);
-    bool add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
-                   Stop stop);
+    bool add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, const Place& from, bool up, Stop stop);
     long node_at(long k, const CurveSample& at) const;
     void look_for_loops();
     void add_nearest(std::vector<double>& starts) const;
@@ -289,10 +298,8 @@ private:
     void drop_known(std::vector<CurveSample>& points) const;
     void add_loop(const CurveSample& at);
     bool leads_on(const Part& part, int side) const {
-        const long* node = part.node[side];
-        if (node[0] < 0) return false;
-        const Node& n = nodes_[node[0]][node[1]];
-        return (side ? n.behind : n.before) >= 0;
+        const auto [k, i] = part.node[side];
+        return k >= 0 && nodes_[k][i].part[!side] >= 0;
     }
     Piece joined(Part& first);
     void mark_reach(std::vector<Piece>& pieces) const;
@@ -327,17 +334,9 @@ private:
     std::vector<Run> by_turns(const Run& run) const;
     void keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const;
 
-    // A way that was followed ahead: from a node, into the cell behind it or, on side 1, before it.
-    struct Ahead {
-        long k, node;
-        int side;
-        std::unique_ptr<Travel> way;
-    };
-
     const FreeArm& arm_;
     const SelfMotionFunctions& core_;
     const GridOfSolutions& given_;
-    std::vector<Ahead> ahead_;
     std::vector<std::vector<Node>> nodes_;
     std::vector<Part> parts_;
     long cells_;

@@ -104,17 +104,14 @@ void Follower::add_loop(const CurveSample& at) {
         for (long i = 1; i <= folds[0]; ++i) turned.push_back(way[i]);
         std::vector<long> cuts;
         for (std::size_t i = 1; i < folds.size(); ++i) cuts.push_back(folds[i] - folds[0]);
-        add_parts(cell, turned, cuts, -1, -1, true, Stop::closed);
+        add_parts(cell, turned, cuts, {}, true, Stop::closed);
         return;
     }
     if (stop == Stop::lost) return;
     // The curve leaves the cell at a solution that was not given. It becomes a node.
     const long k = stop == Stop::high ? next(cell) : cell;
     if (node_at(k, way.back()) >= 0) return;
-    CurveSample node = way.back();
-    node.value = given_.grid[k];
-    if (node.rate < 0.0) flip(node);
-    add_node(k, node, -1);
+    add_node(k, way.back(), -1);
     follow_cells();
 }
 

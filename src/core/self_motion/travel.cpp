@@ -192,41 +192,31 @@ bool Travel::push_value(const OnCurve& point, bool settled) {
     return true;
 }
 
-// Follow the curves of nodes that are not joined side by side, before the cells are gone through: travelled() has them. The two
-// ends of a fold lead to each other, so of two nodes that look like its ends only one is followed.
+// Follow the curves of nodes that are not joined side by side, before the cells are gone through. The two ends of a fold lead to
+// each other, so of two nodes that look like its ends only one is followed.
 void Follower::travel_ahead() {
-    ahead_.clear();
     std::vector<Travel*> ways;
     for (long cell = 0; cell < cells_; ++cell) {
         for (int side = 0; side < 2; ++side) {
-            const long k = side ? next(cell) : cell;
-            std::vector<long> open;
-            for (long i = 0; i < long(nodes_[k].size()); ++i) {
-                const Node& node = nodes_[k][i];
-                if (!node.stands && (side ? node.before : node.behind) < 0) open.push_back(i);
+            std::vector<Node*> open;
+            for (Node& each : nodes_[side ? next(cell) : cell]) {
+                each.ahead[side] = nullptr;
+                if (!each.stands && each.part[side] < 0) open.push_back(&each);
             }
             while (!open.empty()) {
-                const long i = open.front();
+                Node& node = *open.front();
                 open.erase(open.begin());
-                CurveSample from = nodes_[k][i].at;
+                CurveSample from = node.at;
                 if (side) flip(from), from.value = high_of(cell);
-                ahead_.push_back({k, i, side, std::make_unique<Travel>(*this, from, low_of(cell), high_of(cell))});
-                ways.push_back(ahead_.back().way.get());
-                const auto away = [&](long j) { return apart(nodes_[k][i].at.q, nodes_[k][j].at.q); };
-                const auto mate = std::min_element(open.begin(), open.end(), [&](long a, long b) { return away(a) < away(b); });
-                if (mate != open.end() && nodes_[k][i].at.sense * nodes_[k][*mate].at.sense < 0) open.erase(mate);
+                node.ahead[side] = std::make_shared<Travel>(*this, from, low_of(cell), high_of(cell));
+                ways.push_back(node.ahead[side].get());
+                const auto away = [&](const Node* other) { return apart(node.at.q, other->at.q); };
+                const auto mate = std::min_element(open.begin(), open.end(), [&](auto a, auto b) { return away(a) < away(b); });
+                if (mate != open.end() && node.at.sense * (*mate)->at.sense < 0) open.erase(mate);
             }
         }
     }
     follow(ways);
-}
-// What was followed ahead from a node, or null.
-Travel* Follower::travelled(long k, long node, int side) const {
-    if (straight_ || longest_ != LONGEST) return nullptr;
-    for (const Ahead& each : ahead_) {
-        if (each.k == k && each.node == node && each.side == side) return each.way.get();
-    }
-    return nullptr;
 }
 
 // Follow curves side by side, each to its end.
