@@ -32,6 +32,8 @@ struct SearchState {
 
     // Whether as many different real roots are certified as there can be.
     STEP bool counted() const { return zeros >= 0 && zeros == account.reals; }
+    // Whether a solution has no certificate, as singular ones have none: then no count of certified roots is complete.
+    STEP bool lacks_certificate() const { return account.reals < columns.count(); }
 };
 
 // A block of joint vectors, and a bit for each lane in use.
@@ -166,13 +168,6 @@ PART void keep_certified(const EliminationArm& arm, const Goal<double>& goal, co
         const RealRoot& root = account.real[i];
         keep(columns, 0, root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
     }
-}
-
-// Whether a singular solution has no certificate: then no count of certified roots will be complete.
-STEP bool lacks_certificate(const SearchState& search) {
-    bool singular = false;
-    for (int b = 0; b < search.columns.many; ++b) singular |= search.columns.valid(b) && search.columns.flags[b] & SINGULAR;
-    return singular && search.account.reals < search.columns.count();
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

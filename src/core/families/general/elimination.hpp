@@ -74,7 +74,7 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     if ((certain && search.provable) || count_twice() || certain) return;
     // The referee does without these proposals where nothing is counted, or a singular solution has no certificate.
     if (!search.provable && !counting && !arm.any_slide) return;
-    if (search.provable && lacks_certificate(search)) return;
+    if (search.provable && search.lacks_certificate()) return;
     const Goal<double> moved = beside(arm.written, goal);
     for (const Proposal& each : PROPOSALS) {
         if (each.variant >= arm.variants) continue;
@@ -135,7 +135,7 @@ bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<
     if (!counts(arm.counter)) return false;
     SearchState search = search_state(arm, goal, columns, CONVERGED);
     certify_columns(search);
-    if (!search.account.reals || lacks_certificate(search)) return false;
+    if (!search.account.reals || search.lacks_certificate()) return false;
     Eliminant of;
     eliminate(arm, arm.counter, goal, of);
     if (!count_zeros(arm, arm.counter, on_circle(of), search) && !count_precisely(arm, goal, search)) return false;

@@ -109,7 +109,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         }
     }
     if (search.provable) {
-        if (!lacks_certificate(search)) gather_pairs(arm, variant, goal, A, G, z, search);
+        if (!search.lacks_certificate()) gather_pairs(arm, variant, goal, A, G, z, search);
         return search.account.all();
     }
     return !noisy && settled > 0 && settled == roots.many && settled == search.columns.count();
