@@ -4,8 +4,8 @@
 // A Family is a struct with
 //   Arm        an arm's numbers; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
 //   branches   the number of columns
-//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>. Without it, solve_branches()
-//              solves one branch after the other
+//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>. A family with signs that lacks
+//              it is driven by solve_branches(), one branch after the other
 //   by_signs   whether three signs distinguish its branches; if so
 //   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
 //              branch's end (see margin_root)
@@ -17,7 +17,7 @@
 //   closely    closely(arm, goal, seen, value, reference, columns, wanted): the branches of one pose whose bit is set in
 //              `wanted`, added to the columns
 //   status     status(arm, goal, seen, value, columns) of a pose that closely has solved
-// A family without a fast path is driven by solve_singly. It has
+// A family with neither is driven by solve_singly, one pose after the other. It has
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
 // or branch, and
 //   quartic    quartic(arm, seen): the roots that its branches follow from

@@ -31,7 +31,7 @@ struct CurveDirections {
     }
 };
 
-// The forms Q of the second derivatives that a curve's direction t, in the lost directions, has to make zero.
+// The second derivatives Q_o along the lost directions: a curve's tangent t satisfies t' Q_o t = 0 for each lost row o.
 template <int R> struct LostForms {
     double Q[R][R][R];
 
@@ -66,8 +66,8 @@ template <int R> PART LostForms<R> lost_forms(const Six<double> (&twist)[6], con
     return out;
 }
 
-// Adds the directions in which all forms vanish: the method of Gauss and Newton on the unit sphere, from the middles of the faces,
-// edges and corners of half a cube.
+// Adds the directions in which all these forms vanish: the method of Gauss and Newton on the unit sphere, from the middles of the
+// faces, edges and corners of half a cube.
 template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6, 6>& J, CurveDirections& out) {
     const LostForms<R> forms = lost_forms<R>(twist, J);
     for (int start = 0; start < (R == 2 ? 4 : 13); ++start) {

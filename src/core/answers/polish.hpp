@@ -1,5 +1,5 @@
-// Newton's method on the arm as written. Every solution comes from here, for one to seven joints that turn or slide, for one
-// candidate or a block of candidates side by side.
+// Newton's method on the arm as written in doubles, for one to seven joints that turn or slide, for one candidate or a block of
+// candidates side by side. Certificates have steps of their own (single.hpp).
 //
 // A Model is the arm as written (Written<N>), or another type with `joints`, `rows`, `tolerances` and its own versions of the
 // functions below: arms whose joints drive several axes, and arms with further constraints beside the pose.

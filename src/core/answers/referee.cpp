@@ -231,12 +231,12 @@ STEP int free_column(const Columns<6>& columns, unsigned owned) {
     return -1;
 }
 
-// Whether all zeros that are not near real belong to regular complex solutions of the arm as written. Others may belong to a curve
-// of solutions: what Newton's method finds from their real parts becomes a solution. status: clustered if there is one, incomplete
-// if no column is free for it.
+// Returns whether all zeros that are not near real belong to regular complex solutions of the arm as written. Others may belong to
+// a curve of solutions: what Newton's method finds from their real parts becomes a solution. status: clustered if there is one,
+// incomplete if no column is free for it.
 template <int L>
-PART bool are_regular(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns,
-                      Status& status) {
+PART bool settle_far_zeros(const Written<6>& arm, const Goal<double>& goal, const CircleZeros<L>& zeros, const Columns<6>& columns,
+                           Status& status) {
     const Loop loop = loop_of(arm, goal);
     bool all = true;
     CBlock z[6];
@@ -319,7 +319,7 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         clustered = true;
     }
     Status status = clustered ? Status::clustered : Status::complete;
-    if (!clustered && are_regular(arm, goal, zeros, columns, status)) return Status::complete;
+    if (!clustered && settle_far_zeros(arm, goal, zeros, columns, status)) return Status::complete;
     return keep_curve(arm, goal, columns) ? Status::continuum : status;
 }
 

@@ -8,7 +8,8 @@
 //   clustered   each has a solution that keeps the pose to rounding; some share one
 //   continuum   a curve of solutions keeps the pose; pairs are not followed then
 //   incomplete  a group of discs is not resolved, or a regular solution is known at which there is no zero
-// What Newton's method finds from a zero far from real that has no certificate becomes a solution.
+// Unless some share one, the zeros far from real are certified, too. What Newton's method finds from one without a certificate
+// becomes a solution.
 #pragma once
 
 #include "answers/answer.hpp"

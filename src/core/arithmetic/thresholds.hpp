@@ -32,10 +32,10 @@ inline constexpr double SAME = 1e-6;
 // Sums of rounded products and roots of positive numbers are too small by less than this factor: up to 4000 operations.
 inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
 // What is nearer than this is looked at more closely: a squared sine or lever arm, a coefficient, or a smallest singular value, to
-// zero; an extremum to zero; a complex root (in its logarithm) to the unit circle; an error of the loop to a cluster's; two
-// solutions, which may be one double root, to each other in every joint. At 1e-3 rad the digits that are lost, three or six, leave
-// nine. In most places it decides the cost only. It decides what is proven and kept in slide_position.hpp and slides.hpp (rests
-// below -NEAR are no solutions), and which two solutions may be one: is_new, inclusion.cpp and srs_boxes.hpp.
+// zero; an extremum to zero; a complex root (in its logarithm) to the unit circle; two solutions, which may be one double root, to
+// each other in every joint. At 1e-3 rad the digits that are lost, three or six, leave nine. In most places it decides the cost
+// only. It decides what is proven and kept in slide_position.hpp and slides.hpp (rests below -NEAR are no solutions), and which two
+// solutions may be one: is_new, inclusion.cpp and srs_boxes.hpp.
 inline constexpr double NEAR = 1e-3;
 // If the Jacobian's smallest singular value is below this, a second solution may be close by.
 inline constexpr double NEAR_FOLD = 5e-3;

@@ -122,8 +122,8 @@ template <class S> PART Block zeros_on(const OnCircle<S>& p, const Block& centre
 }
 
 // A bound on the number of zeros on the circle and in the arcs' lenses; -1 if none is found. Where two zeros may be the same, they
-// count as two; three are separated, since what is proven of null vectors is so of a plane of them at most. known: angles of zeros
-// [rad], which are sorted; they decide the cost only, and which pairs need not be separated.
+// count as two; three are separated, since nothing is proven of a matrix that loses three ranks (eliminant.hpp). known: angles of
+// zeros [rad], which are sorted; they decide the cost only, and which pairs need not be separated.
 template <class S> PART int zeros_on_circle(const OnCircle<S>& p, double* known, int many) {
     struct Arc {
         double centre, half;

@@ -8,8 +8,8 @@ namespace urdf_ik {
 // The status stands in two bits of the flags of a pose's first column, solution or not. UNCERTAIN is one of them: it is set where
 // nothing proves that the solutions are all.
 //   complete    every solution is there, once
-//   clustered   every solution is counted; the rounding of the pose decides how many a group of close ones has: they stand as one,
-//               or each for itself
+//   clustered   every solution is counted; of a group of close ones, whose number the rounding of the pose decides, one or several
+//               are given
 //   continuum   a curve of solutions keeps the pose; its representatives are there, and isolated solutions may be missing
 //   incomplete  solutions may be missing
 enum class Status : std::uint8_t { complete = 0, incomplete = UNCERTAIN, clustered = 64, continuum = 64 | UNCERTAIN };

@@ -227,8 +227,8 @@ PART void roots_in_doubles(const Complex (&c)[ROOTS + 1], int many, Complex* y) 
 template <int L>
 void separate_all(const HalfTangent<L>& p, WideRoot<L>* const* at, const Complex* y, int many, bool far, double unit, int times);
 
-// Roots that doubles do not tell apart: those of the polynomial about their middle, in a unit in which they are of size one.
-// far: all in 1 / x. unit: of the roots before.
+// Roots that doubles do not tell apart: the polynomial is shifted to their mean and scaled, so that they are of size one, and
+// solved in doubles. far: the roots are those in 1 / x. unit: the scale before.
 template <int L> PART void separate(const HalfTangent<L>& p, WideRoot<L>* const* at, int many, bool far, double unit, int times) {
     WideComplex<L> middle = 0.0;
     double spread = 0.0;
@@ -276,7 +276,8 @@ STEP bool are_beside(const Complex& a, const Complex& b) {
     return apart * apart < BESIDE_IN_DOUBLES * BESIDE_IN_DOUBLES * length(a) * length(b);
 }
 
-// The same for each group among roots y times a unit; unit 0: the first one.
+// The same for each group that doubles do not tell apart among the roots unit y; at the first call the unit is 0, and y are the
+// roots.
 template <int L> PART void separate_all(const HalfTangent<L>& p, WideRoot<L>* const* at, const Complex* y, int many, bool far,
                                         double unit, int times) {
     unsigned left = (1u << many) - 1;

@@ -66,8 +66,8 @@ STEP OnCircle<double> on_circle(const Eliminant& of) {
 }
 
 // Bounds the number of real solutions by that of the zeros that the determinant of the arm as written has on the circle. A zero is
-// at least as multiple as its matrix loses ranks. One null vector leads to one solution at most; a plane of them to two at most,
-// since the products of (1, cos, sin) and the halves are a surface that is cut out by quadrics and contains no line.
+// at least as multiple as its matrix loses ranks. A matrix that loses one rank belongs to one solution at most; one that loses two
+// to two at most: null vectors of solutions lie on a surface that is cut out by quadrics and contains no line.
 // Returns whether that many real roots are certified.
 template <class S>
 PART bool count_zeros(const EliminationArm& arm, const EliminationVariant& variant, const OnCircle<S>& p, SearchState& search) {

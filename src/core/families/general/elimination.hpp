@@ -131,7 +131,7 @@ Status complete(const EliminationArm& arm, const Goal<double>& goal, const Colum
     return complete(arm, goal, columns, account);
 }
 
-bool are_all(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+bool prove_by_count(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
     if (!counts(arm.counter)) return false;
     SearchState search = search_state(arm, goal, columns, CONVERGED);
     certify_columns(search);

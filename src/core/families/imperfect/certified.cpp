@@ -33,9 +33,10 @@ struct Targets {
 };
 // The targets for the joint vectors within `half` of `turn`. chord: of half of the arcs; a whole circle has a chord of 2.
 //
-// Turning joint j by an angle of chord x replaces the displacement X of what joint j carries by one that has been turned with the
-// joint. So the target turns by at most turn_j x, and shifts by at most (shift_j + turn_j (length_j + 2 e)) x: a point that is e
-// from the tip of the arm as written is at most length_j + e from joint j, and X shifts it by at most shift_j + turn_j e.
+// X is the displacement between the two arms of all that joint j carries: by the angle turn_j, and the length shift_j at the tip.
+// Turning joint j by R, with a chord x, replaces X by R X R^-1. So the target turns by at most turn_j x, and shifts by at most
+// (shift_j + turn_j (length_j + 2 e)) x: a point that is e from the tip of the arm as written is at most length_j + e from joint j,
+// and X shifts it by at most shift_j + turn_j e.
 //
 // In a small box the first derivatives at its middle say more. D = I W^-1 changes with joint j like a motion with the angular
 // velocity z_j - D z'_j, where z_j and z'_j are the joint's axes in both arms, and moves the target's point by the difference of

@@ -11,9 +11,8 @@
 // the branches are certified one by one, and the zeros of a determinant counted (eliminant.hpp). From an imperfection of CLOSE_BY
 // on, elimination searches for solutions that lack. What is still open, the referee decides.
 //
-// A solution is a branch's own if Newton's method, started at the branch, moved by less than half of the Jacobian's smallest
-// singular value: the Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so by Kantorovich's
-// theorem there is one solution about the start, and no second one. Others belong to no branch.
+// A solution is kept in its branch's column if Newton's method, started at the branch, moved by less than half of the Jacobian's
+// smallest singular value: it is then hardly another branch's. This chooses columns and proves nothing.
 #pragma once
 
 #include "answers/on_curve.hpp"
@@ -34,7 +33,7 @@ inline constexpr double KEEPS_CURVES = 1e-9;
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
-    // Signs do not tell the branches of such a family apart: every pose starts from the roots of the quartic.
+    // Where signs do not tell the family's branches apart, every pose starts from the roots of its quartic.
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
@@ -98,7 +97,7 @@ template <class Family> struct Imperfect {
         }
         Status status = Status::complete;
         if (off >= CLOSE_BY) status = complete(arm.elimination, goal, columns);
-        else if (!are_all(arm.elimination, goal, columns)) status = Status::incomplete;
+        else if (!prove_by_count(arm.elimination, goal, columns)) status = Status::incomplete;
         if (status == Status::incomplete) status = refer(written, goal, columns);
         set_status(columns.flags[0], status);
     }

@@ -12,10 +12,10 @@ struct BothArms {
 };
 
 template <class FamilyArm> struct ImperfectArm {
-    FamilyArm family;  // the ideal arm
+    FamilyArm family;  // the ideal arm's closed form; its `written` is the arm as written, for polishing
     Written<6> written;
     EliminationArm elimination;
-    BothArms both;
+    BothArms both;  // the same two arms from frame 1 on, without their ends
 };
 
 // A family's solvers by its kinds: of exact arms, and of arms near them.

@@ -10,10 +10,12 @@ namespace urdf_ik::URDF_IK_LEVEL {
 struct Answers {
     double c[6][8], s[6][8];
 };
-// The result, one bit per branch: neither empty nor found; its own solution found; Newton's method led from it to a solution.
+// What is known of the eight branches, a bit each.
 struct Known {
-    unsigned open = 255, found = 0, reached = 0;
-    double angle[6][8];  // of the solutions, offsets included
+    unsigned open = 255;   // not proven to be empty, and without a certified solution
+    unsigned found = 0;    // has its own solution: certified by its box, or found by Newton's method nearby
+    unsigned reached = 0;  // Newton's method led from it to a solution
+    double angle[6][8];    // of the solutions, offsets included
 };
 // An ideal arm's closed form for a block of branches from `first` on.
 struct IdealAnswer {

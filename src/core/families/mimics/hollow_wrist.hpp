@@ -11,7 +11,6 @@
 // of the branch, where it joins another.
 #pragma once
 
-#include "answers/beside.hpp"
 #include "answers/blocks.hpp"
 #include "families/closed_forms/spherical_wrist.hpp"
 #include "families/mimics/coupled_model.hpp"
