@@ -5,13 +5,9 @@
 #include "chain_arm.hpp"
 #include "families/general/elimination_arm.hpp"
 
-namespace urdf_ik {
+namespace urdf_ik::plain {
 
-struct PreparationTable {
-    const ChainFunctions* chain;
-    const EliminationPreparation* elimination;
-};
+extern const ChainFunctions chain_functions;
+extern const EliminationPreparation elimination_preparation;
 
-const PreparationTable& preparation();
-
-}  // namespace urdf_ik
+}  // namespace urdf_ik::plain

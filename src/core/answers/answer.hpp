@@ -28,12 +28,8 @@ template <int N> struct Columns {
         return -1;
     }
     STEP void swap(int a, int b) const {
-        for (int j = 0; j < N; ++j) {
-            const double x = row(a)[j];
-            row(a)[j] = row(b)[j], row(b)[j] = x;
-        }
-        const std::uint8_t f = flags[a];
-        flags[a] = flags[b], flags[b] = f;
+        for (int j = 0; j < N; ++j) exchange(row(a)[j], row(b)[j]);
+        exchange(flags[a], flags[b]);
     }
     STEP void clear(int b) const {
         for (int j = 0; j < N; ++j) row(b)[j] = __builtin_nan("");

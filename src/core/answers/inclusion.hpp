@@ -129,11 +129,11 @@ unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const
 template <class Family>
 PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal, const double (&signs)[3][8], double beyond = 0.0) {
     const Seen<double> seen = to_frame_1(goal, arm.ideal);
-    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    const Goal<Block> target = spread<Block>(seen);
     const Slack off = slack_of(arm.ideal, seen);
     Boxes out;
     for (int first = 0; first < 8; first += BLOCK) {
-        include<Family>(arm, {target.R, target.p}, off.turn + beyond, off.shift + beyond * arm.ideal.size, first, signs, out);
+        include<Family>(arm, target, off.turn + beyond, off.shift + beyond * arm.ideal.size, first, signs, out);
     }
     return out;
 }

@@ -17,9 +17,9 @@ template <class V> using Goal = Frame<V>;
 STEP Goal<double> goal_of(const double* T) {
     return {{{T[0], T[4], T[8]}, {T[1], T[5], T[9]}, {T[2], T[6], T[10]}}, {T[3], T[7], T[11]}};
 }
+template <class V> STEP Vec<V> spread(const Vec<double>& a) { return {V(a.x), V(a.y), V(a.z)}; }
 template <class V> STEP Goal<V> spread(const Goal<double>& g) {
-    const auto wide = [](const Vec<double>& a) { return Vec<V>{V(a.x), V(a.y), V(a.z)}; };
-    return {{wide(g.R.x), wide(g.R.y), wide(g.R.z)}, wide(g.p)};
+    return {{spread<V>(g.R.x), spread<V>(g.R.y), spread<V>(g.R.z)}, spread<V>(g.p)};
 }
 
 // The twist from the tip to the goal, lengths as shares of the size, and its largest entry.

@@ -93,7 +93,7 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
     const IdealFrames& ideal = arm.ideal;
     const Written<6>& written = arm.written;
     const FreeJoints free = free_values(ideal, written.tolerances, reference, k);
-    const Goal<Block> goals = spread<Block>(goal), target = spread<Block>({seen.R, seen.p});
+    const Goal<Block> goals = spread<Block>(goal), target = spread<Block>(seen);
     Proposed out = {};
     for (int first = 0; first < 8; first += BLOCK) {
         const auto sign = [&](int i) { return load<Block>(ideal.signs[i] + first); };
@@ -115,7 +115,7 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
         // A step's margin is known once the roots of the steps before it are.
         unsigned merged = 0;
         for (int round = 0; round <= 3; ++round) {
-            branch_of_lanes<Family>(arm, {target.R, target.p}, signs, at);
+            branch_of_lanes<Family>(arm, target, signs, at);
             const auto shoulder = are_double(at.shoulder, at.lever[0]), elbow = are_double(at.elbow, at.lever[1]),
                        wrist = are_double(at.wrist, at.lever[2]);
             const unsigned now = bits(shoulder) | bits(elbow) << 8 | bits(wrist) << 16;

@@ -13,9 +13,9 @@ template <class Family>
 PART Boxes boxes_by_roots(const typename Family::Arm& arm, const Seen<double>& seen, const Quartic& roots) {
     using Number = Ball<Block>;
     constexpr int pair = Family::root_bit == 2 ? 1 : 2;
-    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    const Goal<Block> target = spread<Block>(seen);
     const Slack off = slack_of(arm.ideal, seen);
-    const Seen<Number> all = within({target.R, target.p}, off.turn, off.shift);
+    const Seen<Number> all = within(target, off.turn, off.shift);
     const unsigned open = ~roots.alone & ((1u << roots.count) - 1);
     const bool shifted = open == 6u || open == 9u;
     Boxes boxes;

@@ -19,6 +19,11 @@ template <int FROM, int TO, class F> STEP void in_turn(const F& f) {
     if constexpr (FROM < TO) f(std::integral_constant<int, FROM>()), in_turn<FROM + 1, TO>(f);
 }
 
+template <class T> STEP void exchange(T& a, T& b) {
+    const T c = a;
+    a = b, b = c;
+}
+
 template <int L> struct Register {
     typedef double type __attribute__((vector_size(8 * L)));
     typedef double unaligned __attribute__((vector_size(8 * L), aligned(8), may_alias));

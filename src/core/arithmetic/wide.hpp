@@ -223,11 +223,6 @@ STEP int larger(int a, int b) { return a > b ? a : b; }
 template <int L> STEP int exponent_of(const Wide<L>& a) { return a.is_zero() ? -1000 : a.exponent; }
 template <int L> STEP Wide<L> half(const Wide<L>& a) { return a.is_zero() ? a : a.times_power(-1); }
 
-template <class T> STEP void exchange(T& a, T& b) {
-    const T c = a;
-    a = b, b = c;
-}
-
 template <int L> inline constexpr bool IS_CALLED<Wide<L>> = true;
 template <int L> using WideComplex = Complexes<Wide<L>>;
 template <int L> PART WideComplex<L> operator*(const Wide<L>& f, const WideComplex<L>& a) { return {f * a.re, f * a.im}; }

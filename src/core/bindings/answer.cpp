@@ -159,10 +159,7 @@ bool is_array(PyObject* object, int type, int dimensions, const npy_intp* shape)
 
 // The numbers of the object if it is a C-ordered float64 array of this shape, else null.
 template <int D> const double* numbers_of(nb::handle object, const npy_intp (&shape)[D]) {
-    PyArrayObject* array = doubles(object);
-    return array && PyArray_NDIM(array) == D && PyArray_CompareLists(PyArray_DIMS(array), shape, D)
-               ? (const double*)PyArray_DATA(array)
-               : nullptr;
+    return is_array(object.ptr(), NPY_DOUBLE, D, shape) ? (const double*)PyArray_DATA((PyArrayObject*)object.ptr()) : nullptr;
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ Motion between(const Motion& a, const Motion& b) {
 // Whether this thread prepares an arm: then forward kinematics is computed alike on every processor.
 static thread_local bool preparing = false;
 
-static const ChainFunctions& chain_functions() { return *(preparing ? preparation().chain : level().chain); }
+static const ChainFunctions& chain_functions() { return preparing ? plain::chain_functions : *level().chain; }
 
 static nb::object prepared(nb::handle call) {
     struct Preparing {

@@ -25,7 +25,7 @@ static void try_elimination(nb::object object, nb::object variants_object, const
     read_common(values, *arm);
     for (int v = 0; v < variants; ++v) read_variant(rows, variants, v, all[v]);
     nb::gil_scoped_release release;
-    preparation().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
+    plain::elimination_preparation.trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
 }
 
 void bind_elimination(nb::module_& m) {

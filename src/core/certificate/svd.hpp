@@ -49,16 +49,9 @@ template <int R, int C> PART void svd(const double (&columns)[C][R], Svd<R, C>& 
     for (int k = 0; k < C; ++k) out.s[k] = length_of(out.left[k]);
     for (int k = 1; k < C; ++k) {
         for (int i = k; i > 0 && out.s[i] > out.s[i - 1]; --i) {
-            const double s = out.s[i];
-            out.s[i] = out.s[i - 1], out.s[i - 1] = s;
-            for (int j = 0; j < R; ++j) {
-                const double x = out.left[i][j];
-                out.left[i][j] = out.left[i - 1][j], out.left[i - 1][j] = x;
-            }
-            for (int j = 0; j < C; ++j) {
-                const double x = out.right[i][j];
-                out.right[i][j] = out.right[i - 1][j], out.right[i - 1][j] = x;
-            }
+            exchange(out.s[i], out.s[i - 1]);
+            for (int j = 0; j < R; ++j) exchange(out.left[i][j], out.left[i - 1][j]);
+            for (int j = 0; j < C; ++j) exchange(out.right[i][j], out.right[i - 1][j]);
         }
     }
     // Columns of vanishing length have no direction left: each becomes the unit vector that is most across the others.

@@ -63,15 +63,7 @@ template <int N, class V> PART Posture<N, V> place(const Written<N>& arm, const 
     return at;
 }
 
-// The tip of an arm whose joints all turn.
-template <int N, class V> STEP Frame<V> tip_after(const Written<N>& arm, const Turn<V> (&turn)[N]) {
-    Frame<V> at = constant_frame<V>(arm.step[0]);
-#pragma GCC unroll 8
-    for (int k = 0; k < N; ++k) at = beyond(turned(at, turn[k]), arm.step[k + 1]);
-    return at;
-}
-
-// The same; joint: the frames of the joints, before their turns.
+// The tip of an arm whose joints all turn. joint: the frames of the joints, before their turns.
 template <int N, class V> STEP Frame<V> joints_and_tip(const Written<N>& arm, const Turn<V> (&turn)[N], Frame<V> (&joint)[N]) {
     Frame<V> at = constant_frame<V>(arm.step[0]);
     for (int k = 0; k < N; ++k) joint[k] = at, at = beyond(turned(at, turn[k]), arm.step[k + 1]);

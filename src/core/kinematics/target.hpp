@@ -7,10 +7,7 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // A target for the ideal arm: the rotation of frame 6 and the solved point, both in frame 1.
-template <class V> struct Seen {
-    Rot<V> R;
-    Vec<V> p;
-};
+template <class V> using Seen = Frame<V>;
 
 // The distance of sixteen numbers from a rigid motion: the largest entry of R^T R - I and of the last row's error. Infinite or NaN
 // for a reflection, a NaN, an infinity or a position beyond LARGEST.

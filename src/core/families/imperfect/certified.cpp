@@ -175,7 +175,7 @@ void Certified::add(const double (&at)[6], double room, int branch) {
 
 Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
                       const Seen<double>& seen, const Inclusion& family, Known& known) {
-    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    const Goal<Block> target = spread<Block>(seen);
     const Displacement& apart = ideal.displacement;
     const double far = ideal.size + sqrt(dot(seen.p, seen.p));
     const Loop loop = loop_of(written, goal);
@@ -187,8 +187,7 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
         for (int first = 0; first < 8; first += BLOCK) {
             if (!(known.open >> first & ((1u << BLOCK) - 1))) continue;
             if (pass == 1) {
-                family.include(family.arm, {target.R, target.p}, apart.turn[0] + ROUNDING, apart.shift[0] + ROUNDING * far, first,
-                               boxes);
+                family.include(family.arm, target, apart.turn[0] + ROUNDING, apart.shift[0] + ROUNDING * far, first, boxes);
                 known.open &= ~boxes.empty;
             } else {
                 narrows |= narrow(both, apart, target, family, first, boxes, known.open);

@@ -9,7 +9,8 @@ inline constexpr Course FROM_BRANCHES = {6, CONVERGED, 2};
 
 // I(q) W(q)^-1 goal.
 PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const Turn<Block> (&turn)[6]) {
-    const Frame<Block> W = tip_after(arm.written, turn), I = tip_after(arm.ideal, turn);
+    Frame<Block> joint[6];
+    const Frame<Block> W = joints_and_tip(arm.written, turn, joint), I = joints_and_tip(arm.ideal, turn, joint);
     const auto through = [&](const Vec<Block>& a) { return I.R * Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
     return {each(goal.R, through), I.p + through(goal.p - W.p)};
 }
@@ -31,11 +32,11 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& st
 }
 
 Known follow_branches(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family, Known known) {
-    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    const Goal<Block> target = spread<Block>(seen);
     for (int first = 0; first < 8; first += BLOCK) {
         if (!(known.open >> first & ((1u << BLOCK) - 1))) continue;
         Answers now;
-        family.answer(family.arm, {target.R, target.p}, first, now);
+        family.answer(family.arm, target, first, now);
         Turn<Block> turn[6];
         for (int j = 0; j < 6; ++j) turn[j] = {load<Block>(now.c[j] + first), load<Block>(now.s[j] + first)};
         family.answer(family.arm, corrected(arm, target, turn), first, now);

@@ -161,8 +161,7 @@ PART bool search(const CoupledArm<N>& arm, const Goal<double>& goal, double* box
         }
         if (last) return decided;
         w[split] *= 0.5, count = more;
-        double* const swap = boxes;
-        boxes = halves, halves = swap;
+        exchange(boxes, halves);
     }
     return decided;
 }

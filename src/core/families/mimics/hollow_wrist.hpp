@@ -142,11 +142,11 @@ struct HollowWrist {
         const Vec<double>&z4 = at.axis[3].R.z, &z7 = at.axis[6].R.z, &wanted = search.direction;
         const double sine = dot(z4, cross(z7, wanted)), cosine = dot(z7, wanted) - dot(z4, z7) * dot(z4, wanted);
         const Turn<double> turn = unit(cosine, sine);
-        const auto turned = [&](const Vec<double>& v) {
-            return turn.c * v + turn.s * cross(z4, v) + (1.0 - turn.c) * dot(z4, v) * z4;
-        };
         const Vec<double> arm = at.tip.p + at.tip.R * vec<double>(search.arm.flange) - at.axis[3].p;
-        return {{x[0], x[1], x[2], angle(turn)}, turned(z7), at.axis[3].p + turned(arm), dot(z4, wanted) - dot(z4, z7)};
+        return {{x[0], x[1], x[2], angle(turn)},
+                turned_about(z7, z4, turn),
+                at.axis[3].p + turned_about(arm, z4, turn),
+                dot(z4, wanted) - dot(z4, z7)};
     }
 
     // All values of joint 5 on one branch.

@@ -50,10 +50,7 @@ struct SrsNear {
     };
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, double value, const Reference<7>&, const Columns<7>& columns) {
-        const auto& R = goal.R;
-        const Vec<double>& p = goal.p;
-        const double t[16] = {R.x.x, R.y.x, R.z.x, p.x, R.x.y, R.y.y, R.z.y, p.y, R.x.z, R.y.z, R.z.z, p.z, 0.0, 0.0, 0.0, 1.0};
-        const Seen<double> seen = to_frame_1<double>(t, arm.ideal);
+        const Seen<double> seen = to_frame_1(goal, arm.ideal);
         const Line<double> line = line_to_wrist(seen.p);
         const Swivelled<double> at = swivelled(line, cos_sin_of_any(value));
         StartQueue search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};

@@ -82,13 +82,10 @@ struct AtSwivel {
 STEP AtSwivel at_swivel(const SrsArm& arm, const Swivelled<double>& at) {
     const auto& R = arm.ideal.base_rotation;
     const auto back = [&](const Vec<double>& v) {
-        return Vec<double>{R[0][0] * v.x + R[1][0] * v.y + R[2][0] * v.z, R[0][1] * v.x + R[1][1] * v.y + R[2][1] * v.z,
-                           R[0][2] * v.x + R[1][2] * v.y + R[2][2] * v.z};
+        return v.x * vec<double>(R[0]) + v.y * vec<double>(R[1]) + v.z * vec<double>(R[2]);
     };
     return {arm.written, arm.written.tolerances, back(at.ahead), back(at.level)};
 }
-
-template <class V> STEP Vec<V> spread(const Vec<double>& a) { return {V(a.x), V(a.y), V(a.z)}; }
 
 template <class V> STEP Error<V, 7> swivel_error(const AtSwivel& model, const Goal<V>& goal, const Posture<7, V>& at) {
     const Error<V> pose = pose_error(goal, at.tip, 1.0 / model.arm.size);
