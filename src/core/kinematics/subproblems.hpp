@@ -11,6 +11,14 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+template <class V> struct Plane {
+    V x, y;
+};
+// What is left of p across z without f, turned by psi.
+template <class V> STEP Plane<V> rest_across(const Vec<V>& p, const Plane<V>& f, const Turn<V>& psi) {
+    return {p.x - (psi.c * f.x - psi.s * f.y), p.y - (psi.s * f.x + psi.c * f.y)};
+}
+
 // The root of a margin. For a negative margin a single number gives zero, the double root. A block gives the root of the absolute
 // value, so that the two branches stay apart: exact arms do not use these lanes, and imperfect arms need the margins of both
 // branches (families/imperfect/imperfect.hpp).

@@ -104,9 +104,10 @@ public:
     void go_on(const OnCurve& point);
 
 private:
-    enum class State { step, fold, value, behind_fold, ended };
+    enum class State { step, fold, value, ended };
     // Of the parameter along the step.
-    double sense() const { return way.back().rate != 0.0 ? way.back().rate : to_.rate; }
+    double sense() const { return way.back().rate != 0.0 && !at_fold() ? way.back().rate : to_.rate; }
+    bool at_fold() const { return !folds.empty() && folds.back() + 1 == long(way.size()); }
     void ask(double enough, State state);
     void begin_step();
     void try_step();
@@ -115,7 +116,7 @@ private:
     void try_fold();
     void after_fold_point(const OnCurve& point, bool settled);
     void after_fold();
-    void ask_at_value(const CurveSample& a, const CurveSample& b, State state);
+    void ask_at_value(const CurveSample& a, const CurveSample& b);
     bool push_value(const OnCurve& point, bool settled);
 
     const Follower& f_;

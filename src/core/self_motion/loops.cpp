@@ -160,21 +160,15 @@ void Follower::look_for_loops() {
     std::vector<Start> starting;
     std::vector<OnCurve> there;
     for (int i = 0; i < many; ++i) std::copy_n(&found[7 * i], 7, starting.emplace_back(start(0, 0.0)).q);
-    if (arm_.given < 0) settle(starting, there);
-    std::vector<CurveSample> points(many);
-    for (int i = 0; i < many; ++i) {
-        std::copy_n(starting[i].q, 7, points[i].q);
-        points[i].value = arm_.given >= 0 ? points[i].q[arm_.given] : there[i].value;
-    }
+    settle(starting, there);
+    std::vector<CurveSample> points;
+    for (const OnCurve& each : there) points.push_back(sample_of(each, each.value));
     drop_known(points);
     bool fresh = false;  // whether a curve was added that may pass through further points
     for (CurveSample& at : points) {
         if (has_enough()) break;
         if (fresh && known(at)) continue;
-        double q[7];
-        std::copy_n(at.q, 7, q);
-        const double along[7] = {};
-        if (!settle(q, along, 0.0, at)) continue;
+        if (!settle(at.q, at.along, 0.0, at)) continue;
         if (!given_.round && (at.value < given_.grid[0] || at.value > given_.grid[given_.values - 1])) continue;
         if (std::abs(at.rate) < NEARLY_EXACT || known(at)) continue;
         add_loop(at);

@@ -61,8 +61,6 @@ void Travel::go_on(const OnCurve& point) {
             if (to_.arc < 1e-5) return end(Stop::lost);
             h_ = 0.3 * to_.arc;
             return begin_step();
-        case State::behind_fold:
-            return end(!push_value(point, settled) ? Stop::lost : over_ ? Stop::high : Stop::low);
         case State::ended:
             return;
     }
@@ -71,7 +69,7 @@ void Travel::go_on(const OnCurve& point) {
 // One more step along the curve.
 void Travel::begin_step() {
     if (count_++ == MOST_STEPS) return end(Stop::lost);
-    smooth_ = way.size() > 1 && (folds.empty() || folds.back() + 1 < long(way.size()));
+    smooth_ = way.size() > 1 && !at_fold();
     began_ = h_;
     try_step();
 }
@@ -139,49 +137,35 @@ void Travel::after_fold_point(const OnCurve& point, bool settled) {
     after_fold();
 }
 
-// The step and its fold are known. Where the value leaves the range, the way ends.
+// The step, up to its fold or to its end, is known. Where the value leaves the range, the way ends.
 void Travel::after_fold() {
-    const CurveSample& from = way.back();
+    const CurveSample &from = way.back(), &last = has_fold_ ? fold_ : to_;
     if (has_fold_ && to_.arc > 1e-5 &&
         (Follower::folds_twice(from, fold_, fold_.arc) || Follower::folds_twice(to_, fold_, to_.arc - fold_.arc)))
         return again_shorter();  // three folds
-    const CurveSample& last = has_fold_ ? fold_ : to_;
     over_ = last.value > high_;
-    if ((over_ && sense() > 0.0) || (last.value < low_ && sense() < 0.0)) { return ask_at_value(from, last, State::value); }
-    const long known = long(way.size());
-    if (has_fold_) {
-        folds.push_back(known);
-        way.push_back(fold_);
-        to_.arc -= fold_.arc;
-    }
-    if (!has_fold_ || to_.arc > HALF_OF_THE_DIGITS) way.push_back(to_);
-    for (long k = known; known > 2 && k < long(way.size()); ++k) {
-        const CurveSample& first = way.front();
-        if (!f_.closes(way[k - 1], way[k], first)) continue;
-        way.resize(k + 1);
-        if (!folds.empty() && folds.back() == k) folds.pop_back();
-        const double arc = way[k].arc * f_.way_to(way[k - 1], way[k], first);
-        way[k] = way.front();
-        way[k].arc = arc;
+    if ((over_ && sense() > 0.0) || (last.value < low_ && sense() < 0.0)) return ask_at_value(from, last);
+    const std::size_t k = way.size();
+    way.push_back(last);
+    if (k > 2 && f_.closes(way[k - 1], last, way[0])) {
+        way[k] = way[0], way[k].arc = last.arc * f_.way_to(way[k - 1], last, way[0]);
         return end(Stop::closed);
     }
-    // The sample behind the fold may lie outside the range.
-    over_ = to_.value > high_;
-    if (has_fold_ && ((over_ && to_.rate > 0.0) || (to_.value < low_ && to_.rate < 0.0))) {
-        way.resize(known + 1);
-        return ask_at_value(fold_, to_, State::behind_fold);
-    }
-    begin_step();
+    if (!has_fold_) return begin_step();
+    folds.push_back(long(k));
+    has_fold_ = false, to_.arc -= fold_.arc;
+    if (to_.arc > HALF_OF_THE_DIGITS) after_fold();
+    else begin_step();
 }
 
 // The point between two samples at which the value leaves the range.
-void Travel::ask_at_value(const CurveSample& a, const CurveSample& b, State state) {
+void Travel::ask_at_value(const CurveSample& a, const CurveSample& b) {
     const double value = over_ ? high_ : low_;
     const double share = Follower::share_at(a.value - value, value_on(a, b));
     f_.between(a, b, share, next.q);
     next.pin = {Pin::parameter, 0, value};
     value_at_ = share * b.arc;
-    ask(EXACT, state);
+    ask(EXACT, State::value);
 }
 bool Travel::push_value(const OnCurve& point, bool settled) {
     CurveSample there = f_.oriented(point, way.back().along, next.pin.value);

@@ -133,9 +133,6 @@ template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V
     return unit(dot(row0, x) + dot(row1, y), dot(row1, x) - dot(row0, y));
 }
 
-template <class V> struct Plane {
-    V x, y;
-};
 // From axis 3 to the origin of frame 5, across the parallel axes, before the turn psi [m].
 template <class V> STEP Plane<V> hand_across(const IdealFrames& arm, const Turn<V>& t4) {
     const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], a4 = arm.a[3], d5 = arm.d[3];
@@ -147,10 +144,6 @@ template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<
                                              const Turn<V>& t5) {
     const Plane<V> f = hand_across(arm, t4);
     return {f.x + arm.a[4] * (t5.c * hand.x.x + t5.s * hand.x.y), f.y + arm.a[4] * (t5.c * hand.y.x + t5.s * hand.y.y)};
-}
-// o less f turned by psi.
-template <class V> STEP Plane<V> rest_across(const Plane<V>& o, const Plane<V>& f, const Turn<V>& psi) {
-    return {o.x - (psi.c * f.x - psi.s * f.y), o.y - (psi.s * f.x + psi.c * f.y)};
 }
 
 template <LastAxes kind> struct ParallelShoulder {
@@ -171,7 +164,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Turn<V> t5 = unless_free(signs, 4, middle.arm5, middle.t5);
         const HandAxes<V> hand = hand_at(ideal, ends.t4);
         const Turn<V> psi = turn_of_hand(ideal, seen.R, hand, t5, t6);
-        const Plane<V> u = rest_across<V>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, t5), psi);
+        const Plane<V> u = rest_across(seen.p, last_across(ideal, ends.t4, hand, t5), psi);
         const Elbow<V> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
         const V arm1 = (u.x * u.x + u.y * u.y) * scale, ahead = min(abs(ends.first), abs(ends.second));
         const V lever = min(middle.arm5, arm6);

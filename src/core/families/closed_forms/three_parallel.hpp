@@ -35,16 +35,9 @@ template <class V> STEP Swing<V> face(const ThreeParallelArm& arm, const Vec<V>&
 }
 
 // Step from axis 4 to the origin of frame 6, across the parallel axes, before the turn phi [m].
-template <class V> struct Across {
-    V x, y;
-};
-template <class V> STEP Across<V> forearm(const ThreeParallelArm& arm, const Turn<V>& t5) {
+template <class V> STEP Plane<V> forearm(const ThreeParallelArm& arm, const Turn<V>& t5) {
     const double a5 = arm.ideal.a[4];
     return {arm.ideal.a[3] + a5 * t5.c, arm.cos_first * a5 * t5.s - arm.sin_first * arm.ideal.d[3]};
-}
-// The place of axis 4 after this step, seen from axis 2.
-template <class V> STEP Across<V> to_axis_4(const Vec<V>& p, const Turn<V>& phi, const Across<V>& f) {
-    return {p.x - (phi.c * f.x - phi.s * f.y), p.y - (phi.s * f.x + phi.c * f.y)};
 }
 
 // Joint 5 of a general hand, from its height along the parallel axes; `tilt`: cosine of the angle from them to axis 6.
@@ -127,7 +120,7 @@ template <Hand kind> struct ThreeParallel {
                                  turns.error + high * high,
                                  Clear<Block>::first(margin1, arm1).then(margin, turns.fixed)};
             state[2 * shoulder + flip] =
-                both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
+                both_elbows(arm, up, rest_across(from.p, forearm(arm, bend), turns.first), 2 * shoulder + flip, at);
         };
         if constexpr (square) {
             const SquareWrist<Block> wrist = square_wrist(from.R, t);
@@ -146,7 +139,7 @@ template <Hand kind> struct ThreeParallel {
     }
 
     // k: 2 front/back + noflip/flip.
-    static STEP State both_elbows(const Arm& arm, const Upstream& up, const Across<Block>& u, int k, Angles& at) {
+    static STEP State both_elbows(const Arm& arm, const Upstream& up, const Plane<Block>& u, int k, Angles& at) {
         const auto& ideal = arm.ideal;
         const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach,
                      scale = 1.0 / (ideal.size * ideal.size);
@@ -209,7 +202,7 @@ template <Hand kind> struct ThreeParallel {
         if constexpr (by_signs) bend = wrist_bend(from.R.z, t, signs.wrist);
         else bend.turn = skew_bend(arm, from.R.z.z, from.p.z);
         const WristTurns<V> turns = wrist_turns(from.R, bend.turn, t, signs, free_phi(arm, signs.free));
-        const Across<V> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
+        const Plane<V> u = rest_across(from.p, forearm(arm, bend.turn), turns.first);
         const Elbow<V> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
         const V arm2 = (u.x * u.x + u.y * u.y) * scale, front = min(abs(margin1), arm1);
         const V wrist = min(abs(bend.margin), turns.fixed);
