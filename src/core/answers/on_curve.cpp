@@ -22,9 +22,7 @@ struct CurveDirections {
     // Adds a unit vector unless it, or its opposite, is there.
     STEP void add(const double (&d)[6]) {
         for (int i = 0; i < many; ++i) {
-            double same = 0.0;
-            for (int j = 0; j < 6; ++j) same += d[j] * direction[i][j];
-            if (abs(same) > 0.999 || many == most) return;
+            if (abs(inner_product(d, direction[i])) > 0.999 || many == most) return;
         }
         for (int j = 0; j < 6; ++j) direction[many][j] = d[j];
         ++many;
@@ -75,9 +73,8 @@ template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6,
         // The base-3 digits of start + 5 or + 14, less one: one of each pair of opposite points.
         for (int a = 0, code = start + (R == 2 ? 5 : 14); a < R; ++a, code /= 3) t[a] = code % 3 - 1;
         for (int round = 0;; ++round) {
-            double length = 0.0;
-            for (const double each : t) length += each * each;
-            for (double& each : t) each /= sqrt(length);
+            const double length = length_of(t);
+            for (double& each : t) each /= length;
             forms.at(t, value, slope);
             left = 0.0;
             for (const double each : value) left = max(left, abs(each));
@@ -93,8 +90,7 @@ template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6,
             svd(columns, found);
             for (int k = 0; k < R; ++k) {
                 if (!(found.s[k] > ZERO_FORM)) continue;
-                double along = 0.0;
-                for (int o = 0; o <= R; ++o) along += found.left[k][o] * right[o];
+                const double along = inner_product(found.left[k], right);
                 for (int a = 0; a < R; ++a) t[a] += along / found.s[k] * found.right[k][a];
             }
         }

@@ -56,22 +56,17 @@ template <PyObject* Answer::* field> int set(PyObject* self, PyObject* value, vo
     return 0;
 }
 
+constexpr PyObject* Answer::* FIELDS[] = {&Answer::solver,     &Answer::branches, &Answer::origin, &Answer::step,
+                                          &Answer::redundancy, &Answer::poses,    &Answer::q,      &Answer::info};
+
 int traverse(PyObject* object, visitproc visit, void* arg) {
-    Answer* self = (Answer*)object;
-    for (PyObject* each :
-         {self->solver, self->branches, self->origin, self->step, self->redundancy, self->poses, self->q, self->info}) {
-        Py_VISIT(each);
-    }
+    for (const auto field : FIELDS) Py_VISIT(((Answer*)object)->*field);
     Py_VISIT(Py_TYPE(object));
     return 0;
 }
 
 int clear(PyObject* object) {
-    Answer* self = (Answer*)object;
-    for (PyObject** each :
-         {&self->solver, &self->branches, &self->origin, &self->step, &self->redundancy, &self->poses, &self->q, &self->info}) {
-        Py_CLEAR(*each);
-    }
+    for (const auto field : FIELDS) Py_CLEAR(((Answer*)object)->*field);
     return 0;
 }
 
