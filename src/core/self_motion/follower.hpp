@@ -6,6 +6,7 @@
 #include <cmath>
 #include <list>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "arithmetic/thresholds.hpp"
@@ -206,13 +207,18 @@ private:
             add_node(k, sample_of(points[i], given_.grid[k]), b);
         }
     }
+    // The cosine of two tangents' angle, and how far the way from one joint vector to another leads along a tangent.
+    static double same(const double* a, const double* b) { return std::inner_product(a, a + 7, b, 0.0); }
+    double ahead(const double* from, const double* to, const double* along) const {
+        double sum = 0.0;
+        for (int j = 0; j < 7; ++j) sum += gap(j, to[j], from[j]) * along[j];
+        return sum;
+    }
     static bool is_settled(const OnCurve& point, double enough) { return point.left <= std::max(enough, SETTLED); }
     // A point on the curve as a sample, its tangent oriented like `along`.
     CurveSample oriented(const OnCurve& point, const double* along, double before) const {
         CurveSample out = sample_of(point, before);
-        double same = 0.0;
-        for (int j = 0; j < 7; ++j) same += point.along[j] * along[j];
-        if (same < 0.0) flip(out);
+        if (same(point.along, along) < 0.0) flip(out);
         return out;
     }
     Start start(int rounds, double enough) const { return {given_.T, {}, {Pin::nothing, 0, 0.0}, rounds, enough}; }

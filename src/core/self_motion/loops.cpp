@@ -23,9 +23,7 @@ void Follower::places_on(const Part& part, const CurveSample& at, std::vector<St
             const CurveSample &a = part.samples[i - 1], &b = part.samples[i];
             if (there > b.value + NEARLY_SAME || there < a.value - NEARLY_SAME) continue;
             if (!nearer(at.q, a.q, 1.1 * b.arc + NEARLY_SAME)) continue;
-            double along = 0.0;
-            for (int j = 0; j < 7; ++j) along += gap(j, at.q[j], a.q[j]) * a.along[j];
-            double u = std::clamp(along / (b.arc + 1e-300), 0.0, 1.0), q[7], t[7];
+            double u = way_to(a, b, at), q[7], t[7];
             for (int round = 0; round < 3; ++round) {
                 between(a, b, u, q, t);
                 double off = 0.0, square = 1e-300;

@@ -21,19 +21,15 @@ double Follower::share_at(double from, const Cubic& way) {
 
 // The position of a point along the step between two samples, from 0 to 1.
 double Follower::way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
-    double ahead = 0.0;
-    for (int j = 0; j < 7; ++j) ahead += gap(j, point.q[j], a.q[j]) * a.along[j];
-    return std::clamp(ahead / b.arc, 0.0, 1.0);
+    return std::clamp(ahead(a.q, point.q, a.along) / (b.arc + 1e-300), 0.0, 1.0);
 }
 // Whether the step between two samples passes through a point, in the direction of its tangent.
 bool Follower::closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
     if (apart(a.q, point.q) > 1.5 * b.arc || apart(b.q, point.q) > 1.5 * b.arc) return false;
-    double ahead = 0.0, behind = 0.0, same = 0.0, q[7];
-    for (int j = 0; j < 7; ++j) {
-        ahead += gap(j, point.q[j], a.q[j]) * a.along[j], behind += gap(j, b.q[j], point.q[j]) * b.along[j];
-        same += a.along[j] * point.along[j];
-    }
-    if (!(ahead > 0.0 && behind >= 0.0 && same > 0.0 && agree(a, point))) return false;
+    if (!(ahead(a.q, point.q, a.along) > 0.0 && ahead(point.q, b.q, b.along) >= 0.0 && same(a.along, point.along) > 0.0 &&
+          agree(a, point)))
+        return false;
+    double q[7];
     between(a, b, way_to(a, b, point), q);
     return apart(q, point.q) < NEARLY_SAME;
 }
@@ -87,9 +83,7 @@ void Travel::try_step() {
 void Travel::after_step(const OnCurve& point, bool settled) {
     const CurveSample& from = way.back();
     to_ = f_.oriented(point, from.along, from.value);
-    double same = 0.0;
-    for (int j = 0; j < 7; ++j) same += to_.along[j] * from.along[j];
-    const double turned = std::acos(std::min(1.0, same));
+    const double turned = std::acos(std::min(1.0, f_.same(to_.along, from.along)));
     if (!(settled && point.moved <= ASIDE * h_ && f_.agree(from, to_) && turned <= TOO_MUCH)) {
         h_ *= 0.4;
         return try_step();
