@@ -325,7 +325,7 @@ private:
     bool limited(int j) const { return std::isfinite(given_.lower[j]) || std::isfinite(given_.upper[j]); }
     bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= 2.0 * PI; }
     double room(int j, double q) const;
-    bool inside(const double* q) const;
+    double least_room(const double* q) const;
     Step step_of(const CurveSample& a, const CurveSample& b) const;
     void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
     void crossings(const CurveSample& a, const CurveSample& b, std::vector<Mark>& to, std::vector<Start>& starts) const;

@@ -11,11 +11,10 @@ double Follower::room(int j, double q) const {
     const double middle = 0.5 * (low + high);
     return 0.5 * (high - low) - std::abs(principal_angle(q - middle));
 }
-bool Follower::inside(const double* q) const {
-    for (int j = 0; j < 7; ++j) {
-        if (limited(j) && room(j, q[j]) < 0.0) return false;
-    }
-    return true;
+double Follower::least_room(const double* q) const {
+    double least = PI;
+    for (int j = 0; j < 7; ++j) least = limited(j) ? std::min(least, room(j, q[j]) / unit(j)) : least;
+    return least;
 }
 
 // What is known of the joints between two samples, which are no farther from each other than the way is long.
@@ -82,14 +81,10 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
 bool Follower::is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const {
     double q[7];
     between(a, b, 0.5 * (from + to), q);
-    double least = PI;
-    for (int j = 0; j < 7; ++j) {
-        if (limited(j)) least = std::min(least, room(j, q[j]) / unit(j));
-    }
-    if (std::abs(least) > 1e-4) return least > 0.0;
+    const double least = least_room(q);
     CurveSample middle;
-    if (!settle(q, a.along, a.value, middle)) return least > 0.0;
-    return inside(middle.q);
+    if (std::abs(least) > 1e-4 || !settle(q, a.along, a.value, middle)) return least > 0.0;
+    return least_room(middle.q) >= 0.0;
 }
 
 // The pieces with samples where joints turn back and where they cross their limits, which are settled side by side.
