@@ -358,17 +358,17 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     }
     // Hidden angles that the fewest solutions share come first.
     Cut cuts[ALL_CUTS];
-    int least = 0, many = 0;
+    int many = 0;
     for (int most = 0; many < ALL_CUTS; ++most) {
         for (const Cut& each : CUTS) {
             if (sharing(columns, each.joint(5)) == most) cuts[many++] = each;
         }
-        if (!many) least = most + 1;
     }
+    const bool crowded = sharing(columns, cuts[0].joint(5)) > CROWD;
     // The curve's zeros are as many as NUDGE leaves, and no answer is certain beside it.
     const bool curve = keep_curve(arm, goal, columns);
     Status status = Status::incomplete;
-    if (least <= CROWD && !curve) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1, false);
+    if (!crowded && !curve) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1, false);
     if (status == Status::incomplete) status = refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS, curve);
     return status == Status::incomplete && keep_curve(arm, goal, columns) ? Status::continuum : status;
 }

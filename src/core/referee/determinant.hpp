@@ -146,10 +146,6 @@ template <int L> struct WideRoot {
 };
 
 STEP double size_of(const Complex& a) { return sqrt(a.re * a.re + a.im * a.im); }
-STEP Complex quotient(const Complex& a, const Complex& b) {
-    const double w = 1.0 / (b.re * b.re + b.im * b.im);
-    return {(a.re * b.re + a.im * b.im) * w, (a.im * b.re - a.re * b.im) * w};
-}
 template <int L> STEP Complex leading(const WideComplex<L>& a) { return {a.re.leading(), a.im.leading()}; }
 
 // p(x) as a share of |x|^16 where |x| > 1, in size; and Newton's step. By division by (t - x) (t - conj(x)), twice, with real
@@ -173,7 +169,7 @@ template <int L> PART void value_at(const HalfTangent<L>& p, const WideComplex<L
     const F twice = im + im;
     const Complex slope = rounded(b[1] - twice * (c[1] * im), twice * (c[0] - c[1] * re));
     size = size_of(value);
-    newton = far ? quotient(at * (at * value), Complex(double(ROOTS)) * (at * value) - slope) : quotient(value, slope);
+    newton = far ? at * (at * value) * inverse(double(ROOTS) * (at * value) - slope) : value * inverse(slope);
 }
 
 // Rounds of Aberth's iteration; each adds the digits of doubles once a root stands apart from the others. A root is known well
@@ -191,7 +187,7 @@ template <int L> PART void start_roots(const HalfTangent<L>& p, WideRoot<L> (&ro
     for (int i = 0; i < ROOTS; ++i) {
         // x = -i (w - 1) / (w + 1), w = z / e^(i centre)
         const Complex w = {z[i].re * c + z[i].im * s, z[i].im * c - z[i].re * s};
-        const Complex x = quotient({w.im, 1.0 - w.re}, {w.re + 1.0, w.im});
+        const Complex x = Complex(w.im, 1.0 - w.re) * inverse(Complex(w.re + 1.0, w.im));
         const bool good = size_of(x) < 1e6;
         root[i].x = {good ? x.re : 0.01 * i, good ? x.im : (i % 2 ? 0.9 : -0.9)};
     }
@@ -215,9 +211,9 @@ PART void roots_in_doubles(const Complex (&c)[ROOTS + 1], int many, Complex* y) 
             for (int k = ROOTS - 1; k >= 0; --k) slope = slope * y[i] + value, value = value * y[i] + c[k];
             if (value.re == 0.0 && value.im == 0.0) continue;
             for (int j = 0; j < many; ++j) {
-                if (j != i) sum += quotient(Complex(1.0), y[i] - y[j]);
+                if (j != i) sum += inverse(y[i] - y[j]);
             }
-            const Complex step = quotient(value, slope - value * sum);
+            const Complex step = value * inverse(slope - value * sum);
             if (!(size_of(step) < 10.0)) continue;
             y[i] = y[i] - step, moves |= size_of(step) > 1e-12;
         }
@@ -330,9 +326,9 @@ template <int L> PART void improve_roots(const HalfTangent<L>& p, WideRoot<L> (&
             for (int j = 0; j < ROOTS; ++j) {
                 const Complex apart = leading(root[i].x - root[j].x);
                 if (j == i || (apart.re == 0.0 && apart.im == 0.0)) continue;
-                sum += quotient(Complex(1.0), apart), nearest = min(nearest, size_of(apart));
+                sum += inverse(apart), nearest = min(nearest, size_of(apart));
             }
-            const Complex step = quotient(newton, Complex(1.0) - newton * sum);
+            const Complex step = newton * inverse(Complex(1.0) - newton * sum);
             if (!(size_of(step) < 1e3)) {
                 root[i].x += WideComplex<L>(0.01 * size, 0.013 * size);
                 continue;

@@ -8,27 +8,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A complex Householder reflection: makes column I zero below its diagonal.
-template <int I> STEP void reflect(CBlock (&M)[SIZE][SIZE]) {
-    constexpr int N = SIZE - I;
-    CBlock v[N];
-    Block all = TINY;
-    for (int r = 0; r < N; ++r) v[r] = M[I][I + r], all += square(v[r]);
-    const Block head = sqrt(square(v[0]) + TINY), length = sqrt(all), w = 1.0 / sqrt(all + length * head);
-    // -v0 / |v0| times the column's length, so that v - alpha e has no cancellation.
-    const CBlock alpha = scaled(-(length / head), v[0]);
-    M[I][I] = alpha;
-    v[0] = v[0] - alpha;
-    for (int r = 0; r < N; ++r) v[r] = scaled(w, v[r]);
-#pragma GCC unroll 1
-    for (int j = I + 1; j < SIZE; ++j) {
-        CBlock f = 0.0;
-#pragma GCC unroll 12
-        for (int r = 0; r < N; ++r) f += conj(v[r]) * M[j][I + r];
-#pragma GCC unroll 12
-        for (int r = 0; r < N; ++r) M[j][I + r] = M[j][I + r] - f * v[r];
-    }
-}
 // e^(i angle) from a multiple of the cosine and the sine: the longer of c + i s and c - i s is exact to rounding, and they are
 // inverse to each other up to the multiple's square.
 STEP CBlock on_circle(const CBlock& c, const CBlock& s) {

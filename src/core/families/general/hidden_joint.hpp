@@ -109,24 +109,31 @@ template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V&
     }
 }
 
-// A Householder reflection 1 - v v^T: makes column I zero below its diagonal.
+// A Householder reflection 1 - v v*: makes column I zero below its diagonal. Its head becomes alpha, the column's length with the
+// opposite sign or phase, so that v - alpha e has no cancellation.
 template <int I, class V> STEP void reflect(V (&M)[SIZE][SIZE]) {
     constexpr int N = SIZE - I;
-    V v[N], square = 0.0;
+    V v[N], alpha;
+    Block all = 0.0, w;
 #pragma GCC unroll 12
-    for (int r = 0; r < N; ++r) v[r] = M[I][I + r], square += v[r] * v[r];
-    const V head = v[0], alpha = -copysign(sqrt(square), head), w = 1.0 / sqrt(square - alpha * head + TINY);
+    for (int r = 0; r < N; ++r) v[r] = M[I][I + r], all += square(v[r]);
+    if constexpr (std::is_same_v<V, Block>) {
+        alpha = -copysign(sqrt(all), v[0]), w = 1.0 / sqrt(all - alpha * v[0] + TINY);
+    } else {
+        const Block head = sqrt(square(v[0]) + TINY), length = sqrt(all + TINY);
+        alpha = scaled(-(length / head), v[0]), w = 1.0 / sqrt(all + length * head + TINY);
+    }
     M[I][I] = alpha;
-    v[0] = head - alpha;
+    v[0] = v[0] - alpha;
 #pragma GCC unroll 12
-    for (int r = 0; r < N; ++r) v[r] = v[r] * w;
+    for (int r = 0; r < N; ++r) v[r] = scaled(w, v[r]);
 #pragma GCC unroll 1
     for (int j = I + 1; j < SIZE; ++j) {
         V f = 0.0, g = 0.0;
 #pragma GCC unroll 12
         for (int r = 0; r < N; r += 2) {
-            f += v[r] * M[j][I + r];
-            if (r + 1 < N) g += v[r + 1] * M[j][I + r + 1];
+            f += conj(v[r]) * M[j][I + r];
+            if (r + 1 < N) g += conj(v[r + 1]) * M[j][I + r + 1];
         }
         f += g;
 #pragma GCC unroll 12
