@@ -19,7 +19,7 @@ fi
 # A program in the other Debian. What this machine's Python, make and pip were told is not for those there.
 inside() {
     env -u MAKEFLAGS -u MAKELEVEL -u PYTHONPATH -u VIRTUAL_ENV -u PIP_FIND_LINKS -u URDF_IK_ISA DEBIAN_FRONTEND=noninteractive \
-        CXX=aarch64-linux-gnu-g++ CMAKE_ARGS=-DURDF_IK_WERROR=ON chroot "$root" "$@"
+        CXX=aarch64-linux-gnu-g++ CMAKE_ARGS="-DURDF_IK_WERROR=ON -DURDF_IK_TESTS=ON" chroot "$root" "$@"
 }
 
 if ! type qemu-aarch64-static debootstrap aarch64-linux-gnu-g++ >/dev/null; then
