@@ -83,10 +83,10 @@ template <int L> PART int column_of_zero(const CircleZeros<L>& zeros, int i, con
     return found;
 }
 
-// The zeros of one cut, without pairs if the solutions have a curve. Returns whether all are resolved.
+// The zeros of one cut. Returns whether all are resolved.
 template <int L>
 PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& arm, const Goal<double>& goal,
-                     const Columns<6>& columns, unsigned certified, bool curve, CircleZeros<L>& out) {
+                     const Columns<6>& columns, unsigned certified, CircleZeros<L>& out) {
     out.cut = cut, out.many = 0;
     set_equations(pose, cut.first, out.equations);
     if (!half_tangent_polynomial(out.equations, out.p)) return false;
@@ -96,7 +96,7 @@ PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& 
         if (each.least > NEAR_REAL) continue;
         if (each.together > 1 || !(each.radius < 1e-8)) return false;
         const bool real = abs(each.x.im.leading()) <= each.radius;
-        if (!real && (curve || each.x.im.negative)) continue;
+        if (!real && each.x.im.negative) continue;
         const int known = real ? column_of_zero(out, i, columns, certified) : -1;
         if (known >= 0) {
             CircleZero& to = out.at[out.many++];
@@ -337,14 +337,13 @@ PART int sharing(const Columns<6>& columns, int joint) {
 }
 
 template <int L>
-PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, const Cut* cuts, int many,
-                       bool curve) {
+PART Status refer_with(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns, const Cut* cuts, int many) {
     const WidePose<L> pose = wide_pose<L>(arm, goal), back = reversed(pose);
     CircleZeros<L> zeros;
     Status status = Status::incomplete;
     for (int i = 0; i < many && status == Status::incomplete; ++i) {
         const unsigned certified = certified_columns(loop_of(arm, goal), columns);
-        if (!list_zeros(cuts[i].back ? back : pose, cuts[i], arm, goal, columns, certified, curve, zeros)) continue;
+        if (!list_zeros(cuts[i].back ? back : pose, cuts[i], arm, goal, columns, certified, zeros)) continue;
         follow_zeros(arm, goal, zeros);
         certify_all_zeros(arm, goal, zeros);
         status = status_of_zeros(arm, goal, zeros, columns);
@@ -365,11 +364,11 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
         }
     }
     const bool crowded = sharing(columns, cuts[0].joint(5)) > CROWD;
-    // The curve's zeros are as many as NUDGE leaves, and no answer is certain beside it.
+    // Where solutions have a curve, the determinant is as small as NUDGE: few limbs do not suffice.
     const bool curve = keep_curve(arm, goal, columns);
     Status status = Status::incomplete;
-    if (!crowded && !curve) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1, false);
-    if (status == Status::incomplete) status = refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS, curve);
+    if (!crowded && !curve) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1);
+    if (status == Status::incomplete) status = refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS);
     return status == Status::incomplete && keep_curve(arm, goal, columns) ? Status::continuum : status;
 }
 

@@ -6,7 +6,7 @@
 // every pair within NEAR_REAL, is followed by Newton's method on the arm as written:
 //   complete    each zero on the circle has a certified solution, no two have the same, and pairs lead to none
 //   clustered   each has a solution that keeps the pose to rounding; some share one
-//   continuum   a curve of solutions keeps the pose; pairs are not followed then
+//   continuum   a curve of solutions keeps the pose
 //   incomplete  a group of discs is not resolved, or a regular solution is known at which there is no zero
 // Unless some share one, the zeros far from real are certified, too. What Newton's method finds from one without a certificate
 // becomes a solution.
