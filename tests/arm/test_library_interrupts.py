@@ -48,7 +48,7 @@ def interrupted(call: Callable[[], object]) -> None:
     assert threads() <= before  # one that ended meanwhile was another test's
 
 
-pytestmark = pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="threads are counted in /proc")
+pytestmark = pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="there is no /proc to count threads in")
 
 
 @pytest.mark.parametrize(

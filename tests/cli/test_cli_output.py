@@ -53,7 +53,7 @@ def test_binary_data_do_not_go_to_a_terminal() -> None:
     assert format_for(Format.JSON, Path("x.csv"), terminal=True) is Format.JSON
 
 
-@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX, which Windows lacks")
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_reader_that_leaves_ends_it_quietly(unbuffered: str) -> None:
     """``| head -1``: no complaint on stderr, and the status that a shell gives to SIGPIPE."""
@@ -77,7 +77,7 @@ answers.checked = lambda *_, **__: os.kill(os.getpid(), signal.SIGINT)
 """
 
 
-@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX, which Windows lacks")
 def test_ctrl_c_ends_it_with_130(tmp_path: Path) -> None:
     """An interrupt in the midst of work: status 130, no traceback and no file."""
     # Tests that run in the background of a script have to ignore Ctrl-C, and so are their children.
