@@ -159,7 +159,8 @@ template <int D> const double* numbers_of(nb::handle object, const npy_intp (&sh
 
 }  // namespace
 
-nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref) {
+nb::object solve_one(const PySolver& of, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref) {
+    const Solver& solver = *of.solver;
     const double* target = numbers_of(T, {4, 4});
     const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
     if (!target || solver.numbers != TARGET || (!reference && !q_ref.is_none())) return nb::none();
@@ -175,9 +176,10 @@ nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle owner, nb
     return solver.solve(batch) < 0 ? made : nb::none();
 }
 
-nb::object solve_many(const Solver& solver, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref,
+nb::object solve_many(const PySolver& of, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref,
                       nb::handle values, int threads, nb::handle out) {
     constexpr int MOST = 32;  // dimensions
+    const Solver& solver = *of.solver;
     const PyArrayObject* targets = doubles(T);
     if (!targets) return nb::none();
     const npy_intp* given = PyArray_DIMS(targets);

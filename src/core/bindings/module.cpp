@@ -9,18 +9,9 @@
 
 #include "bindings/answer.hpp"
 #include "bindings/module.hpp"
-#include "bindings/python_values.hpp"
 #include "bindings/sharing.hpp"
 
 namespace urdf_ik {
-
-// A solver and the dataclass from which it was made. Pickling stores the dataclass.
-struct PySolver {
-    nb::object arm;
-    SolverPointer solver;
-
-    explicit PySolver(nb::object arm_) : arm(std::move(arm_)), solver(make_solver(PythonValues(arm, "arm"))) {}
-};
 
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
@@ -100,19 +91,12 @@ NB_MODULE(_core, m) {
         // nanobind's fastest call takes arguments without names and without None.
         .def("one",
              [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T) {
-                 nb::object made = solve_one(*s.solver, kind, arm, branches, T, nb::none());
-                 if (made.is_none()) made = solve_many(*s.solver, kind, arm, branches, T, nb::none(), nb::none(), 1, nb::none());
-                 return made;
+                 nb::object made = solve_one(s, kind, arm, branches, T, nb::none());
+                 return made.is_none() ? solve_many(s, kind, arm, branches, T, nb::none(), nb::none(), 1, nb::none()) : made;
              })
-        .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T,
-                            nb::handle q_ref) { return solve_one(*s.solver, kind, arm, branches, T, q_ref); })
-        .def(
-            "many",
-            [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref,
-               nb::handle values, int threads,
-               nb::handle out) { return solve_many(*s.solver, kind, arm, branches, T, q_ref, values, threads, out); },
-            nb::arg("kind"), nb::arg("arm"), nb::arg("branches"), nb::arg("T"), nb::arg("q_ref").none(), nb::arg("values").none(),
-            nb::arg("threads"), nb::arg("out").none())
+        .def("one_near", &solve_one)
+        .def("many", &solve_many, nb::arg("kind"), nb::arg("arm"), nb::arg("branches"), nb::arg("T"), nb::arg("q_ref").none(),
+             nb::arg("values").none(), nb::arg("threads"), nb::arg("out").none())
         .def(
             "image", [](const PySolver& s) { return nb::bytes(s.solver->image().data(), s.solver->image().size()); },
             "The bytes of the struct with the arm's numbers.")

@@ -3,27 +3,22 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace urdf_ik {
 
 struct Json {
     enum Kind { null, boolean, number, word, list, group };
-    struct Member;
 
     Kind kind = null;
     double value = 0.0;  // of a number; of a boolean 0 or 1
     std::string text;
     std::vector<Json> items;
-    std::vector<Member> members;
+    std::vector<std::pair<std::string, Json>> members;
 
     // The member of this name, or null pointer.
     const Json* find(std::string_view name) const;
-};
-
-struct Json::Member {
-    std::string name;
-    Json value;
 };
 
 // Throws std::invalid_argument, which names the line.
