@@ -29,11 +29,10 @@ template <int L, int K> STEP Pack<L, K> margin_root(const Pack<L, K>& margin) { 
 template <class V> struct Swing {
     Turn<V> turn;
     V X, margin;  // margin r^2 - k^2 [m^2]
-    V k;
 };
 template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V& k, const V& sign) {
     const V margin = x * x + y * y - k * k, X = sign * margin_root(margin);
-    return {unit(X * x + k * y, X * y - k * x), X, margin, k};
+    return {unit(X * x + k * y, X * y - k * x), X, margin};
 }
 
 // Planar two-link arm whose end is sqrt(uu) away: law of cosines. 1 + cos gamma and 1 - cos gamma are computed separately, so that

@@ -193,7 +193,7 @@ template <Hand kind> struct ThreeParallel {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size), V(0.0)};
+        Swing<V> first = {signs.root, V(0.0), V(ideal.size * ideal.size)};
         if constexpr (by_signs) first = face(arm, seen.p, signs.shoulder);
         const V arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, margin1 = first.margin * scale;
         const Turn<V> t1 = by_signs ? unless_free(signs, 0, arm1, first.turn) : first.turn;

@@ -14,7 +14,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 template <class V> struct Place {
     Turn<V> t1, t2, t3;
     V margin1, margin2, arm1, arm2, error;
-    V bend;  // parallel_23, for blocks: angle of the elbow before its sign
 };
 
 // The point f for a third angle.
@@ -38,14 +37,13 @@ template <class V> STEP V position_error(const SphericalWristArm& arm, const Vec
 template <class V> struct Front {
     Turn<V> t1;
     V ux, uy, margin;
-    V X, k;  // see Swing
 };
 template <class V> STEP Front<V> face(const SphericalWristArm& arm, const Vec<V>& p, const V& front) {
     const double ca1 = arm.ideal.cos_alpha[0], sa1 = arm.ideal.sin_alpha[0], h = arm.height;
     const double scale = 1.0 / (arm.ideal.size * arm.ideal.size);
     const V uy = (p.z - ca1 * h) * (1.0 / sa1);
     const Swing<V> s = swing_to_offset(p.x, p.y, ca1 * uy - sa1 * h, front);
-    return {s.turn, s.X - arm.ideal.a[0], uy, s.margin * scale, s.X, s.k};
+    return {s.turn, s.X - arm.ideal.a[0], uy, s.margin * scale};
 }
 template <class V>
 STEP Place<V> bend_elbow(const SphericalWristArm& arm, const Vec<V>& p, const Front<V>& at, const Signs<V>& signs) {
