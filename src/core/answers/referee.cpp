@@ -369,7 +369,7 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     Status status = Status::incomplete;
     if (!crowded && !curve) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1);
     if (status == Status::incomplete) status = refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS);
-    return status == Status::incomplete && keep_curve(arm, goal, columns) ? Status::continuum : status;
+    return status == Status::incomplete && (curve || keep_curve(arm, goal, columns)) ? Status::continuum : status;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -73,8 +73,7 @@ PART void find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     const bool certain = gather(arm, arm.variant[0], goal, own, search);
     if ((certain && search.provable) || count_twice() || certain) return;
     // The referee does without these proposals where nothing is counted, or a singular solution has no certificate.
-    if (!search.provable && !counting && !arm.any_slide) return;
-    if (search.provable && search.lacks_certificate()) return;
+    if (search.provable ? search.lacks_certificate() : !counting && !arm.any_slide) return;
     const Goal<double> moved = beside(arm.written, goal);
     for (const Proposal& each : PROPOSALS) {
         if (each.variant >= arm.variants) continue;
