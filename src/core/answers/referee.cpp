@@ -20,9 +20,6 @@ struct Cut {
 // Those that leave the fewest poses open come first.
 inline constexpr Cut CUTS[] = {{3, true}, {1, true}, {0, false}, {2, false}, {0, true}, {1, false}, {2, true}, {3, false}};
 inline constexpr int ALL_CUTS = 8;
-// Where more solutions than this share the hidden angle, few limbs do not tell their zeros apart, which are about NUDGE from each
-// other.
-inline constexpr int CROWD = 3;
 // A cut is of no use where the joint vector of a zero near real misses the pose by this or more [rad, share of size].
 inline constexpr double MISREAD = 1e-6;
 // A solution at a pair of zeros that are not real is singular: the pair's distance from real is at most NEAR_REAL. It counts where
@@ -105,11 +102,10 @@ PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& 
             to.least = weakest_at(arm, goal, to.q).value;
             continue;
         }
+        if (real) each.x.im = 0.0;
         refine(out.p, each.x);
         Complex z[6];
-        if (!(real ? joints_at(out.equations, out.p.centre, each.x.re, z) : joints_at(out.equations, out.p.centre, each.x, z))) {
-            return false;
-        }
+        if (!joints_at(out.equations, out.p.centre, each.x, z)) return false;
         CircleZero& to = out.at[out.many++];
         for (int k = 0; k < 6; ++k) to.q[out.cut.joint(k)] = wrap(atan2(z[k].im, z[k].re));
         to.real = real, to.certified = false;
@@ -122,7 +118,7 @@ PART bool list_zeros(const WidePose<L>& pose, const Cut& cut, const Written<6>& 
 // ---- certificates --------------------------------------------------------------------------------------------------------
 
 // Certificates take fewer digits: only the error of the loop is computed in them.
-inline constexpr int CERTIFYING_LIMBS = 3;
+inline constexpr int CERTIFYING_LIMBS = 2;
 using Certifying = Wide<CERTIFYING_LIMBS>;
 using WideTurn = Turn<Certifying>;
 STEP WideTurn wide_turn(double q) {
@@ -355,15 +351,17 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     for (const bool slides : arm.slides) {
         if (slides) return Status::incomplete;
     }
-    // Hidden angles that the fewest solutions share come first.
+    // Hidden angles that the fewest solutions share come first. Where some share one, their zeros are about NUDGE from each other:
+    // few limbs do not tell them apart.
+    int shared[6], many = 0;
+    for (int j = 0; j < 6; ++j) shared[j] = sharing(columns, j);
     Cut cuts[ALL_CUTS];
-    int many = 0;
     for (int most = 0; many < ALL_CUTS; ++most) {
         for (const Cut& each : CUTS) {
-            if (sharing(columns, each.joint(5)) == most) cuts[many++] = each;
+            if (shared[each.joint(5)] == most) cuts[many++] = each;
         }
     }
-    const bool crowded = sharing(columns, cuts[0].joint(5)) > CROWD;
+    const bool crowded = shared[cuts[0].joint(5)] > 1;
     // Where solutions have a curve, the determinant is as small as NUDGE: few limbs do not suffice.
     const bool curve = keep_curve(arm, goal, columns);
     Status status = Status::incomplete;

@@ -19,9 +19,12 @@ template <int L> STEP void subtract_limbs(std::uint64_t* a, const std::uint64_t*
 
 // A number in two's complement, the lowest limb first.
 template <int L> struct Fixed {
+    using Real = Fixed;
     std::uint64_t m[L];
 
     Fixed() = default;
+    // The first limbs of more.
+    template <int M> explicit STEP Fixed(const Fixed<M>& a) { __builtin_memcpy(m, a.m + M - L, sizeof m); }
     // x 2^-exponent, cut off.
     PART Fixed(const Wide<L>& x, int exponent) : m{} {
         const int shift = WHOLE_BITS - x.exponent + exponent;
@@ -77,7 +80,7 @@ template <int L> struct Fixed {
     friend PART Fixed operator*(const Fixed& a, const Fixed& b) { return product(a, b); }
     PART void subtract(const Fixed& a, const Fixed& b) { *this -= product(a, b); }
     static STEP Fixed product(const Fixed& a, const Fixed& b) {
-        std::uint64_t p[2 * L] = {};
+        std::uint64_t p[2 * L];
         multiply_limbs(a.m, b.m, p);
         subtract_limbs<L>(p + L, b.m, a.sign()), subtract_limbs<L>(p + L, a.m, b.sign());
         Fixed out;
@@ -140,6 +143,7 @@ template <int L> STEP double square_of(const Fixed<L>& a) {
 }
 
 template <int L> struct FixedComplex {
+    using Real = Fixed<L>;
     Fixed<L> re, im;
 
     FixedComplex() = default;

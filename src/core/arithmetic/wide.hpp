@@ -14,16 +14,14 @@ namespace urdf_ik::URDF_IK_LEVEL {
 struct Product64 {
     std::uint64_t low, high;
 };
-// a b + c + d, which two limbs hold.
-STEP Product64 product64(std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d) {
+STEP Product64 product64(std::uint64_t a, std::uint64_t b) {
 #if defined(__SIZEOF_INT128__)
-    const auto p = static_cast<unsigned __int128>(a) * b + c + d;
+    const auto p = static_cast<unsigned __int128>(a) * b;
     return {std::uint64_t(p), std::uint64_t(p >> 64)};
 #else
     const std::uint64_t half = 0xffffffffu, al = a & half, ah = a >> 32, bl = b & half, bh = b >> 32;
     const std::uint64_t first = al * bl, middle = ah * bl + (first >> 32), other = al * bh + (middle & half);
-    const std::uint64_t low = (other << 32) | (first & half), more = low + c, most = more + d;
-    return {most, ah * bh + (middle >> 32) + (other >> 32) + (more < c) + (most < d)};
+    return {(other << 32) | (first & half), ah * bh + (middle >> 32) + (other >> 32)};
 #endif
 }
 
@@ -93,18 +91,20 @@ template <int L> STEP void shift_right(const std::uint64_t (&m)[L], int bits, st
     }
 }
 
-// p = a b, p being zero before. Products of limbs that are less than a unit together are left out.
+// p = a b from limb L - 2 on. Products of limbs that are less than a unit together are left out.
 template <int L> STEP void multiply_limbs(const std::uint64_t (&a)[L], const std::uint64_t (&b)[L], std::uint64_t (&p)[2 * L]) {
+    std::uint64_t low = 0, middle = 0, high = 0;
+#pragma GCC unroll 16
+    for (int k = L - 2; k < 2 * L - 1; ++k) {
 #pragma GCC unroll 8
-    for (int i = 0; i < L; ++i) {
-        std::uint64_t carry = 0;
-#pragma GCC unroll 8
-        for (int j = L - 2 - i > 0 ? L - 2 - i : 0; j < L; ++j) {
-            const Product64 each = product64(a[i], b[j], p[i + j], carry);
-            p[i + j] = each.low, carry = each.high;
+        for (int i = k < L ? 0 : k - L + 1; i <= k && i < L; ++i) {
+            const Product64 each = product64(a[i], b[k - i]);
+            unsigned char carry = 0;
+            low = sum64(low, each.low, carry), middle = sum64(middle, each.high, carry), high = sum64(high, 0, carry);
         }
-        p[i + L] = carry;
+        p[k] = low, low = middle, middle = high, high = 0;
     }
+    p[2 * L - 1] = low;
 }
 
 // 2^exponent, for results that doubles can hold; 0 below, infinity above.
@@ -137,6 +137,10 @@ template <int L> struct Wide {
         if (!e) return;  // zero; smaller than any number that is used
         m[L - 1] = (bits << 11) | (std::uint64_t(1) << 63), exponent = e - 1022;
     }
+    // The first limbs of more.
+    template <int M> explicit STEP Wide(const Wide<M>& a) : exponent(a.exponent), negative(a.negative) {
+        __builtin_memcpy(m, a.m + M - L, sizeof m);
+    }
 
     STEP bool is_zero() const { return !m[L - 1]; }
     // The first 53 digits; numbers beyond the range of doubles become zero.
@@ -158,7 +162,7 @@ template <int L> struct Wide {
     }
     friend PART Wide operator*(const Wide& a, const Wide& b) {
         if (a.is_zero() || b.is_zero()) return Wide(0.0);
-        std::uint64_t p[2 * L] = {};
+        std::uint64_t p[2 * L];
         multiply_limbs(a.m, b.m, p);
         Wide out;
         const bool top = p[2 * L - 1] >> 63;
@@ -226,10 +230,13 @@ template <int L> STEP Wide<L> half(const Wide<L>& a) { return a.is_zero() ? a : 
 template <int L> inline constexpr bool IS_CALLED<Wide<L>> = true;
 template <int L> using WideComplex = Complexes<Wide<L>>;
 template <int L> PART WideComplex<L> operator*(const Wide<L>& f, const WideComplex<L>& a) { return {f * a.re, f * a.im}; }
-// A real number as a complex one, where V is complex.
+template <int L> Wide<L> real_part(const Wide<L>&);
+template <int L> Wide<L> real_part(const WideComplex<L>&);
+template <class V> using RealOf = decltype(real_part(V()));
+// A number as one of as many limbs or fewer, a complex one where V is complex.
 template <class V, int L> STEP V lifted(const Wide<L>& a) {
-    if constexpr (std::is_same_v<V, Wide<L>>) return a;
-    else return {a, Wide<L>(0.0)};
+    if constexpr (std::is_same_v<V, RealOf<V>>) return V(a);
+    else return {RealOf<V>(a), 0.0};
 }
 template <int L> STEP WideComplex<L> half(const WideComplex<L>& a) { return {half(a.re), half(a.im)}; }
 template <int L> STEP int exponent_of(const WideComplex<L>& a) { return larger(exponent_of(a.re), exponent_of(a.im)); }

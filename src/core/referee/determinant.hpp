@@ -339,9 +339,12 @@ template <int L> PART void improve_roots(const HalfTangent<L>& p, WideRoot<L> (&
     }
 }
 
-// The last digits of a root that stands apart.
+// The other joints take fewer digits than the hidden one.
+inline constexpr int JOINT_LIMBS = 3;
+
+// The digits that they take, of a root that stands apart.
 template <int L> PART void refine(const HalfTangent<L>& p, WideComplex<L>& x) {
-    for (int bits = 60; bits < 64 * L; bits += 50) {
+    for (int bits = 60; bits < 64 * JOINT_LIMBS; bits += 50) {
         double value;
         Complex newton;
         value_at(p, x, value, newton);
@@ -486,8 +489,9 @@ template <int L, class V> PART bool other_turns(const WideEquations<L>& of, cons
     if (!(square_of(length) > 0.0)) return false;
     const V scale = inverse(length), c_too = (half_c * half_c - half_s * half_s) * scale, product = half_c * half_s;
     const V s_too = (product + product) * scale;
-    const Wide<L> fifth = inverse(Wide<L>(5.0));
-    const V c_from = lifted<V>(Wide<L>(TOO_COSINE) * fifth), s_from = lifted<V>(Wide<L>(TOO_SINE) * fifth);
+    using Real = RealOf<V>;
+    const Real fifth = inverse(Real(5.0));
+    const V c_from = lifted<V>(Real(TOO_COSINE) * fifth), s_from = lifted<V>(Real(TOO_SINE) * fifth);
     turn[0] = {v[i + 1] * one, v[i + 2] * one};
     turn[1] = {c_too * c_from - s_too * s_from, s_too * c_from + c_too * s_from};
     return true;
@@ -512,7 +516,7 @@ template <int L, class V> PART bool first_turns(const WideEquations<L>& of, cons
         V& sum = y[i];
         if (of.factor[i][i].is_zero()) return false;
         for (int j = i + 1; j < PRODUCTS; ++j) sum -= lifted<V>(of.factor[i][j]) * y[j];
-        sum = sum * lifted<V>(inverse(of.factor[i][i]));
+        sum = sum * lifted<V>(inverse(RealOf<V>(of.factor[i][i])));
         z[of.column[i]] = sum;
     }
     if (!(square_of(z[0]) > 0.0)) return false;
@@ -522,8 +526,8 @@ template <int L, class V> PART bool first_turns(const WideEquations<L>& of, cons
 }
 
 // All joints at a root, e^(i angle) in the loop's order from joint a on.
-template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x,
-                                              Complex (&z)[6]) {
+template <int L, class V> PART bool joints_from(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const V& x,
+                                                Complex (&z)[6]) {
     Turn<V> others[3], first[2];
     if (!other_turns(of, centre, x, others) || !first_turns(of, others, first)) return false;
     for (int k = 0; k < 3; ++k) z[3 + k] = circle_of(others[k]);
@@ -548,6 +552,11 @@ template <int L, class V> PART bool joints_at(const WideEquations<L>& of, const 
     const Complex c = dot(across, v), s = dot(axis, cross(across, v));
     z[2] = {c.re - s.im, c.im + s.re};
     return true;
+}
+template <int L> PART bool joints_at(const WideEquations<L>& of, const Turn<Wide<L>>& centre, const WideComplex<L>& x,
+                                     Complex (&z)[6]) {
+    const WideComplex<JOINT_LIMBS> cut = {Wide<JOINT_LIMBS>(x.re), Wide<JOINT_LIMBS>(x.im)};
+    return x.im.is_zero() ? joints_from(of, centre, cut.re, z) : joints_from(of, centre, cut, z);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

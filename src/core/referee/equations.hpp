@@ -345,8 +345,9 @@ template <class F, class At> STEP void fill_matrix(const At& at, F (&M)[UNKNOWNS
 template <int L, class F> PART void matrix_at(const WideEquations<L>& of, const F (&hidden)[3], F (&M)[UNKNOWNS][UNKNOWNS]) {
     fill_matrix(
         [&](int e, int i) {
+            using Real = typename F::Real;
             const auto& a = of.A[e];
-            return hidden[0] * a[0][i] + hidden[1] * a[1][i] + hidden[2] * a[2][i];
+            return hidden[0] * Real(a[0][i]) + hidden[1] * Real(a[1][i]) + hidden[2] * Real(a[2][i]);
         },
         M);
 }
