@@ -154,6 +154,13 @@ template <int N> PART void sort(const Columns<N>& columns) {
     }
 }
 
+// Joint vectors all over the joint space, one in each lane.
+template <int N> STEP void scatter_over(const Written<N>& arm, Scatter& scatter, Block (&q)[N]) {
+    for (int l = 0; l < BLOCK; ++l) {
+        for (int j = 0; j < N; ++j) q[j].set(l, scatter.next() * (arm.slides[j] ? arm.size : PI));
+    }
+}
+
 // The flags of a singular solution q: `marks`, or OTHER if that is 0; 0 if the Jacobian is regular.
 template <class Model>
 STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], int marks) {
@@ -172,6 +179,14 @@ PART bool has_member_between(const Model& arm, const Goal<double>& goal, const d
     return nearer > 0.25 * distance(arm, q, other) && weakest_at(arm, goal, middle).value <= arm.tolerances.singular;
 }
 
+// Moves q by a step along a direction, and from there back to the pose. Returns the error.
+template <class Model>
+STEP double move_along(const Model& arm, const Goal<double>& goal, const Course& back, double step,
+                       const double (&direction)[Model::joints], double (&q)[Model::joints]) {
+    for (int j = 0; j < Model::joints; ++j) q[j] = advanced(arm, j, q[j], step * direction[j]);
+    return polish_one<true>(arm, goal, q, back).error;
+}
+
 // Steps along a continuum [rad, share of size], and their greatest number: more than a loop of three turning joints needs.
 inline constexpr double STRIDE = 0.2;
 inline constexpr int STRIDES = 100;
@@ -188,11 +203,8 @@ template <class Model> PART bool is_joined(const Model& arm, const Goal<double>&
         const Weakest<N> weak = weakest_at(arm, goal, at);
         double forward = 0.0;
         for (int j = 0; j < N; ++j) forward += weak.direction[j] * heading[j];
-        for (int j = 0; j < N; ++j) {
-            heading[j] = copysign(1.0, forward) * weak.direction[j];
-            at[j] = advanced(arm, j, at[j], STRIDE * heading[j]);
-        }
-        if (weak.value > arm.tolerances.singular || polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error > VANISHING)
+        for (int j = 0; j < N; ++j) heading[j] = copysign(1.0, forward) * weak.direction[j];
+        if (weak.value > arm.tolerances.singular || move_along(arm, goal, ACROSS_A_VALLEY, STRIDE, heading, at) > VANISHING)
             return false;
     }
     return distance(arm, at, other) <= STRIDE && has_member_between(arm, goal, at, other);

@@ -15,6 +15,8 @@ inline constexpr double HOPELESS = 0.05;
 // Starts on each side of a solution near a fold, along the Jacobian's weakest direction: the first one 0.1 rad (or share of the
 // size) away, each further one a tenth of the distance before.
 inline constexpr int STARTS_BESIDE = 8;
+// Starts all over the joint space.
+inline constexpr int ALL_OVER = 160;
 
 // Keep a second solution beside q, if there is one. A singular one may belong to the same continuum.
 template <class Model>
@@ -23,9 +25,10 @@ PART void keep_beside(const Model& arm, const Goal<double>& goal, const double (
     double away = 0.1;
     for (int k = 0; k < 2 * STARTS_BESIDE; ++k) {
         double start[Model::joints];
-        for (int j = 0; j < Model::joints; ++j) start[j] = advanced(arm, j, q[j], (k % 2 ? away : -away) * weak.direction[j]);
+        for (int j = 0; j < Model::joints; ++j) start[j] = q[j];
+        const double step = k % 2 ? away : -away;
         if (k % 2) away *= 0.1;
-        if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error > CONVERGED) continue;
+        if (move_along(arm, goal, {20, FINISHED, LONG_PATIENCE}, step, weak.direction, start) > CONVERGED) continue;
         if (!is_new(arm, goal, columns, start)) continue;
         const int marks = singular_marks(arm, goal, start, 0);
         if (!marks || !is_joined(arm, goal, start, q)) keep(columns, 0, start, marks);
@@ -58,6 +61,23 @@ PART double polish_and_keep(const Model& arm, const Goal<double>& goal, double (
     keep(columns, 0, q, singular ? OTHER : 0);
     if (weak.value <= NEAR_FOLD) keep_beside(arm, goal, q, weak, columns);
     return weak.value;
+}
+
+// Keeps what Newton's method reaches from starts all over the joint space.
+template <int N> PART void search_all_over(const Written<N>& arm, const Goal<double>& goal, Origin origin, double enough,
+                                           const Columns<N>& columns) {
+    Scatter scatter = Scatter::number(0);
+    for (int from = 0; from < ALL_OVER; from += BLOCK) {
+        Block start[N];
+        scatter_over(arm, scatter, start);
+        const Block error = polish_block<true>(arm, spread<Block>(goal), start, {30, FINISHED, PATIENCE}).error;
+        for (int l = 0; l < BLOCK; ++l) {
+            double q[N];
+            for (int j = 0; j < N; ++j) q[j] = start[j][l];
+            if (!(error[l] <= arm.tolerances.reach) || !is_new(arm, goal, columns, q)) continue;
+            polish_and_keep(arm, goal, q, origin, enough, columns);
+        }
+    }
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

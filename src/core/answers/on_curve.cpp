@@ -126,8 +126,9 @@ PART bool follows_curve(const Written<6>& arm, const Goal<double>& goal, const d
     for (int k = 1; k <= STEPS_ALONG_CURVE; ++k) {
         for (int sign = -1; sign <= 1; sign += 2) {
             double at[6], away = 0.0;
-            for (int j = 0; j < 6; ++j) at[j] = wrap(q[j] + sign * k * ALONG_CURVE * direction[j]);
-            if (!(polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error <= arm.tolerances.reach)) return false;
+            for (int j = 0; j < 6; ++j) at[j] = q[j];
+            if (!(move_along(arm, goal, ACROSS_A_VALLEY, sign * k * ALONG_CURVE, direction, at) <= arm.tolerances.reach))
+                return false;
             for (int j = 0; j < 6; ++j) away += sign * direction[j] * wrap(at[j] - q[j]);
             if (!(away > 0.7 * k * ALONG_CURVE && away < 1.3 * k * ALONG_CURVE)) return false;
         }

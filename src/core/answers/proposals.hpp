@@ -69,8 +69,8 @@ PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, co
             }
         }
         double at[6];
-        for (int j = 0; j < 6; ++j) at[j] = wrap(q[j] + along * weak.direction[j]);
-        if (!(polish_one<true>(arm, goal, at, ACROSS_A_VALLEY).error <= FINISHED)) return;
+        for (int j = 0; j < 6; ++j) at[j] = q[j];
+        if (!(move_along(arm, goal, ACROSS_A_VALLEY, along, weak.direction, at) <= FINISHED)) return;
         double before = 0.0, after = 0.0;
         for (int j = 0; j < 6; ++j)
             before += apart[j] * apart[j], after += wrap(reference.q[j] - at[j]) * wrap(reference.q[j] - at[j]);

@@ -7,23 +7,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Fixed starts all over the joint space.
-inline constexpr int NET = 96;
-PART void search_everywhere(const Written<5>& arm, const Goal<double>& goal, const Columns<5>& columns) {
-    Scatter scatter = Scatter::number(0);
-    for (int k = 0; k < NET; ++k) {
-        double q[5];
-        for (int j = 0; j < 5; ++j) {
-            const double angle = PI * scatter.next();
-            q[j] = arm.slides[j] ? 0.0 : angle;
-        }
-        polish_and_keep(arm, goal, q, Origin::searched, CONVERGED, columns);
-    }
-}
-
 // Verifies the solutions of the six joints on the real arm. At a singularity of the completed arm the added joint may
-// move along a continuum that holds isolated solutions of the real arm. Fixed starts all over the joint space then find
-// them.
+// move along a continuum that holds isolated solutions of the real arm. A search all over the joint space then finds them.
 PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& six) {
     for (long i = 0; i < batch.m; ++i) {
         double proper[16];
@@ -43,7 +28,7 @@ PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& si
             for (int j = 0; j < 5; ++j) q[j] = six.q[6 * (six.columns * i + b) + arm.at + j];
             polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
         }
-        if (free && arm.written.task == Task::pose) search_everywhere(arm.written, goal, columns);
+        if (free && arm.written.task == Task::pose) search_all_over(arm.written, goal, Origin::searched, CONVERGED, columns);
         sort(columns);
         // On a continuum of the six, isolated solutions of the five may be missing: the net is a search.
         set_status(columns.flags[0], of_six == Status::continuum ? Status::incomplete : of_six);

@@ -50,12 +50,8 @@ struct Sampled {
         int enough = ENOUGH_STARTS;
         for (int k = 0, since = 0; k < MOST_STARTS && since < enough && columns.count() < columns.many; k += BLOCK) {
             Block start[6];
-            for (int l = 0; l < BLOCK; ++l) {
-                for (int j = 0; j < 6; ++j) {
-                    const double value = scatter.next();
-                    start[j].set(l, k + l ? (arm.slides[j] ? arm.size : PI) * value : reference.q[j]);
-                }
-            }
+            scatter_over(arm, scatter, start);
+            for (int j = 0; j < 6 && !k; ++j) start[j].set(0, reference.q[j]);
             const Block error = polish_block<true>(arm, goals, start, {60, FINISHED, PATIENCE}).error;
             since += columns.count() ? BLOCK : 0;
             for (int l = 0; l < BLOCK; ++l) {

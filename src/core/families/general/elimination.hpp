@@ -18,8 +18,6 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // A pose is as far from the target [rad, share of the size]: roots that fall together part by about its square root.
 inline constexpr double BESIDE_TARGET = 1e-2;
-// Starts all over the joint space of an arm with slides.
-inline constexpr int ALL_OVER = 160;
 
 // What is tried where the first variant leaves doubts: another one, or the roots of a pose beside the target.
 struct Proposal {
@@ -36,22 +34,6 @@ PART Goal<double> beside(const Written<6>& arm, const Goal<double>& goal) {
     const Turn<double> t = cos_sin(BESIDE_TARGET);
     return {each(goal.R, [&](const Vec<double>& v) { return turned_about(v, unit_h, t); }),
             goal.p + next(BESIDE_TARGET * arm.size)};
-}
-
-// ---- starts where nothing else helps, of an arm with slides -------------------------------------------------------------------
-
-// Newton's method from starts all over the joint space.
-PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
-    Scatter scatter = Scatter::number(0);
-    for (int from = 0; from < ALL_OVER; from += BLOCK) {
-        Candidates starts;
-        starts.lanes = (1u << BLOCK) - 1;
-        for (int l = 0; l < BLOCK; ++l) {
-            for (int j = 0; j < 6; ++j) { starts.q[j].set(l, scatter.next() * (arm.written.slides[j] ? arm.written.size : PI)); }
-        }
-        int column[BLOCK];
-        columns_from<true>(arm, goal, search, starts, 30, column);
-    }
 }
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
@@ -119,7 +101,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     }
     // The referee, which lists all solutions, does not know slides.
     if (arm.any_slide) {
-        search_all_over(arm, goal, search);
+        search_all_over(arm.written, goal, Origin::doubtful, search.enough, columns);
         search_beside_folds(arm.written, goal, columns);
     }
     return Status::incomplete;
