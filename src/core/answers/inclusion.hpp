@@ -52,8 +52,8 @@ template <class V> STEP V half_angle(const V& x) { return select(x * x <= V(2.0)
 
 // The boxes of one pose, by branch: centres and chords of the arcs of the joints' angles, offsets included. A whole circle has its
 // centre at the origin and a chord of 1.
-struct Boxes {
-    double c[6][8], s[6][8], chord[6][8];
+template <int N> struct BoxesOf {
+    double c[N][8], s[N][8], chord[N][8];
     // By margin (shoulder, elbow, wrist): it may have either sign, it is at most TINY_MARGIN.
     unsigned open[3] = {}, tiny[3] = {}, empty = 0, free = 0;
 
@@ -65,27 +65,29 @@ struct Boxes {
     }
 };
 
-// The boxes of a block of branches from `first` on.
-STEP void box(const Branch<Ball<Block>>& at, int first, Boxes& to) {
-    using Number = Ball<Block>;
-    const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
+using Boxes = BoxesOf<6>;
+
+// The boxes of a block of branches from `first` on, by the margins of the shoulder, the elbow and the wrist, and the turns.
+template <int N>
+STEP void box(const Ball<Block> (&margin)[3], const Turn<Ball<Block>> (&turn)[N], int first, BoxesOf<N>& to) {
     for (int k = 0; k < 3; ++k) {
-        const Block most = margins[k]->greatest();
-        const unsigned below = bits(most < Block(-EMPTY_MARGIN)), above = bits(margins[k]->least() > Block(0.0));
+        const Block most = margin[k].greatest();
+        const unsigned below = bits(most < Block(-EMPTY_MARGIN)), above = bits(margin[k].least() > Block(0.0));
         to.empty |= below << first, to.open[k] |= (~above & ((1u << BLOCK) - 1)) << first;
         to.tiny[k] |= bits(most <= Block(TINY_MARGIN)) << first;
     }
-    for (int j = 0; j < 6; ++j) {
-        const Turn<Number>& t = at.turn[j];
-        store(t.c.mid, to.c[j] + first), store(t.s.mid, to.s[j] + first), store(t.c.rad, to.chord[j] + first);
-        to.free |= bits(!(t.c.mid * t.c.mid + t.s.mid * t.s.mid > Block(0.5))) << first;
+    for (int j = 0; j < N; ++j) {
+        const auto& [c, s] = turn[j];
+        store(c.mid, to.c[j] + first), store(s.mid, to.s[j] + first), store(c.rad, to.chord[j] + first);
+        to.free |= bits(!(c.mid * c.mid + s.mid * s.mid > Block(0.5))) << first;
     }
 }
 // Each for targets within `turn` [rad] and `shift` [m] of its own.
 template <class Family>
 PART void include(const typename Family::Arm& arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first,
                   const double (&signs)[3][8], Boxes& to) {
-    box(branches_from<Family, Ball<Block>>(arm, within(target, turn, shift), first, signs), first, to);
+    const auto at = branches_from<Family, Ball<Block>>(arm, within(target, turn, shift), first, signs);
+    box({at.shoulder, at.elbow, at.wrist}, at.turn, first, to);
 }
 
 // What a pose's solutions tell of its boxes. A solution is in a box too if it is so near to it that what the box holds stands as

@@ -31,7 +31,8 @@ PART Boxes boxes_by_roots(const typename Family::Arm& arm, const Seen<double>& s
             root.c.mid.set(l, roots.root[i].c), root.s.mid.set(l, roots.root[i].s);
             root.c.rad.set(l, roots.radius[i]), root.s.rad.set(l, roots.radius[i]);
         }
-        box(Family::template branch<Number>(arm, all, {signs(0), signs(1), signs(2), root}), first, boxes);
+        const auto at = Family::template branch<Number>(arm, all, {signs(0), signs(1), signs(2), root});
+        box({at.shoulder, at.elbow, at.wrist}, at.turn, first, boxes);
     }
     return boxes;
 }

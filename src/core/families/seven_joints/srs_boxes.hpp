@@ -16,12 +16,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // How often the closed form runs on an arm that is not exact. It decides the cost only.
 inline constexpr int BOX_SRS_PASSES = 5;
 
-// The boxes of the eight branches: centres and chords of the joints' arcs, as in Boxes; joints 2, 4 and 6 with their offsets.
-struct SrsBoxes {
-    double c[7][8], s[7][8], chord[7][8];
-    // By margin (shoulder, elbow, wrist; their roots have bits 4, 2 and 1 of a branch's number).
-    unsigned open[3], tiny[3], empty = 0, free;
-};
+// Joints 2, 4 and 6 with their offsets. The roots of the three margins have bits 4, 2 and 1 of a branch's number.
+using SrsBoxes = BoxesOf<7>;
 // Targets of the ideal arm in frame 1, one for each branch [m]: all within `radius` of `p`.
 struct SrsTargets {
     double p[3][8], radius[8];
@@ -52,7 +48,6 @@ STEP UpperArm<Ball<Block>> upper_arm_in(const SrsArm& arm, const Vec<Ball<Block>
 PART void include_branches(const SrsArm& arm, const Rot<double>& R, const SrsTargets& targets, const Vec<double>& level, int first,
                            SrsBoxes& to) {
     using Number = Ball<Block>;
-    const unsigned all = (1u << BLOCK) - 1;
     const Block turn = arm.written.tolerances.exact_structure;
     const Goal<Block> middle = spread<Block>({R, {0.0, 0.0, 0.0}});
     const Vec<Block> p = {load<Block>(targets.p[0] + first), load<Block>(targets.p[1] + first), load<Block>(targets.p[2] + first)};
@@ -68,19 +63,10 @@ PART void include_branches(const SrsArm& arm, const Rot<double>& R, const SrsTar
     const Rot<Number> S = shoulder_rotation(arm, elbow), W = wrist_rotation(arm, elbow, t4, at.R);
     const Bend<Number> shoulder = wrist_bend(S.z, above, sign(4)), wrist = wrist_bend(W.z, behind, sign(1));
     const WristTurns<Number> s = wrist_turns(S, shoulder.turn, above), w = wrist_turns(W, wrist.turn, behind);
-    const Number* margins[3] = {&shoulder.margin, &elbow.margin, &wrist.margin};
-    for (int k = 0; k < 3; ++k) {
-        to.empty |= bits(margins[k]->greatest() < Block(-EMPTY_MARGIN)) << first;
-        to.open[k] |= (~bits(margins[k]->least() > Block(0.0)) & all) << first;
-        to.tiny[k] |= bits(margins[k]->greatest() <= Block(TINY_MARGIN)) << first;
-    }
-    const Turn<Number> turns[7] = {s.first, shoulder.turn, unit(s.last.c, s.last.s), unit(elbow.bend.c, elbow.bend.s),
-                                   w.first, wrist.turn,    unit(w.last.c, w.last.s)};
-    for (int j = 0; j < 7; ++j) {
-        const Turn<Number>& t = turns[j];
-        store(t.c.mid, to.c[j] + first), store(t.s.mid, to.s[j] + first), store(t.c.rad, to.chord[j] + first);
-        to.free |= bits(!(t.c.mid * t.c.mid + t.s.mid * t.s.mid > Block(0.5))) << first;
-    }
+    box({shoulder.margin, elbow.margin, wrist.margin},
+        {s.first, shoulder.turn, unit(s.last.c, s.last.s), unit(elbow.bend.c, elbow.bend.s), w.first, wrist.turn,
+         unit(w.last.c, w.last.s)},
+        first, to);
 }
 
 // Offsets of the boxes' angles from the joints' values.
@@ -166,9 +152,8 @@ STEP Status decided(const SrsArm& arm, const SrsBoxes& boxes, const double (&lea
             tiny |= 4u >> k;
         }
         // Branches whose tiny roots have other signs may stand for this one, where they are not far apart behind a short lever arm.
-        bool owned = valid || !(there & bit), narrow_box = true;
-        for (const auto& chords : boxes.chord) narrow_box = narrow_box && chords[b] <= NEAR;
-        for (unsigned c = 0; c < 8 && narrow_box; ++c) owned = owned || (!((c ^ unsigned(b)) & ~tiny) && columns.valid(int(c)));
+        bool owned = valid || !(there & bit);
+        for (unsigned c = 0; c < 8 && !boxes.wide(b); ++c) owned = owned || (!((c ^ unsigned(b)) & ~tiny) && columns.valid(int(c)));
         if (!owned || (valid && !exact && !is_alone(arm, boxes, b, columns.row(b), least[b]))) return Status::incomplete;
         clustered = clustered || tiny;
     }
