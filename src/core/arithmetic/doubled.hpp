@@ -60,14 +60,29 @@ template <class V> struct DoubledOf {
         return first + second + DoubledOf(rest.hi / b.hi, V(0.0));
     }
     STEP DoubledOf& operator+=(const DoubledOf& b) { return *this = *this + b; }
+    STEP DoubledOf& operator-=(const DoubledOf& b) { return *this = *this - b; }
 };
 using Doubled = DoubledOf<double>;
+using DoubledBlock = DoubledOf<Block>;
+STEP DoubledBlock load_doubled(const double* a, const double* rest) { return DoubledBlock::sum(load<Block>(a), load<Block>(rest)); }
+STEP void store(const DoubledBlock& a, Doubled* to) {
+    for (int l = 0; l < BLOCK; ++l) to[l] = {a.hi[l], a.lo[l]};
+}
 template <class V> inline constexpr bool IS_CALLED<DoubledOf<V>> = true;
 
 // A number to the digits of a double.
 STEP double leading(double a) { return a; }
 template <int L, int K> STEP Pack<L, K> leading(const Pack<L, K>& a) { return a; }
 template <class V> STEP V leading(const DoubledOf<V>& a) { return a.hi; }
+
+// a > 0 with the sign of b.
+template <class V> STEP DoubledOf<V> copysign(const DoubledOf<V>& a, const DoubledOf<V>& b) {
+    return {select(b.hi < V(0.0), -a.hi, a.hi), select(b.hi < V(0.0), -a.lo, a.lo)};
+}
+// As of complex numbers.
+template <class V> STEP const DoubledOf<V>& conj(const DoubledOf<V>& a) { return a; }
+template <class V> STEP DoubledOf<V> square(const DoubledOf<V>& a) { return a * a; }
+template <class V> STEP DoubledOf<V> scaled(const DoubledOf<V>& f, const DoubledOf<V>& a) { return f * a; }
 
 // The square root of a > 0: one step of Newton's method doubles the digits of the one in doubles.
 template <class V> STEP DoubledOf<V> sqrt(const DoubledOf<V>& a) {

@@ -48,10 +48,8 @@ PART void eliminate(const EliminationArm& arm, const EliminationVariant& variant
     const double reach = length_of_motion(arm, goal);
     out.G = loop_motion(arm, goal, variant.reversed);
     equations(variant, out.G, out.A);
-    determinants(out.A, D, variant.inexact[0] + reach * (variant.inexact[1] + reach * variant.inexact[2]), out.error);
+    determinants<Block>(out.A, D, variant.inexact[0] + reach * (variant.inexact[1] + reach * variant.inexact[2]), out.error);
     out.noise = harmonics(D, out.coefficients);
-    // Sums of 24 products.
-    for (const double each : D) out.error += 32.0 * UNIT * abs(each);
 }
 
 // The same as a polynomial on the circle; nothing is known where its error is infinite.

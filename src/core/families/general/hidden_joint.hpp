@@ -109,33 +109,32 @@ template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V&
     }
 }
 
-// A Householder reflection 1 - v v*: makes column I zero below its diagonal. Its head becomes alpha, the column's length with the
+// A Householder reflection 1 - w v v*: makes column I zero below its diagonal. Its head becomes alpha, the column's length with the
 // opposite sign or phase, so that v - alpha e has no cancellation.
-template <int I, class V> STEP void reflect(V (&M)[SIZE][SIZE]) {
-    constexpr int N = SIZE - I;
-    V v[N], alpha;
-    Block all = 0.0, w;
+template <class V> STEP void reflect(V (&M)[SIZE][SIZE], int I) {
+    // So many sums do not wait for each other.
+    constexpr int SUMS = IS_CALLED<V> ? 4 : 2;
+    const int N = SIZE - I;
+    V v[SIZE], alpha;
+    decltype(square(alpha)) all = TINY, w;
 #pragma GCC unroll 12
     for (int r = 0; r < N; ++r) v[r] = M[I][I + r], all += square(v[r]);
-    if constexpr (std::is_same_v<V, Block>) {
-        alpha = -copysign(sqrt(all), v[0]), w = 1.0 / sqrt(all - alpha * v[0] + TINY);
+    if constexpr (!std::is_same_v<V, CBlock>) {
+        alpha = -copysign(sqrt(all), v[0]), w = 1.0 / (all - alpha * v[0]);
     } else {
-        const Block head = sqrt(square(v[0]) + TINY), length = sqrt(all + TINY);
-        alpha = scaled(-(length / head), v[0]), w = 1.0 / sqrt(all + length * head + TINY);
+        const Block head = sqrt(square(v[0]) + TINY), length = sqrt(all);
+        alpha = scaled(-(length / head), v[0]), w = 1.0 / (all + length * head);
     }
     M[I][I] = alpha;
     v[0] = v[0] - alpha;
-#pragma GCC unroll 12
-    for (int r = 0; r < N; ++r) v[r] = scaled(w, v[r]);
 #pragma GCC unroll 1
     for (int j = I + 1; j < SIZE; ++j) {
-        V f = 0.0, g = 0.0;
+        V sum[SUMS];
+        for (V& each : sum) each = 0.0;
 #pragma GCC unroll 12
-        for (int r = 0; r < N; r += 2) {
-            f += conj(v[r]) * M[j][I + r];
-            if (r + 1 < N) g += conj(v[r + 1]) * M[j][I + r + 1];
-        }
-        f += g;
+        for (int r = 0; r < N; ++r) sum[r % SUMS] += conj(v[r]) * M[j][I + r];
+        for (int k = 1; k < SUMS; ++k) sum[0] += sum[k];
+        const V f = scaled(w, sum[0]);
 #pragma GCC unroll 12
         for (int r = 0; r < N; ++r) M[j][I + r] -= f * v[r];
     }
@@ -143,9 +142,11 @@ template <int I, class V> STEP void reflect(V (&M)[SIZE][SIZE]) {
 
 // Makes several blocks of matrices upper triangular in step: the square roots of one wait while another is reflected.
 template <int K, class V, int I = 0> STEP void make_triangular(V (&M)[K][SIZE][SIZE]) {
-    if constexpr (I < SIZE - 1) {
+    if constexpr (IS_CALLED<V>) {
+        for (int i = 0; i < SIZE - 1; ++i) reflect(M[0], i);
+    } else if constexpr (I < SIZE - 1) {
 #pragma GCC unroll 1
-        for (int k = 0; k < K; ++k) reflect<I>(M[k]);
+        for (int k = 0; k < K; ++k) reflect(M[k], I);
         make_triangular<K, V, I + 1>(M);
     }
 }
@@ -194,7 +195,7 @@ struct Waves {
 inline constexpr Waves WAVES;
 
 // Rounding of a matrix from its coefficients, and of a reflection, as shares of the Frobenius norm of what is reflected, in units:
-// |v|^2 = 2, and v is off by 17 u |v|, 68 u; a product in two sums of six terms 14 u, its subtraction 4 u.
+// w |v|^2 = 2, v is off by 8 u |v| and w by 14 u w, 60 u; a product in two sums of six terms 16 u, its subtraction 4 u.
 inline constexpr double ROUNDING_OF_MATRIX = 10.0, ROUNDING_OF_REFLECTION = 86.0;
 
 // Adds the squares of column k of the inverse; over: one over the diagonal. Each known entry is taken from all rows above.
@@ -236,22 +237,31 @@ template <class V> STEP Block determinant_error(const V (&R)[SIZE][SIZE], const 
 }
 
 // The determinants at the samples. error: the sum of the bounds on what `inexact` (see determinant_error) and rounding may do to
-// them.
-PART void determinants(const Equations& A, double (&D)[SAMPLES], double inexact, double& error) {
-    Block M[GROUPS][SIZE][SIZE];
-    for (int g = 0; g < GROUPS; ++g) {
-        double c[BLOCK], s[BLOCK];
-        for (int l = 0; l < BLOCK; ++l) c[l] = WAVES.c[BLOCK * g + l][1], s[l] = WAVES.s[BLOCK * g + l][1];
-        matrix_at(A, load<Block>(c), load<Block>(s), M[g]);
-    }
-    make_triangular(M);
+// them, and to sums of 24 of their products with waves.
+template <class V, class E, class Real> PART void determinants(const E& A, Real (&D)[SAMPLES], double inexact, double& error) {
+    constexpr bool doubled = !std::is_same_v<V, Block>;
+    const double unit = doubled ? DOUBLED_UNIT : UNIT;
+    // Of doubled numbers several matrices would not fit in the cache.
+    constexpr int K = doubled ? 1 : GROUPS;
     Block off = 0.0;
+    V M[K][SIZE][SIZE];
     for (int g = 0; g < GROUPS; ++g) {
-        // Each of the eleven reflections turns the determinant's sign.
-        Block product = -M[g][0][0];
-        for (int i = 1; i < SIZE; ++i) product *= M[g][i][i];
-        store(product, D + BLOCK * g);
-        off += determinant_error(M[g], product, inexact, UNIT);
+        const auto wave = [&](const auto& rounded, const auto& rest) {
+            double a[BLOCK], b[BLOCK];
+            for (int l = 0; l < BLOCK; ++l) a[l] = rounded[BLOCK * g + l][1], b[l] = rest[BLOCK * g + l][1];
+            if constexpr (doubled) return load_doubled(a, b);
+            else return load<Block>(a);
+        };
+        matrix_at(A, wave(WAVES.c, WAVES.c_rest), wave(WAVES.s, WAVES.s_rest), M[g % K]);
+        if (g % K < K - 1) continue;
+        make_triangular(M);
+        for (int k = 0; k < K; ++k) {
+            // Each of the eleven reflections turns the determinant's sign.
+            V product = -M[k][0][0];
+            for (int i = 1; i < SIZE; ++i) product = product * M[k][i][i];
+            store(product, D + BLOCK * (g - K + 1 + k));
+            off += determinant_error(M[k], leading(product), inexact, unit) + 32.0 * unit * abs(leading(product));
+        }
     }
     error = 0.0;
     for (int l = 0; l < BLOCK; ++l) error += off[l];

@@ -9,9 +9,6 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-using DoubledBlock = DoubledOf<Block>;
-STEP DoubledBlock load_doubled(const double* a, const double* rest) { return DoubledBlock::sum(load<Block>(a), load<Block>(rest)); }
-
 // Equations (hidden_joint.hpp) in numbers of twice the digits.
 struct PreciseEquations {
     Doubled a[6][3][9];
@@ -57,32 +54,6 @@ PART void equations(const EliminationVariant& v, const PreciseFactors& rest, con
     }
 }
 
-// The upper triangular factor, by reflections 1 - v v^T / w.
-PART void make_triangular(DoubledBlock (&M)[SIZE][SIZE]) {
-#pragma GCC unroll 1
-    for (int i = 0; i + 1 < SIZE; ++i) {
-        DoubledBlock square = TINY, v[SIZE], f[SIZE];
-        for (int r = i; r < SIZE; ++r) v[r] = M[i][r], square += v[r] * v[r];
-        const DoubledBlock length = sqrt(square), head = v[i];
-        const auto up = head.hi > Block(0.0);
-        const DoubledBlock alpha = {select(up, -length.hi, length.hi), select(up, -length.lo, length.lo)};
-        const DoubledBlock over = 1.0 / (square - alpha * head);
-        M[i][i] = alpha, v[i] = head - alpha;
-        for (int j = i + 1; j < SIZE; ++j) f[j] = 0.0;
-#pragma GCC unroll 1
-        for (int r = i; r < SIZE; ++r) {
-#pragma GCC unroll 1
-            for (int j = i + 1; j < SIZE; ++j) f[j] += v[r] * M[j][r];
-        }
-#pragma GCC unroll 1
-        for (int j = i + 1; j < SIZE; ++j) {
-            f[j] = over * f[j];
-#pragma GCC unroll 1
-            for (int r = i; r < SIZE; ++r) M[j][r] = M[j][r] - f[j] * v[r];
-        }
-    }
-}
-
 // 24 times the determinant.
 PART void eliminate_precisely(const EliminationArm& arm, const Goal<double>& goal, OnCircle<Doubled>& out) {
     const EliminationVariant& variant = arm.counter;
@@ -91,22 +62,7 @@ PART void eliminate_precisely(const EliminationArm& arm, const Goal<double>& goa
     PreciseEquations A;
     equations(variant, arm.counter_rest, precise_loop_motion(arm, goal, variant.reversed), A);
     Doubled D[SAMPLES];
-    Block off = 0.0;
-    double size = 0.0;
-    for (int k = 0; k < SAMPLES; k += BLOCK) {
-        double c[4][BLOCK];
-        for (int l = 0; l < BLOCK; ++l) {
-            c[0][l] = WAVES.c[k + l][1], c[1][l] = WAVES.c_rest[k + l][1];
-            c[2][l] = WAVES.s[k + l][1], c[3][l] = WAVES.s_rest[k + l][1];
-        }
-        DoubledBlock M[SIZE][SIZE];
-        matrix_at(A, load_doubled(c[0], c[1]), load_doubled(c[2], c[3]), M);
-        make_triangular(M);
-        DoubledBlock product = -M[0][0];
-        for (int i = 1; i < SIZE; ++i) product = product * M[i][i];
-        off += determinant_error(M, product.hi, inexact[0] + reach * (inexact[1] + reach * inexact[2]), DOUBLED_UNIT);
-        for (int l = 0; l < BLOCK; ++l) D[k + l] = {product.hi[l], product.lo[l]}, size += abs(product.hi[l]);
-    }
+    determinants<DoubledBlock>(A, D, inexact[0] + reach * (inexact[1] + reach * inexact[2]), out.error);
 #pragma GCC unroll 1
     for (int h = 0; h <= DEGREE; ++h) {
         out.re[h] = 0.0, out.im[h] = 0.0;
@@ -116,9 +72,6 @@ PART void eliminate_precisely(const EliminationArm& arm, const Goal<double>& goa
             out.im[h] += -(D[k] * Doubled(WAVES.s[k][h], WAVES.s_rest[k][h]));
         }
     }
-    // Sums of 24 products.
-    out.error = 32.0 * DOUBLED_UNIT * size;
-    for (int l = 0; l < BLOCK; ++l) out.error += off[l];
 }
 
 // count_zeros() of the precise determinant, where new roots are certified.
