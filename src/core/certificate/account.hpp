@@ -79,33 +79,18 @@ STEP bool add_pair(Account& account, const PairOfRoots& root) {
 
 // The certificates of a block of real joint vectors.
 PART Certificate certify_real(const Loop& loop, const Block (&q)[6]) {
-    Turn<Block> turn[6];
-    turns_of(q, turn);
-    const LoopAt<Block> at = loop_at(loop, turn);
+    LoopAt<Block> at;
     Orthogonal<Block> f;
-    make_orthogonal(at.twist, f);
+    linearise(loop, q, at, f);
     return certify(loop, at, f, growth_of(q));
 }
 
 // Newton's method from a block of complex joints, until no lane in use moves by more than half of the digits or for `rounds`
-// rounds, and the certificates there. Steps are limited to half a radian.
+// rounds, and the certificates there.
 PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lanes, int rounds, Growth& growth) {
-    Turn<CBlock> turn[6];
     LoopAt<CBlock> at;
     Orthogonal<CBlock> f;
-    for (int round = 0;; ++round) {
-        turns_of(z, turn);
-        at = loop_at(loop, turn);
-        make_orthogonal(at.twist, f);
-        const Six<CBlock> step = newton_step(f, at.error);
-        Block size = square(step[0]);
-        for (int k = 1; k < 6; ++k) size = max(size, square(step[k]));
-        if (round == rounds) break;
-        const Block shrink = min(Block(1.0), 0.5 / sqrt(size + TINY));
-        for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(scaled(shrink, step[k]));
-        // What this step leaves is of the order of its square.
-        if (!(bits(size > Block(HALF_OF_THE_DIGITS * HALF_OF_THE_DIGITS)) & lanes)) rounds = round + 1;
-    }
+    converge(z, lanes, rounds, HALF_OF_THE_DIGITS, at, f, [&] { linearise(loop, z, at, f); });
     growth = growth_of(z);
     return certify(loop, at, f, growth);
 }

@@ -82,7 +82,7 @@ inline constexpr int PRECISE_ROUNDS = 3;
 PART Certificate certify_precisely(const Loop& loop, const PreciseLoop& precise, CBlock (&z)[6], unsigned lanes, Growth& growth) {
     LoopAt<CBlock> at;
     Orthogonal<CBlock> f;
-    for (int round = 0;; ++round) {
+    converge(z, lanes, PRECISE_ROUNDS, 0.0, at, f, [&] {
         for (unsigned rest = lanes; rest; rest &= rest - 1) {
             const int l = __builtin_ctz(rest);
             Turn<Precise> turn[6];
@@ -100,10 +100,7 @@ PART Certificate certify_precisely(const Loop& loop, const PreciseLoop& precise,
             put(at.off, here.off);
         }
         make_orthogonal(at.twist, f);
-        if (round == PRECISE_ROUNDS) break;
-        const Six<CBlock> step = newton_step(f, at.error);
-        for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(step[k]);
-    }
+    });
     growth = growth_of(z);
     Block longest = 0.0;
     for (const Six<CBlock>& each : at.twist) longest = max(longest, square_of(each));

@@ -79,6 +79,32 @@ template <class V> STEP Six<V> newton_step(const Orthogonal<V>& f, Six<V> e) {
     return x;
 }
 
+// The loop at a block of joints, and its factors.
+template <class V> PART void linearise(const Loop& loop, const V (&q)[6], LoopAt<V>& at, Orthogonal<V>& f) {
+    Turn<V> turn[6];
+    turns_of(q, turn);
+    at = loop_at(loop, turn);
+    make_orthogonal(at.twist, f);
+}
+
+// Newton's method from a block of complex joints, for `rounds` rounds, or until no lane in use moves by more than `enough`. Steps
+// are limited to half a radian. to_here: finds the loop and its factors.
+template <class F>
+STEP void converge(CBlock (&z)[6], unsigned lanes, int rounds, double enough, const LoopAt<CBlock>& at, const Orthogonal<CBlock>& f,
+                   const F& to_here) {
+    for (int round = 0;; ++round) {
+        to_here();
+        if (round == rounds) return;
+        const Six<CBlock> step = newton_step(f, at.error);
+        Block size = square(step[0]);
+        for (int k = 1; k < 6; ++k) size = max(size, square(step[k]));
+        const Block shrink = min(Block(1.0), 0.5 / sqrt(size + TINY));
+        for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(scaled(shrink, step[k]));
+        // What this step leaves is of the order of its square.
+        if (!(bits(size > Block(enough * enough)) & lanes)) rounds = round + 1;
+    }
+}
+
 template <class V> PART Inverse<V> inverse_of(const Orthogonal<V>& f) {
     Inverse<V> C;
 #pragma GCC unroll 1
