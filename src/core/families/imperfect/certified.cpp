@@ -133,9 +133,7 @@ PART Rooted root_of(const Loop& loop, const Block (&middle)[6], const Block& hal
         for (int j = 0; j < 6; ++j) q[j] = wrap(q[j] + x[j]), longest = max(longest, abs(x[j]));
         return longest;
     };
-    turns_of(q, turn);
-    at = loop_at(loop, turn);
-    make_orthogonal(at.twist, factors);
+    linearise(loop, q, at, factors);
     const Block holding = INFLATED * (width + step());
     turns_of(q, turn);
     at = loop_at(loop, turn);
@@ -162,19 +160,8 @@ PART void certify_boxes(const IdealFrames& ideal, const Loop& loop, const Boxes&
     }
 }
 
-void Certified::add(const double (&at)[6], double room, int branch) {
-    for (int b = 0; b < 8; ++b) {
-        if (!(found >> b & 1)) continue;
-        double most = 0.0;
-        for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(at[j] - q[b][j]))));
-        if (most <= max(room, radius[b])) return;
-    }
-    for (int j = 0; j < 6; ++j) q[branch][j] = at[j];
-    radius[branch] = room, found |= 1u << branch;
-}
-
-Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
-                      const Seen<double>& seen, const Inclusion& family, Known& known) {
+void certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
+                 const Seen<double>& seen, const Inclusion& family, Known& known) {
     const Goal<Block> target = spread<Block>(seen);
     const Displacement& apart = ideal.displacement;
     const double far = ideal.size + sqrt(dot(seen.p, seen.p));
@@ -195,15 +182,15 @@ Certified certify_all(const Written<6>& written, const BothArms& both, const Ide
             certify_boxes(ideal, loop, boxes, first, known, radii);
         }
     }
-    Certified out;
+    // Roots of which one lies within the radius of the other are the same.
     for (int b = 0; b < 8; ++b) {
-        if (!(known.found >> b & 1)) continue;
-        double q[6];
-        for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - ideal.offset[j]);
-        out.add(q, radii[b], b);
+        for (int first = 0; first < b; first += BLOCK) {
+            Block most = 0.0;
+            for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(wrap(known.angle[j][b] - load<Block>(known.angle[j] + first)))));
+            const unsigned same = bits(most <= max(load<Block>(radii + first), radii[b])) << first;
+            if (same & known.found & ((1u << b) - 1)) known.found &= ~(1u << b);
+        }
     }
-    known.found = out.found;
-    return out;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -16,22 +16,13 @@ struct Inclusion {
 // Half the width [rad] of the widest box from which a root can be shown to be alone: the norm of each joint's twist is at least
 // sqrt(2), and S r in certificate/single.hpp at most LARGEST_BALL.
 inline constexpr double WIDEST_BOX = LARGEST_BALL / (6.0 * 1.414);
-// Certified roots, joint values of the arm as written, by the branch of the box that led there. There is no other root within its
-// radius.
-struct Certified {
-    double q[8][6], radius[8];
-    unsigned found = 0;
-
-    // Adds a root unless it lies within the radius of a known one, or the other way round: then they are the same.
-    void add(const double (&q)[6], double radius, int branch);
-};
 
 // Each real solution lies in one of eight boxes, which hold the solutions of a branch for every displacement between the ideal arm
 // and the arm as written; each later pass takes only the displacements of the joint vectors in the box. A box is decided where it
 // is empty, or where Newton's method from its centre leads to a certified root that is the only one in a ball that holds the box.
 // goal: for the arm as written; seen: the same in frame 1. known: the branches that are open, and those that led to a root of
 // their own.
-Certified certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
-                      const Seen<double>& seen, const Inclusion& family, Known& known);
+void certify_all(const Written<6>& written, const BothArms& both, const IdealFrames& ideal, const Goal<double>& goal,
+                 const Seen<double>& seen, const Inclusion& family, Known& known);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

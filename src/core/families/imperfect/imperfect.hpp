@@ -54,11 +54,9 @@ template <class Family> struct Imperfect {
     static PART bool is_proven(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, Known& known,
                                const Columns<6>& columns) {
         const auto& [family, written, elimination, both] = arm;
-        const Certified all = certify_all(family.written, both, family.ideal, goal, seen, {&family, include_branches}, known);
+        certify_all(family.written, both, family.ideal, goal, seen, {&family, include_branches}, known);
         if (known.open) return false;
-        for (int b = 0; b < 8; ++b) {
-            if (all.found >> b & 1) keep(columns, b, all.q[b], 0);
-        }
+        keep_reached(arm, goal, known, columns);
         set_status(columns.flags[0], Status::complete);
         return true;
     }
