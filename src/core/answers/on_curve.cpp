@@ -29,6 +29,13 @@ struct CurveDirections {
     }
 };
 
+// The columns of a matrix with these columns, or rows.
+STEP void columns_of(const Six<double> (&twist)[6], bool rows, double (&out)[6][6]) {
+    for (int k = 0; k < 6; ++k) {
+        for (int i = 0; i < 6; ++i) out[k][i] = rows ? twist[i][k] : twist[k][i];
+    }
+}
+
 // The second derivatives Q_o along the lost directions: a curve's tangent t satisfies t' Q_o t = 0 for each lost row o.
 template <int R> struct LostForms {
     double Q[R][R][R];
@@ -46,12 +53,16 @@ template <int R> struct LostForms {
 };
 template <int R> PART LostForms<R> lost_forms(const Six<double> (&twist)[6], const Svd<6, 6>& J) {
     LostForms<R> out = {};
+    double columns[6][6];
+    Svd<6, 6> back;
+    columns_of(twist, true, columns);
+    svd(columns, back);
     for (int i = 0; i < 6; ++i) {
         for (int j = i; j < 6; ++j) {
             const Six<double> each = second_derivative(twist[i], twist[j]);
             for (int o = 0; o < R; ++o) {
                 double f = 0.0;
-                for (int k = 0; k < 6; ++k) f += J.left[6 - R + o][k] * each[k];
+                for (int k = 0; k < 6; ++k) f += back.right[6 - R + o][k] * each[k];
                 for (int x = 0; x < R; ++x) {
                     for (int y = 0; y < R; ++y) {
                         const auto &p = J.right[6 - R + x], &q = J.right[6 - R + y];
@@ -90,8 +101,8 @@ template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6,
             svd(columns, found);
             for (int k = 0; k < R; ++k) {
                 if (!(found.s[k] > ZERO_FORM)) continue;
-                const double along = inner_product(found.left[k], right);
-                for (int a = 0; a < R; ++a) t[a] += along / found.s[k] * found.right[k][a];
+                const double along = inner_product(found.image[k], right) / (found.s[k] * found.s[k]);
+                for (int a = 0; a < R; ++a) t[a] += along * found.right[k][a];
             }
         }
         if (!(left < ZERO_FORM)) continue;
@@ -107,9 +118,7 @@ PART CurveDirections curve_directions(const Written<6>& arm, const Goal<double>&
     Six<double> twist[6];
     derivatives_at(arm, goal, q, twist);
     double columns[6][6];
-    for (int k = 0; k < 6; ++k) {
-        for (int i = 0; i < 6; ++i) columns[k][i] = twist[k][i];
-    }
+    columns_of(twist, false, columns);
     Svd<6, 6> J;
     svd(columns, J);
     CurveDirections out;

@@ -5,9 +5,9 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A = U diag(s) V^T, s falling. left[k]: column k of U; right[k]: column k of V.
+// A V = U diag(s), s falling. image[k]: column k of A V; right[k]: column k of V.
 template <int R, int C> struct Svd {
-    double left[C][R], right[C][C], s[C];
+    double image[C][R], right[C][C], s[C];
 };
 
 template <int R> STEP double inner_product(const double (&a)[R], const double (&b)[R]) {
@@ -28,7 +28,7 @@ template <int R> STEP void rotate(double (&a)[R], double (&b)[R], double c, doub
 // columns: of A.
 template <int R, int C> PART void svd(const double (&columns)[C][R], Svd<R, C>& out) {
     for (int k = 0; k < C; ++k) {
-        for (int i = 0; i < R; ++i) out.left[k][i] = columns[k][i];
+        for (int i = 0; i < R; ++i) out.image[k][i] = columns[k][i];
         for (int i = 0; i < C; ++i) out.right[k][i] = i == k ? 1.0 : 0.0;
     }
     bool moved = true;
@@ -36,47 +36,23 @@ template <int R, int C> PART void svd(const double (&columns)[C][R], Svd<R, C>& 
         moved = false;
         for (int p = 0; p < C; ++p) {
             for (int q = p + 1; q < C; ++q) {
-                const double a = inner_product(out.left[p], out.left[p]), b = inner_product(out.left[q], out.left[q]);
-                const double g = inner_product(out.left[p], out.left[q]);
+                const double a = inner_product(out.image[p], out.image[p]), b = inner_product(out.image[q], out.image[q]);
+                const double g = inner_product(out.image[p], out.image[q]);
                 if (!(abs(g) > 1e-15 * sqrt(a * b)) || abs(g) < TINY) continue;
                 moved = true;
                 const double zeta = (b - a) / (2.0 * g);
                 const double t = copysign(1.0, zeta) / (abs(zeta) + sqrt(1.0 + zeta * zeta)), c = 1.0 / sqrt(1.0 + t * t);
-                rotate(out.left[p], out.left[q], c, c * t), rotate(out.right[p], out.right[q], c, c * t);
+                rotate(out.image[p], out.image[q], c, c * t), rotate(out.right[p], out.right[q], c, c * t);
             }
         }
     }
-    for (int k = 0; k < C; ++k) out.s[k] = length_of(out.left[k]);
+    for (int k = 0; k < C; ++k) out.s[k] = length_of(out.image[k]);
     for (int k = 1; k < C; ++k) {
         for (int i = k; i > 0 && out.s[i] > out.s[i - 1]; --i) {
             exchange(out.s[i], out.s[i - 1]);
-            for (int j = 0; j < R; ++j) exchange(out.left[i][j], out.left[i - 1][j]);
+            for (int j = 0; j < R; ++j) exchange(out.image[i][j], out.image[i - 1][j]);
             for (int j = 0; j < C; ++j) exchange(out.right[i][j], out.right[i - 1][j]);
         }
-    }
-    // Columns of vanishing length have no direction left: each becomes the unit vector that is most across the others.
-    for (int k = 0; k < C; ++k) {
-        double best[R] = {};
-        double most = -1.0;
-        for (int from = -1; from < R; ++from) {
-            double v[R];
-            for (int i = 0; i < R; ++i) v[i] = from < 0 ? out.left[k][i] : double(i == from);
-            const double before = length_of(v);
-            if (from < 0 && before < TINY) continue;
-            for (int round = 0; round < 2; ++round) {
-                for (int l = 0; l < k; ++l) {
-                    const double along = inner_product(out.left[l], v);
-                    for (int i = 0; i < R; ++i) v[i] = v[i] - along * out.left[l][i];
-                }
-            }
-            const double after = length_of(v), share = after / before;
-            if (share > most) {
-                most = share;
-                for (int i = 0; i < R; ++i) best[i] = (1.0 / after) * v[i];
-            }
-            if (from < 0 && share > 0.5) break;
-        }
-        for (int i = 0; i < R; ++i) out.left[k][i] = best[i];
     }
 }
 
