@@ -21,7 +21,6 @@ inline constexpr double FAR_FROM_REAL = 100.0, CONVERGING = 0.1;
 struct SearchState {
     Columns<6> columns;
     double enough;  // a candidate with at most this error is a solution
-    double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
     bool provable = false;  // whether complex roots are counted
     OnCircle<Doubled> determinant;  // with twice the digits, once reals_counted >= 0: real roots when its zeros were counted
     int reals_counted = -1;
@@ -104,9 +103,6 @@ PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, Sear
         double q[6];
         lane_of(starts.q, l, q);
         column[l] = good >> l & 1 ? column_of(arm, goal, search, q, out.least[l]) : -1;
-        if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
-        search.error = out.error[l];
-        for (int j = 0; j < 6; ++j) search.best[j] = q[j];
     }
 }
 

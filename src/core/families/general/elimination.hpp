@@ -93,15 +93,10 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
         if (!account.all()) account.expected = {search.zeros, Why::zeros}, account.pairs = 0;
         return Status::complete;
     }
-    // If no candidate converged, the best may be a double root.
-    if (columns.count() == 0 && search.error < HALF_OF_THE_DIGITS) {
-        if (polish_one<true>(arm.written, goal, search.best, ACROSS_A_VALLEY).error <= arm.written.tolerances.reach) {
-            keep(columns, 0, search.best, OTHER);
-        }
-    }
-    // The referee, which lists all solutions, does not know slides.
+    // The referee, which lists all solutions, does not know slides. Where none converged, the best may be a double root.
     if (arm.any_slide) {
-        search_all_over(arm.written, goal, Origin::doubtful, search.enough, columns);
+        const double enough = columns.count() ? search.enough : arm.written.tolerances.reach;
+        search_all_over(arm.written, goal, Origin::doubtful, enough, columns);
         search_beside_folds(arm.written, goal, columns);
     }
     return Status::incomplete;
