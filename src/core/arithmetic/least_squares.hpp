@@ -115,33 +115,67 @@ template <int N, int rows, class V> STEP V inverse(Rows<rows, V> (&J)[N], V (&X)
     return inverse_sqrt(square);
 }
 
+// Of real numbers as of complex ones.
+STEP double conj(double a) { return a; }
+STEP double square(double a) { return a * a; }
+STEP double scaled(double f, double a) { return f * a; }
+
+// a* b, the conjugates of a.
+template <int R, class V> STEP V inner_product(const Rows<R, V>& a, const Rows<R, V>& b) {
+    V sum = conj(a[0]) * b[0];
+    for (int i = 1; i < R; ++i) sum += conj(a[i]) * b[i];
+    return sum;
+}
+template <int R, class V> STEP auto square_of(const Rows<R, V>& a) {
+    auto sum = square(a[0]);
+    for (int i = 1; i < R; ++i) sum += square(a[i]);
+    return sum;
+}
+
+// J = Q R; J becomes Q. weight: one over R's diagonal.
+template <int N, int rows, class V> struct OrthogonalOf {
+    Rows<rows, V> column[N];
+    V R[N][N];
+    decltype(square(R[0][0])) weight[N];
+};
+template <int N, int rows, class V> PART void make_orthogonal(const Rows<rows, V> (&J)[N], OrthogonalOf<N, rows, V>& f) {
+    for (int k = 0; k < N; ++k) f.column[k] = J[k];
+#pragma GCC unroll 1
+    for (int k = 0; k < N; ++k) {
+        f.weight[k] = 1.0 / sqrt(square_of(f.column[k]) + TINY);
+        for (int i = 0; i < rows; ++i) f.column[k][i] = scaled(f.weight[k], f.column[k][i]);
+#pragma GCC unroll 1
+        for (int l = k + 1; l < N; ++l) {
+            f.R[k][l] = inner_product(f.column[k], f.column[l]);
+            for (int i = 0; i < rows; ++i) f.column[l][i] = f.column[l][i] - f.R[k][l] * f.column[k][i];
+        }
+    }
+}
+
 // The smallest singular value of J and its right singular vector.
 template <int N> struct Weakest {
     double value, direction[N];
 };
 
 // Inverse iteration on the triangular factor of J.
-template <int N, int rows> PART Weakest<N> weakest(Rows<rows, double> (&J)[N]) {
-    double R[N][N], x[N], y[N];
-    for (int k = 0; k < N; ++k) {
-        const double length = sqrt(dot(J[k], J[k]));
-        R[k][k] = max(length, 1e-30);
-        J[k] = times(J[k], 1.0 / R[k][k]);
-        for (int l = k + 1; l < N; ++l) R[k][l] = dot(J[k], J[l]), J[l] = less(J[l], R[k][l], J[k]);
-    }
+template <int N, int rows> PART Weakest<N> weakest(const Rows<rows, double> (&J)[N]) {
+    OrthogonalOf<N, rows, double> f;
+    make_orthogonal(J, f);
+    double x[N], y[N];
+    for (double& each : f.weight) each = min(each, 1e30);
     Weakest<N> out;
     for (double& each : x) each = 1.0;
     for (int round = 0; round < 4; ++round) {
         double square = 0.0;
         for (int i = 0; i < N; ++i) {
             double rest = x[i];
-            for (int j = 0; j < i; ++j) rest -= R[j][i] * y[j];
-            y[i] = rest / R[i][i];
+            for (int j = 0; j < i; ++j) rest -= f.R[j][i] * y[j];
+            y[i] = rest * f.weight[i];
         }
         for (int i = N - 1; i >= 0; --i) {
             double rest = y[i];
-            for (int j = i + 1; j < N; ++j) rest -= R[i][j] * x[j];
-            x[i] = rest / R[i][i];
+            for (int j = i + 1; j < N; ++j) rest -= f.R[i][j] * x[j];
+            x[i] = rest * f.weight[i];
             square += x[i] * x[i];
         }
         const double length = sqrt(square);

@@ -11,6 +11,7 @@
 // The first bound that is tried leaves H out: |C_i H_jk| <= |C_i|_2 times the product of two twists' norms.
 #pragma once
 
+#include "arithmetic/least_squares.hpp"
 #include "certificate/loop.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -33,37 +34,7 @@ template <class V> struct Inverse {
     Six<V> row[6];
 };
 
-// a* b, the conjugates of a.
-template <class V> STEP V inner_product(const Six<V>& a, const Six<V>& b) {
-    V sum = conj(a[0]) * b[0];
-    for (int i = 1; i < 6; ++i) sum += conj(a[i]) * b[i];
-    return sum;
-}
-template <class V> STEP Block square_of(const Six<V>& a) {
-    Block sum = square(a[0]);
-    for (int i = 1; i < 6; ++i) sum += square(a[i]);
-    return sum;
-}
-
-// J = Q R; J becomes Q. weight: one over R's diagonal.
-template <class V> struct Orthogonal {
-    Six<V> column[6];
-    V R[6][6];
-    Block weight[6];
-};
-template <class V> PART void make_orthogonal(const Six<V> (&J)[6], Orthogonal<V>& f) {
-    for (int k = 0; k < 6; ++k) f.column[k] = J[k];
-#pragma GCC unroll 1
-    for (int k = 0; k < 6; ++k) {
-        f.weight[k] = 1.0 / sqrt(square_of(f.column[k]) + TINY);
-        for (int i = 0; i < 6; ++i) f.column[k][i] = scaled(f.weight[k], f.column[k][i]);
-#pragma GCC unroll 1
-        for (int l = k + 1; l < 6; ++l) {
-            f.R[k][l] = inner_product(f.column[k], f.column[l]);
-            for (int i = 0; i < 6; ++i) f.column[l][i] = f.column[l][i] - f.R[k][l] * f.column[k][i];
-        }
-    }
-}
+template <class V> using Orthogonal = OrthogonalOf<6, 6, V>;
 
 // Newton's step: J x = e.
 template <class V> STEP Six<V> newton_step(const Orthogonal<V>& f, Six<V> e) {
