@@ -64,13 +64,14 @@ template <class Family> struct Imperfect {
     // Keeps what Newton's method reaches from the branches. Their own solutions come first: they take the branch's column.
     static PART void keep_reached(const Arm& arm, const Goal<double>& goal, const Known& known, const Columns<6>& columns) {
         const Written<6>& written = arm.family.written;
+        const bool empty = !columns.count();
         for (int k = 0; k < 16; ++k) {
             const int b = k % 8;
             const bool own = k < 8;
             if (!((own ? known.found : known.reached & ~known.found) >> b & 1)) continue;
             double q[6];
             for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
-            if (own) keep(columns, b, q, 0);
+            if (own && empty) keep(columns, b, q, 0);
             else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
         }
     }
@@ -88,11 +89,12 @@ template <class Family> struct Imperfect {
             if constexpr (by_quartic) roots = Family::quartic(arm.family, seen);
             propose<Family>(arm.family, goal, seen, roots, reference, 0, 255u, columns);
         }
-        if (off < KEEPS_CURVES && keep_curve(written, goal, columns)) return set_status(columns.flags[0], Status::continuum);
+        const bool curve = off < KEEPS_CURVES && keep_curve(written, goal, columns);
         if constexpr (!by_quartic) {
-            if (off >= KEEPS_CURVES)
+            if (curve || off >= KEEPS_CURVES)
                 keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
         }
+        if (curve) return set_status(columns.flags[0], Status::continuum);
         Status status = Status::complete;
         if (off >= CLOSE_BY) status = complete(arm.elimination, goal, columns);
         else if (!prove_by_count(arm.elimination, goal, columns)) status = Status::incomplete;
