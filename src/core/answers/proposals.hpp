@@ -54,12 +54,12 @@ template <class Family> STEP int marks_of(const Branch<Block>& at, int lane, dou
 STEP MaskOf<Block> are_double(const Block& margin, const Block& lever) { return margin <= ROUNDING * root(max(lever, 0.0)); }
 
 // Moves q, at which a joint is free, along its curve to the member nearest to the reference that the caller gave; else so that the
-// joint nearest to zero is there.
-PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, const Reference<6>& reference, double (&q)[6]) {
+// joint nearest to zero is there. Returns the Jacobian's smallest singular value at its end.
+PART double approach_reference(const Written<6>& arm, const Goal<double>& goal, const Reference<6>& reference, double (&q)[6]) {
     const bool given = reference.given > 0.0;
-    for (int round = 0; round < ROUNDS_TO_REFERENCE; ++round) {
+    for (int round = 0;; ++round) {
         const Weakest<6> weak = weakest_at(arm, goal, q);
-        if (weak.value > arm.tolerances.singular) return;
+        if (weak.value > arm.tolerances.singular || round == ROUNDS_TO_REFERENCE) return weak.value;
         double apart[6], along = 0.0, nearest = __builtin_inf();
         for (int j = 0; j < 6; ++j) {
             apart[j] = wrap(reference.q[j] - q[j]);
@@ -68,15 +68,15 @@ PART void approach_reference(const Written<6>& arm, const Goal<double>& goal, co
                 nearest = abs(apart[j]), along = apart[j] / weak.direction[j];
             }
         }
+        if (abs(along) <= FINISHED) return weak.value;
         double at[6];
         for (int j = 0; j < 6; ++j) at[j] = q[j];
-        if (!(move_along(arm, goal, ACROSS_A_VALLEY, along, weak.direction, at) <= FINISHED)) return;
+        if (!(move_along(arm, goal, ACROSS_A_VALLEY, along, weak.direction, at) <= FINISHED)) return weak.value;
         double before = 0.0, after = 0.0;
         for (int j = 0; j < 6; ++j)
             before += apart[j] * apart[j], after += wrap(reference.q[j] - at[j]) * wrap(reference.q[j] - at[j]);
-        if (given && !(after < before)) return;
+        if (given && !(after < before)) return weak.value;
         for (int j = 0; j < 6; ++j) q[j] = at[j];
-        if (abs(along) <= FINISHED || !given) return;
     }
 }
 
@@ -133,12 +133,14 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
             double x[6];
             for (int j = 0; j < 6; ++j) x[j] = q[j][l];
             if (!(reached >> l & 1)) continue;
-            if (k < free_to_rounding && !(out.fixed >> (first + l) & 1)) approach_reference(written, goal, reference, x);
-            if (!is_new(written, goal, columns, x)) continue;
             // `least` is a lower bound of the Jacobian's smallest singular value.
-            const int marks =
-                end.least[l] < NEAR_FOLD ? singular_marks(written, goal, x, marks_of<Family>(at, l, written.tolerances.fold)) : 0;
-            keep(columns, first + l, x, marks);
+            double least = end.least[l];
+            const bool moves_freely = k < free_to_rounding && !(out.fixed >> (first + l) & 1);
+            if (moves_freely) least = approach_reference(written, goal, reference, x);
+            if (!is_new(written, goal, columns, x)) continue;
+            if (!moves_freely && least < NEAR_FOLD) least = weakest_at(written, goal, x).value;
+            const int marks = marks_of<Family>(at, l, written.tolerances.fold);
+            keep(columns, first + l, x, least > written.tolerances.singular ? 0 : marks ? marks : OTHER);
         }
     }
     return out;
