@@ -115,15 +115,16 @@ bool is_settled(const Written<6>& arm, const Goal<double>& goal, const Boxes& bo
 // The boxes, by branch, that hold nothing but what the columns have since a solution is at their fold. A fold that keeps the pose
 // to the tolerance is added to the columns where its box has no solution.
 //
-// A box meets its twins at folds: solutions of targets at which its open roots are zero. `folds` encloses them: the closed form
-// with zeros in place of these roots. Behind a short lever arm, or another fold, an open margin is known to half of the digits or
-// less, and the box is wide; its fold is not, since the root is left out.
+// Where an open root is zero, a box and its twin, which has the root's other sign, hold the same solution: the fold. `folds` are
+// boxes of the folds: the closed form with zeros in place of the open roots. Behind a short lever arm, or another fold, an open
+// margin is known to half of the digits or less, and the box is wide; the box of its fold is not, since the root is left out.
 //
-// The fold's box is at most NEARER_THAN_ROUNDING wide. Let s be a solution in a box. Either each open margin is tiny at the fold:
-// then joint vectors that keep the pose to about these margins lead from s to the fold. Or one root is open, and a joint vector in
-// the fold's box keeps the pose to FINISHED: the fold itself, or a solution q with the signs of the box's other roots. On the way
-// from the pose to the one which that reaches exactly, s meets its twin at a fold, or becomes the fold, or the twin of q, whose
-// root is at most as large as the fold's box. A solution in the fold's box stands as one with all of these.
+// Claim: the box holds no solution but the one in its fold's box, to the rounding of the pose. The fold's box is at most
+// NEARER_THAN_ROUNDING wide. Proof: let s be a solution in the box.
+//   - Each open margin is tiny at the fold: joint vectors that keep the pose to about these margins lead from s to the fold.
+//   - One root is open, and a joint vector f in the fold's box keeps the pose to FINISHED: the fold itself, or a solution whose
+//     other roots have the box's signs. Let the target move from the pose to the one that f reaches exactly, and s with it. Then s
+//     meets its twin at a fold, or becomes the fold, or the twin of f, whose root is at most as large as the fold's box.
 unsigned boxes_with_folds(const Written<6>& arm, const IdealFrames& ideal, const Goal<double>& goal, const Boxes& boxes,
                           const Boxes& folds, const Columns<6>& columns);
 

@@ -81,7 +81,7 @@ template <int R> PART void add_zeros(const Six<double> (&twist)[6], const Svd<6,
     const LostForms<R> forms = lost_forms<R>(twist, J);
     for (int start = 0; start < (R == 2 ? 4 : 13); ++start) {
         double t[R], value[R], slope[R][R], left = 0.0;
-        // The base-3 digits of start + 5 or + 14, less one: one of each pair of opposite points.
+        // Coordinates are base-3 digits, less one. Codes from 5 (R = 2) or 14 (R = 3) on are one of each pair of opposite points.
         for (int a = 0, code = start + (R == 2 ? 5 : 14); a < R; ++a, code /= 3) t[a] = code % 3 - 1;
         for (int round = 0;; ++round) {
             const double length = length_of(t);

@@ -31,7 +31,8 @@ struct Targets {
     Seen<Block> middle;
     Block turn, shift;
 };
-// The targets for the joint vectors within `half` of `turn`. chord: of half of the arcs; a whole circle has a chord of 2.
+// The targets for the joint vectors within `half` of `turn`. chord: of half of the arcs; a whole circle has a chord of 2. apart:
+// bounds on the displacements X below.
 //
 // X is the displacement between the two arms of all that joint j carries: by the angle turn_j, and the length shift_j at the tip.
 // Turning joint j by R, with a chord x, replaces X by R X R^-1. So the target turns by at most turn_j x, and shifts by at most
