@@ -161,11 +161,14 @@ template <int N> STEP void scatter_over(const Written<N>& arm, Scatter& scatter,
     }
 }
 
-// The flags of a singular solution q: `marks`, or OTHER if that is 0; 0 if the Jacobian is regular.
+// The flags of a singular solution: `marks`, or OTHER if that is 0; 0 if the Jacobian's smallest singular value makes it regular.
+STEP int singular_marks(const Tolerances& tolerances, double least, int marks) {
+    if (least > tolerances.singular) return 0;
+    return marks ? marks : OTHER;
+}
 template <class Model>
 STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], int marks) {
-    if (weakest_at(arm, goal, q).value > arm.tolerances.singular) return 0;
-    return marks ? marks : OTHER;
+    return singular_marks(arm.tolerances, weakest_at(arm, goal, q).value, marks);
 }
 
 // Whether Newton's method from the midpoint of two singular solutions stays near it, and ends at a singular solution too.

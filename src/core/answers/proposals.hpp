@@ -139,8 +139,8 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
             if (moves_freely) least = approach_reference(written, goal, reference, x);
             if (!is_new(written, goal, columns, x)) continue;
             if (!moves_freely && least < NEAR_FOLD) least = weakest_at(written, goal, x).value;
-            const int marks = marks_of<Family>(at, l, written.tolerances.fold);
-            keep(columns, first + l, x, least > written.tolerances.singular ? 0 : marks ? marks : OTHER);
+            const Tolerances& tolerances = written.tolerances;
+            keep(columns, first + l, x, singular_marks(tolerances, least, marks_of<Family>(at, l, tolerances.fold)));
         }
     }
     return out;

@@ -62,6 +62,7 @@ template <class Family> struct Imperfect {
     }
 
     // Keeps what Newton's method reaches from the branches. Their own solutions come first: they take the branch's column.
+    // Where the closed form's are there already, all have to be new.
     static PART void keep_reached(const Arm& arm, const Goal<double>& goal, const Known& known, const Columns<6>& columns) {
         const Written<6>& written = arm.family.written;
         const bool empty = !columns.count();
@@ -89,6 +90,7 @@ template <class Family> struct Imperfect {
             if constexpr (by_quartic) roots = Family::quartic(arm.family, seen);
             propose<Family>(arm.family, goal, seen, roots, reference, 0, 255u, columns);
         }
+        // Next to another singularity a curve's pose has solutions beside it that the closed form does not propose.
         const bool curve = off < KEEPS_CURVES && keep_curve(written, goal, columns);
         if constexpr (!by_quartic) {
             if (curve || off >= KEEPS_CURVES)
