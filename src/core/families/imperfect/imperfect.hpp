@@ -27,7 +27,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double CLOSE_BY = 1e-4;
 // Up to this imperfection boxes are tried.
 inline constexpr double BOXED = 1e-3;
-// Below this imperfection the members of a curve of the ideal arm's solutions keep the pose to about the tolerance of solutions.
+// Below this imperfection the members of a curve of the ideal arm's solutions keep the pose to about the tolerance of solutions:
+// the closed form proposes those near the reference.
 inline constexpr double KEEPS_CURVES = 1e-9;
 
 template <class Family> struct Imperfect {
@@ -62,17 +63,15 @@ template <class Family> struct Imperfect {
     }
 
     // Keeps what Newton's method reaches from the branches. Their own solutions come first: they take the branch's column.
-    // Where the closed form's are there already, all have to be new.
     static PART void keep_reached(const Arm& arm, const Goal<double>& goal, const Known& known, const Columns<6>& columns) {
         const Written<6>& written = arm.family.written;
-        const bool empty = !columns.count();
         for (int k = 0; k < 16; ++k) {
             const int b = k % 8;
             const bool own = k < 8;
             if (!((own ? known.found : known.reached & ~known.found) >> b & 1)) continue;
             double q[6];
             for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
-            if (own && empty) keep(columns, b, q, 0);
+            if (own) keep(columns, b, q, 0);
             else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
         }
     }
@@ -89,14 +88,9 @@ template <class Family> struct Imperfect {
             Quartic roots = {};
             if constexpr (by_quartic) roots = Family::quartic(arm.family, seen);
             propose<Family>(arm.family, goal, seen, roots, reference, 0, 255u, columns);
+        } else if constexpr (!by_quartic) {
+            keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
         }
-        // Next to another singularity a curve's pose has solutions beside it that the closed form does not propose.
-        const bool curve = off < KEEPS_CURVES && keep_curve(written, goal, columns);
-        if constexpr (!by_quartic) {
-            if (curve || off >= KEEPS_CURVES)
-                keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
-        }
-        if (curve) return set_status(columns.flags[0], Status::continuum);
         Status status = Status::complete;
         if (off >= CLOSE_BY) status = complete(arm.elimination, goal, columns);
         else if (!prove_by_count(arm.elimination, goal, columns)) status = Status::incomplete;
