@@ -1,69 +1,56 @@
 """The independent check of proofs: true answers are accepted, and those that lack or add a solution are refused."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from arms_general import calibrated_ur, crx_like, irb140_like, jaco_like, upright_ur, ur_with_right_angles
 from cases import described, from_catalogue
-from flint import arb
 from searches import folds
 
 import urdf_ik
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.verify import check_proof
-from urdf_ik.verify.proof.check import SIXTEEN, examine
-from urdf_ik.verify.proof.loop import Loop, exact
-from urdf_ik.verify.proof.roots import cluster, search, single_root
+from urdf_ik.verify.proof.check import examine
+from urdf_ik.verify.proof.elimination import zeros
+from urdf_ik.verify.proof.enclosure import between, enclosed
+from urdf_ik.verify.proof.loop import Loop, exact, largest, residual
 
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 
 
-def account(loop: Loop, solutions: np.ndarray) -> Any:
-    """The sixteen complex roots of a pose, as an answer's proof has them."""
-    singles, _ = search(loop, solutions, SIXTEEN, np.random.default_rng(0), 20)
-    return SimpleNamespace(
-        roots=np.array([[complex(value) for value in each.centre] for each in singles]),
-        inner=np.full(len(singles), 1e-12),
-        real=np.array([each.real for each in singles]),
-        counted=len(singles),
-        expected=SIXTEEN,
-    )
+def verdict(loop: Loop, solutions: np.ndarray, *, clustered: bool = False) -> bool | None:
+    """What the check says."""
+    return examine(loop, solutions, clustered=clustered)[0]
 
 
 @pytest.fixture(scope="module")
-def general() -> tuple[Loop, np.ndarray, Any]:
-    """A pose of an arm without structure: its loop, its solutions, an account of its sixteen roots."""
+def general() -> tuple[Loop, np.ndarray]:
+    """A pose of an arm without structure: its loop and its solutions."""
     arm = described(crx_like()).arm
-    T = arm.fk(Q)
-    solutions = arm.ik(T).q
-    solutions = solutions[np.isfinite(solutions).all(-1)]
-    loop = Loop.of(arm.chain, T)
-    return loop, solutions, account(loop, solutions)
+    s = arm.ik(arm.fk(Q))
+    return Loop.of(arm.chain, s.poses), s.q[s.valid]
 
 
-def verdict(loop: Loop, solutions: np.ndarray, proof: Any) -> bool | None:
-    """What the check says."""
-    return examine(loop, solutions, proof, np.random.default_rng(0))[0]
+def test_the_zeros_of_the_determinant_are_the_solutions(general: tuple[Loop, np.ndarray]) -> None:
+    """As many on the circle as there are solutions, at their joint values; the others come in pairs."""
+    loop, solutions = general
+    found = zeros(loop, np.inf)
+    assert len(found) == 16
+    real = np.array([[float(x.real) for x in zero.q] for zero in found if not zero.off])
+    apart = np.abs((real[:, None] - solutions + np.pi) % (2 * np.pi) - np.pi).max(axis=-1)
+    assert (apart < 1e-9).sum(axis=0).tolist() == [1] * len(solutions) == (apart < 1e-9).sum(axis=1).tolist()
+    assert all(largest(residual(loop.values(zero.q))) < 1e-15 for zero in found)
 
 
-def test_a_true_account_is_accepted(general: tuple[Loop, np.ndarray, Any]) -> None:
-    """Sixteen roots, as many real ones as there are solutions."""
-    loop, solutions, proof = general
-    assert proof.counted == SIXTEEN
-    assert proof.real.sum() == len(solutions)
-    assert verdict(loop, solutions, proof) is True
-
-
-def test_a_missing_doubled_or_wrong_solution_is_refused(general: tuple[Loop, np.ndarray, Any]) -> None:
-    """Whether the answer has an account of its roots or the check finds them itself."""
-    loop, solutions, proof = general
+def test_a_missing_doubled_or_wrong_solution_is_refused(general: tuple[Loop, np.ndarray]) -> None:
+    """And the true answer is accepted."""
+    loop, solutions = general
     wrong = solutions.copy()
     wrong[0, 1] += 1e-4
+    assert verdict(loop, solutions) is True
     for each in (solutions[1:], np.concatenate([solutions, solutions[:1]]), wrong):
-        assert verdict(loop, each, proof) is False
-        assert verdict(loop, each, None) is False
+        assert verdict(loop, each) is False
 
 
 MADE = {"calibrated": calibrated_ur, "parallel axes that are oblique": lambda: ur_with_right_angles(1.5708)}
@@ -71,14 +58,14 @@ MADE = {"calibrated": calibrated_ur, "parallel axes that are oblique": lambda: u
 
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "puma_560", "ur5", *MADE])
 def test_answers_of_closed_forms_are_accepted_and_shortened_ones_refused(name: str) -> None:
-    """By eight roots of the nearest ideal arm, or all sixteen of a calibrated one."""
+    """Their determinant vanishes, or all but vanishes, until the axes are moved."""
     arm = (described(MADE[name]()) if name in MADE else from_catalogue(name)).arm
     T = arm.fk(Q)
     solutions = arm.ik(T).q
     solutions = solutions[np.isfinite(solutions).all(-1)]
     loop = Loop.of(arm.chain, T)
-    assert verdict(loop, solutions, None) is True
-    assert verdict(loop, solutions[:-1], None) is False
+    assert verdict(loop, solutions) is True
+    assert verdict(loop, solutions[:-1]) is False
 
 
 def test_an_empty_answer_is_accepted_only_out_of_reach() -> None:
@@ -86,21 +73,19 @@ def test_an_empty_answer_is_accepted_only_out_of_reach() -> None:
     arm = urdf_ik.load("ur5")
     T = arm.fk(Q)
     none = np.zeros((0, 6))
-    assert verdict(Loop.of(arm.chain, T), none, None) is False
+    assert verdict(Loop.of(arm.chain, T), none) is False
     T[0, 3] += 5.0
-    assert verdict(Loop.of(arm.chain, T), none, None) is True
+    assert verdict(Loop.of(arm.chain, T), none) is True
 
 
-def test_a_double_root_is_a_cluster_of_two() -> None:
-    """At a fold two roots are nearer than rounding: no box holds one of them, and a polydisc holds exactly two."""
+def test_at_a_double_root_no_box_holds_a_single_one() -> None:
+    """Of the arm as written. Two zeros of the moved arm are beside it."""
     arm = described(crx_like()).arm
     (q,) = folds(arm, 1, np.random.default_rng(0))
     loop = Loop.of(arm.chain, arm.fk(q))
-    assert isinstance(single_root(loop, exact(q)), str)
-    found = cluster(loop, q.astype(complex), 1, 1e-5, 1e-8)
-    assert not isinstance(found, str), found
-    assert found.count == 2
-    assert found.radius < arb(1e-4)
+    beside = [zero for zero in zeros(loop, 1e-4) if largest(between(zero.q, exact(q))) < 1e-4]
+    assert len(beside) == 2
+    assert enclosed(loop, exact(q)) is None
 
 
 def test_an_answer_at_a_fold_is_accepted() -> None:
@@ -112,8 +97,7 @@ def test_an_answer_at_a_fold_is_accepted() -> None:
     solutions = s.q[s.valid]
     apart = np.abs((solutions - q + np.pi) % (2 * np.pi) - np.pi).max(axis=1)
     assert s.status == "clustered" and (apart < 1e-5).any()
-    loop, rng = Loop.of(arm.chain, T), np.random.default_rng(0)
-    assert examine(loop, solutions, s.proof, rng, clustered=True) == (True, "")
+    assert examine(Loop.of(arm.chain, T), solutions, clustered=True) == (True, "")
 
 
 @pytest.mark.parametrize(
@@ -126,13 +110,9 @@ def test_where_two_folds_meet_a_solution_stands_for_four_roots(quarters: tuple[i
     s = arm.ik(T)
     assert s.status == "clustered"
     loop, solutions = Loop.of(arm.chain, T), s.q[s.valid]
-
-    def says(some: np.ndarray, *, clustered: bool = True) -> bool | None:
-        return examine(loop, some, s.proof, np.random.default_rng(0), clustered=clustered)[0]
-
-    assert says(solutions) is True
-    assert says(solutions, clustered=False) is not True
-    assert all(says(np.delete(solutions, k, 0)) is False for k in range(len(solutions)))
+    assert verdict(loop, solutions, clustered=True) is True
+    assert verdict(loop, solutions) is not True
+    assert all(verdict(loop, np.delete(solutions, k, 0), clustered=True) is False for k in range(len(solutions)))
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,20 +16,17 @@ except ImportError as error:  # python-flint is an extra
     raise extras.missing("proofs are checked in ball arithmetic", "proof") from error
 
 from urdf_ik.arm import Arm
-from urdf_ik.ik.solutions import IKSolutions, Proof
+from urdf_ik.ik.solutions import IKSolutions
 from urdf_ik.kinematics.chain import Chain
 from urdf_ik.support.watch import Progress
 from urdf_ik.typing import Array
-from urdf_ik.verify.proof.loop import EIGHT, Loop, exact, ideal, largest, residual
-from urdf_ik.verify.proof.roots import ClusterEnclosure, Complex, Enclosure, enclosed, search, single_root
+from urdf_ik.verify.proof.elimination import zeros
+from urdf_ik.verify.proof.enclosure import between, enclosed
+from urdf_ik.verify.proof.loop import Loop, exact, largest, midpoints, residual
 
-SIXTEEN = 16  # of six turning joints: E. J. F. Primrose, Mech. Mach. Theory 21, 1986
-_ROUNDS = 20  # of the search for complex roots
-_AS_GOOD_AS_IDEAL = 1e-9  # an arm so close to an ideal one has eight roots too far away to be found
-_BESIDE, _SAME_POSE = 1e-2, 1e-10  # rad; share of the arm's size, rad
-_TOGETHER = 1e-5  # rad; a solution of a clustered answer may stand for a pair that is real to this
-_SOLUTION = 1e-6  # rad; solutions of an answer that are further from every root are none
-_SHARP = 1e-9  # rad; a box as narrow as that is as good as its root
+_NEAR = 1e-2  # rad; zeros so near to the circle may belong to a solution of several, and stand so far from it
+_SAME_POSE = 1e-10  # share of the arm's size, rad
+_SOLUTION = 1e-6  # rad; from a root to the solution that is it
 
 
 @dataclass(frozen=True)
@@ -101,11 +97,8 @@ def check_proof(
 ) -> ProofCheck:
     """Check every answer that claims to be complete, with no code of the solver.
 
-    The loop equations are set up anew from the chain's screw axes and the pose. Where the answer's proof is a count of
-    16 complex roots, each ball of it must hold one root, and no two the same: then
-    there is no other root (Primrose 1986), and the real ones must be the answer's solutions. Where the solver went
-    through the closed form of a family, this check finds the eight complex roots of the nearest ideal arm itself and
-    encloses each for every target that the arm as written can stand for.
+    The loop equations are set up anew from the chain's screw axes and the pose, and the zeros of their determinant are
+    isolated. Each zero on the circle leads to one root, which is enclosed. The roots have to be the answer's solutions.
 
     Args:
         arm: what :func:`urdf_ik.load` returned; six turning joints.
@@ -145,10 +138,7 @@ def check_proof(
         status, looked_at = str(statuses[i]), i + 1
         if status not in ("complete", "clustered"):
             continue
-        place = tuple(int(k) for k in np.unravel_index(i, solutions.shape))
-        proof = solutions[place].proof if solutions.shape else solutions.proof
-        loop, rng = Loop.of(arm.chain, T[i]), np.random.default_rng(i)
-        verdict, reason = examine(loop, q[i, valid[i]], proof, rng, clustered=status == "clustered")
+        verdict, reason = examine(Loop.of(arm.chain, T[i]), q[i, valid[i]], clustered=status == "clustered")
         found[verdict].append(_Refusal(i, status, reason))
     unproven, answers = looked_at - sum(map(len, found.values())), (tuple(found[None]), tuple(found[False]))
     return ProofCheck(arm.name, looked_at, unproven, len(found[True]), *answers, watch.unlooked)
@@ -160,111 +150,63 @@ def _same_axes(a: Chain, b: Chain) -> bool:
     return a is b or all(np.array_equal(getattr(a, part), getattr(b, part)) for part in parts)
 
 
-def examine(
-    loop: Loop, solutions: Array, proof: Proof | None, rng: np.random.Generator, *, clustered: bool = False
-) -> tuple[bool | None, str]:
+def examine(loop: Loop, solutions: Array, *, clustered: bool = False) -> tuple[bool | None, str]:
     """Whether ``solutions`` are all solutions of the loop; None where this is not decided; and why.
 
     Args:
         loop: the loop equations of the pose.
         solutions: (k, 6) rad, the answer.
-        proof: the solver's account of the complex roots; None where it has none.
-        rng: source of the starts of the search for complex roots.
         clustered: whether the answer leaves some of its solutions to the rounding of the pose.
     """
-    answer = _Answer(solutions, clustered)
-    if loop.out_of_reach:
-        return _answered(loop, answer, [], [])
-    near = ideal(loop)
-    if near is not None and near[1] < _AS_GOOD_AS_IDEAL:
-        return _by_family(loop, near[0], answer, rng)
-    starts: list[Complex] = [solutions.astype(np.complex128)]
-    starts += [] if proof is None else [proof.roots]
-    singles, clusters = search(loop, np.concatenate(starts), SIXTEEN, rng, _ROUNDS)
-    count = len(singles) + sum(group.count for group in clusters)
-    if count == SIXTEEN:
-        return _answered(loop, answer, singles, clusters)
-    if near is None:
-        return None, f"{count} of {SIXTEEN} roots are enclosed"
-    return _by_family(loop, near[0], answer, rng)
-
-
-class _Answer(NamedTuple):
-    """Solutions (k, 6) rad, and whether some of them are left to the rounding of the pose."""
-
-    solutions: Array
-    clustered: bool
-
-
-def _by_family(loop: Loop, near: Loop, answer: _Answer, rng: np.random.Generator) -> tuple[bool | None, str]:
-    boxes, _ = search(near, answer.solutions.astype(np.complex128), EIGHT, rng, _ROUNDS)
-    if len(boxes) != EIGHT:
-        return None, f"{len(boxes)} of the {EIGHT} roots of the nearest ideal arm are enclosed"
-    singles: list[Enclosure] = []
-    wide: list[Enclosure] = []
-    for each in boxes:
-        if not each.may_be_real:
-            singles.append(each)  # no solution, but one near it may stand for such a pair
-            wide.append(each)
-            continue
-        # A box around real numbers that holds this one, and exactly one root of the arm as written, which is real.
-        found = enclosed(loop, [acb(value.real) for value in each.centre], 2 * each.radius)
-        if isinstance(found, str):
-            return None, f"beside a real root of the ideal arm, of the arm as written: {found}"
-        if not all(found.apart(other) for other in wide):
-            return None, "real roots of the ideal arm are too close to each other"
-        # The box is as wide as the arms differ; a narrow one in it holds its root.
-        wide.append(found)
-        if not found.radius < _SHARP:
-            root = single_root(loop, found.centre)
-            if isinstance(root, str) or not root.distance(found.centre) + root.radius < found.radius:
-                return None, "beside a real root of the ideal arm, that of the arm as written is not enclosed"
-            found = root
-        singles.append(found)
-    return _answered(loop, answer, singles, [])
-
-
-def _answered(
-    loop: Loop, answer: _Answer, singles: Sequence[Enclosure], clusters: Sequence[ClusterEnclosure]
-) -> tuple[bool | None, str]:
-    """Whether the real roots are the solutions, each once; real roots nearer than rounding may stand as one."""
-    near: list[list[int]] = [[] for _ in singles]
-    between: list[list[acb]] = []  # solutions that stand for real roots and for a pair that is not real
+    answer = [exact(q) for q in solutions]
+    try:
+        found = zeros(loop, _NEAR)
+    except ArithmeticError as error:
+        return None, str(error)
+    roots: list[list[acb]] = []  # of the arm as written, each enclosed
+    others: list[list[acb]] = []  # joint vectors that stand for several roots, or for none
+    for zero in found:
+        single = None if zero.off else enclosed(loop, zero.q)
+        if single is not None:
+            roots.append(single.centre)
+        elif not zero.off or _keeps_pose(loop, [acb(x.real) for x in zero.q]):
+            others.append([acb(x.real.mid()) for x in zero.q])
+    own: list[list[int]] = [[] for _ in roots]
     undecided = ""
-    for n, q in enumerate(answer.solutions):
-        here = exact(q)
-        to_single = [root.distance(here) for root in singles]
-        best = min(range(len(singles)), key=lambda k: float(to_single[k]), default=None)
-        if best is not None and _as_one(loop, singles[best], here):
-            if singles[best].real:
-                near[best].append(n)
-                continue
-            off = float(largest([acb(value.imag) for value in singles[best].centre]))
-            if answer.clustered and (off < _TOGETHER or any(r.real and _as_one(loop, r, here) for r in singles)):
-                between.append(here)
-            else:
-                undecided = f"solution {n} stands for a pair of roots that are not real by {off:.1e} rad"
-        elif not any(each.distance(here) < each.radius + _SOLUTION for each in clusters):
-            if not answer.clustered or not largest(residual(loop.values(here))) < _SAME_POSE:
+    for n, q in enumerate(answer):
+        apart = [float(largest(between(root, q))) for root in roots]
+        best = int(np.argmin(apart)) if apart else None
+        if best is not None and (apart[best] < _SOLUTION or not clustered and _as_one(loop, roots[best], q)):
+            own[best].append(n)
+        elif not any(_as_one(loop, other, q) for other in roots + others):
+            if not (clustered and _keeps_pose(loop, q)):
                 return False, f"solution {n} is near no real root"
             undecided = f"solution {n} keeps the pose, and is near no real root"
-    for k, group in enumerate(clusters):
-        stands = any(group.distance(exact(q)) < group.radius + _SOLUTION for q in answer.solutions)
-        if not stands and not any(abs(c.imag) > group.radius for c in group.centre):
-            undecided = f"cluster {k} may be real, and no solution stands for it"
-    answered = [root.centre for root, answers in zip(singles, near, strict=True) if answers] + between
-    for root, answers in zip(singles, near, strict=True):
-        if len(answers) > 1:
-            return False, f"solutions {answers[0]} and {answers[1]} are one root"
-        if root.real and not answers and not any(_as_one(loop, root, other) for other in answered):
-            values = ", ".join(f"{float(c.real):.9f}" for c in root.centre)
-            return False, f"the real root ({values}) is not among the solutions"
+    answered = [root for root, by in zip(roots, own, strict=True) if by] + answer
+    for root, by in zip(roots, own, strict=True):
+        if len(by) > 1:
+            return False, f"solutions {by[0]} and {by[1]} are one root"
+        if not any(_as_one(loop, root, other) for other in answered):
+            return False, f"the real root ({_text(root)}) is not among the solutions"
+    for other in others:
+        if not (clustered and any(_as_one(loop, other, q) for q in answered)):
+            undecided = f"there may be a solution at ({_text(other)}), which is singular"
     return (None, undecided) if undecided else (True, "")
 
 
-def _as_one(loop: Loop, root: Enclosure, q: Sequence[acb]) -> bool:
-    """Whether a vector and a root are one to the tolerance of solutions: the pose is kept half way between them."""
-    apart = root.distance(q)
-    if apart < _SOLUTION:
+def _keeps_pose(loop: Loop, q: Sequence[acb]) -> bool:
+    return bool(largest(residual(loop.values(q))) < _SAME_POSE)
+
+
+def _as_one(loop: Loop, root: Sequence[acb], q: Sequence[acb]) -> bool:
+    """Whether two joint vectors are one to the tolerance of solutions: the pose is kept half way between them."""
+    steps = between(q, root)
+    if largest(steps) < _SOLUTION:
         return True
-    return bool(apart < _BESIDE and largest(residual(loop.values(root.towards(q)))) < _SAME_POSE)
+    return bool(largest(steps) < _NEAR) and _keeps_pose(
+        loop, midpoints([a + step / 2 for a, step in zip(root, steps, strict=True)])
+    )
+
+
+def _text(q: Sequence[acb]) -> str:
+    return ", ".join(f"{float(x.real):.9f}" for x in q)

@@ -1,6 +1,6 @@
 """The loop equations of six turning joints in ball arithmetic: every number is a ball that encloses the true value."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -16,7 +16,7 @@ from urdf_ik.typing import Array
 Axes = tuple[tuple[list[arb], list[arb]], ...]
 
 ORDER = (2, 1, 0, 5, 4, 3)  # in which the joints turn X
-PRECISION = 192  # bits; a double root of the pose as rounded splits by about 2^-26, which these separate
+PRECISION = 2048  # bits; they isolate the zeros of nearly every pose, where eight may be within 2^-16 of each other
 _HALF = acb("0.5")
 
 
@@ -30,8 +30,7 @@ class Loop:
 
     Attributes:
         axes: unit direction and a point of each joint's axis at the zero configuration, joint 1 first.
-        G: the 4x4 motion that the joints must make together. Where it is a ball, what is enclosed is enclosed for every
-            motion in it.
+        G: the 4x4 motion that the joints must make together.
     """
 
     axes: Axes
@@ -59,18 +58,10 @@ class Loop:
         at_zero = [
             [sum((arb(float(step)) for step in chain.P[: k + 1, i]), arb(0)) / size for i in range(3)] for k in range(7)
         ]
-        axes = tuple((_unit([arb(float(x)) for x in chain.H[j]]), at_zero[j]) for j in range(6))
+        axes = tuple((unit([arb(float(x)) for x in chain.H[j]]), at_zero[j]) for j in range(6))
         tip = _motion(_rotation(chain.R_tip), at_zero[6])
         goal = _motion(_rotation(T[:3, :3]), [arb(float(x)) / size for x in T[:3, 3]])
         return cls(axes, goal * _inverse(tip))
-
-    @property
-    def out_of_reach(self) -> bool:
-        """Whether axis 6 would be further from axis 1 than the steps between the axes' points are long together."""
-        first, last = self.axes[0][1], self.axes[5][1]
-        moved = [sum((self.G[i, k].real * last[k] for k in range(3)), self.G[i, 3].real) - first[i] for i in range(3)]
-        steps = [[b - a for a, b in zip(self.axes[k][1], self.axes[k + 1][1], strict=True)] for k in range(5)]
-        return bool(_length(moved) > sum((_length(step) for step in steps), arb(0)))
 
     def values(self, q: Sequence[acb]) -> acb_mat:
         """X at q, six balls."""
@@ -81,16 +72,6 @@ class Loop:
         X, moved = self._swept(q)
         columns = {j: residual(moved[i] * X) for i, j in enumerate(ORDER)}
         return X, acb_mat([[columns[j][row] for j in range(6)] for row in range(6)])
-
-    def hessian(self, q: Sequence[acb]) -> list[list[list[acb]]]:
-        """The second derivatives, ``[i][j]`` a list of six."""
-        X, moved = self._swept(q)
-        out: list[list[list[acb]]] = [[[] for _ in range(6)] for _ in range(6)]
-        for a in range(6):
-            for b in range(a, 6):
-                i, j = ORDER[a], ORDER[b]
-                out[i][j] = out[j][i] = residual(moved[a] * moved[b] * X)
-        return out
 
     def _swept(self, q: Sequence[acb]) -> tuple[acb_mat, list[acb_mat]]:
         """X, and the twist of each factor carried to the left end: dX/dq = moved X."""
@@ -103,12 +84,10 @@ class Loop:
         return X, moved
 
 
-def is_identity(X: acb_mat) -> bool | None:
-    """Whether X, which holds a root of the equations, is the identity; False: half a turn; None: it may be either."""
+def is_identity(X: acb_mat) -> bool:
+    """Whether X, which holds a root of the equations, is the identity, and not half a turn."""
     trace = X[0, 0] + X[1, 1] + X[2, 2]  # 3 or -1: the rotation is symmetric, and its own inverse
-    if not trace.contains(acb(-1)):
-        return True
-    return None if trace.contains(acb(3)) else False
+    return not trace.contains(acb(-1))
 
 
 def twist(h: list[arb], p: list[arb]) -> acb_mat:
@@ -142,7 +121,8 @@ def largest(values: Sequence[acb]) -> arb:
     return out
 
 
-def _unit(v: list[arb]) -> list[arb]:
+def unit(v: list[arb]) -> list[arb]:
+    """The vector over its length."""
     length = _length(v)
     return [x / length for x in v]
 
@@ -168,7 +148,7 @@ def _rotation(R: Array) -> list[list[arb]]:
         q = [m[k][j] - m[j][k], arb(0), arb(0), arb(0)]
         q[1 + i] = 1 + m[i][i] - m[j][j] - m[k][k]
         q[1 + j], q[1 + k] = m[j][i] + m[i][j], m[k][i] + m[i][k]
-    w, x, y, z = _unit([value.mid() for value in q])
+    w, x, y, z = unit([value.mid() for value in q])
     return [
         [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
@@ -200,100 +180,3 @@ def residual(A: acb_mat) -> list[acb]:
     """The six equations at X, or their derivatives from those of X."""
     skew = ((A[2, 1] - A[1, 2]), (A[0, 2] - A[2, 0]), (A[1, 0] - A[0, 1]))
     return [A[0, 3], A[1, 3], A[2, 3], *(each * _HALF for each in skew)]
-
-
-EIGHT = 8
-_NEAR = 0.05  # a structure further off than this share of the arm, or this many rad, is not tried
-
-
-def ideal(loop: Loop) -> tuple[Loop, float] | None:
-    """The loop of the nearest arm with three axes that meet or are parallel, for every target that is needed; or None.
-
-    Where three consecutive axes meet in a point or are parallel, six turning joints have at most eight isolated complex
-    solutions (D. L. Pieper, "The kinematics of manipulators under computer control", 1968; C. Mavroidis and B. Roth,
-    J. Mech. Des. 116, 1994). An arm as written misses this by rounding, or by the decimals of its file. Its real joint
-    vectors q in the pose G solve the ideal arm at the target ``e1' ... e6'(q)``, which differs from
-    G = ``e1 ... e6(q)`` by a known amount. So where all eight roots of the ideal arm are enclosed for every target so
-    close to G, the real solutions of the arm as written lie in these eight boxes.
-
-    Args:
-        loop: the arm as written at a pose.
-
-    Returns:
-        The loop of the ideal arm, and how far its targets reach. Its ``G`` is a ball that holds the ideal arm's target
-        for every real solution of the arm as written.
-    """
-    written = loop.axes
-    choices = []
-    for first in range(4):
-        for straighten in (_meeting, _parallel):
-            axes = straighten(written, first)
-            if axes is not None:
-                turn, move = _difference(written, axes)
-                choices.append((float(turn + move), axes, turn, move))
-    if not choices:
-        return None
-    _, axes, turn, move = min(choices, key=lambda choice: choice[0])
-    side = [acb(arb(0, turn))] * 3 + [acb(arb(0, move))]
-    target = acb_mat([[loop.G[i, k] + (side[k] if i < 3 else 0) for k in range(4)] for i in range(4)])
-    return Loop(axes, target), float(turn + move)
-
-
-def _meeting(axes: Axes, first: int) -> Axes | None:
-    """The axes with three consecutive ones moved through one point, that nearest to them."""
-    h = np.array([[float(x) for x in axes[first + k][0]] for k in range(3)])
-    p = np.array([[float(x) for x in axes[first + k][1]] for k in range(3)])
-    across = np.eye(3) - h[:, :, None] * h[:, None, :]
-    M = across.sum(0)
-    if np.linalg.cond(M) > 1e6:
-        return None
-    point = np.linalg.solve(M, np.einsum("kij,kj->i", across, p))
-    if np.linalg.norm(np.einsum("kij,kj->ki", across, point - p), axis=1).max() > _NEAR:
-        return None
-    common = [arb(float(x)) for x in point]
-    return tuple((axis, common if first <= k < first + 3 else at) for k, (axis, at) in enumerate(axes))
-
-
-def _parallel(axes: Axes, first: int) -> Axes | None:
-    """The axes with three consecutive ones turned into the direction of the middle one, about their points."""
-    middle = axes[first + 1][0]
-    out = list(axes)
-    for k in (first, first + 2):
-        axis, at = axes[k]
-        cosine = sum((a * b for a, b in zip(axis, middle, strict=True)), arb(0))
-        across = [a - b * cosine.mid() for a, b in zip(axis, middle, strict=True)]
-        sine = sum((x * x for x in across), arb(0))  # x ** 2 has no value where a ball holds zero
-        if not (sine < _NEAR**2 and abs(cosine) > 0.5):
-            return None
-        out[k] = (middle if cosine > 0 else [-x for x in middle], at)
-    return tuple(out)
-
-
-def _difference(written: Axes, changed: Axes) -> tuple[arb, arb]:
-    """Bounds on the entries of ``e1' ... e6' - e1 ... e6`` over all real joint vectors: rotation, translation.
-
-    ``R' - R = sin(q) (S' - S) + (1 - cos q) (S'^2 - S^2)`` of each joint, and
-    ``t' - t = (R - R') p' + (1 - R) (p' - p)``, where the last is at most twice the distance of p' from the axis. A
-    rotation keeps lengths, so the differences of the rotations add up, and each moves what stands behind it by at most
-    its length.
-    """
-    turn, move, behind = arb(0), arb(0), arb(0)
-    for (h, p), (g, r) in reversed(list(zip(written, changed, strict=True))):
-        S, Z = twist(h, [arb(0)] * 3), twist(g, [arb(0)] * 3)
-        rotated = (frobenius(Z - S) + 2 * frobenius(Z * Z - S * S)).upper()
-        d = [a - b for a, b in zip(r, p, strict=True)]
-        shift = norm([h[1] * d[2] - h[2] * d[1], h[2] * d[0] - h[0] * d[2], h[0] * d[1] - h[1] * d[0]])
-        turn += rotated
-        move += rotated * (norm(r) + behind) + 2 * shift
-        behind += 2 * norm(p).max(norm(r))
-    return turn.upper(), move.upper()
-
-
-def norm(values: Iterable[acb | arb]) -> arb:
-    """An upper bound on the 2-norm."""
-    return sum((value.abs_upper() ** 2 for value in values), arb(0)).sqrt().upper()
-
-
-def frobenius(M: acb_mat) -> arb:
-    """An upper bound on the Frobenius norm."""
-    return norm(M.entries())
