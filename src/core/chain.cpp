@@ -1,7 +1,7 @@
 // Forward kinematics and Jacobian of chains of any number of joints, in blocks of joint vectors.
-#include "answers/blocks.hpp"
+#include "arm/kinematics.hpp"
 #include "chain_arm.hpp"
-#include "kinematics/kinematics.hpp"
+#include "families/blocks.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

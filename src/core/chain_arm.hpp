@@ -1,7 +1,7 @@
 // A chain of any number of joints, for forward kinematics. Its numbers are defined as in Written, see arm.hpp.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

@@ -19,10 +19,10 @@ endif()
 
 # The computations, compiled once for every instruction set.
 set(URDF_IK_UNITS
-  answers/answer.cpp
-  answers/inclusion.cpp
-  answers/on_curve.cpp
-  answers/referee.cpp
+  propose/answer.cpp
+  families/inclusion.cpp
+  referee/on_curve.cpp
+  referee/referee.cpp
   chain.cpp
   families/closed_forms/parallel_shoulder.cpp
   families/closed_forms/reversed.cpp
@@ -40,18 +40,18 @@ set(URDF_IK_UNITS
   level_table.cpp
   motion/path_graph.cpp
   motion/tracker.cpp
-  self_motion/on_curve.cpp
+  motion/self_motion/on_curve.cpp
 )
 # Compiled once: solvers made from named values, and the choice of instruction set.
 set(URDF_IK_ARMS
-  arms/closed_forms.cpp
-  arms/coupled.cpp
-  arms/elimination.cpp
-  arms/few_joints.cpp
-  arms/one_given.cpp
-  arms/reversed.cpp
-  arms/solver.cpp
-  arms/srs.cpp
+  solvers/closed_forms.cpp
+  solvers/coupled.cpp
+  solvers/elimination.cpp
+  solvers/few_joints.cpp
+  solvers/one_given.cpp
+  solvers/reversed.cpp
+  solvers/solver.cpp
+  solvers/srs.cpp
   levels.cpp
   processor.cpp
 )
@@ -95,14 +95,14 @@ function(urdf_ik_together group)
   list(TRANSFORM ARGN PREPEND "${URDF_IK_CORE}/")
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
 endfunction()
-urdf_ik_together(certified answers/inclusion.cpp answers/on_curve.cpp answers/referee.cpp families/general/elimination.cpp
+urdf_ik_together(certified families/inclusion.cpp referee/on_curve.cpp referee/referee.cpp families/general/elimination.cpp
   families/imperfect/certified.cpp)
 urdf_ik_together(shoulder families/closed_forms/parallel_shoulder.cpp families/closed_forms/spherical_middle.cpp)
 urdf_ik_together(wrist families/closed_forms/spherical_wrist.cpp families/closed_forms/three_parallel.cpp)
 urdf_ik_together(joints families/few_joints/few_joints.cpp families/mimics/coupled.cpp families/seven_joints/srs.cpp
   motion/tracker.cpp)
-urdf_ik_together(small answers/answer.cpp chain.cpp families/closed_forms/reversed.cpp families/imperfect/starts.cpp
-  families/seven_joints/one_given.cpp inverses.cpp level_table.cpp motion/path_graph.cpp self_motion/on_curve.cpp)
+urdf_ik_together(small propose/answer.cpp chain.cpp families/closed_forms/reversed.cpp families/imperfect/starts.cpp
+  families/seven_joints/one_given.cpp inverses.cpp level_table.cpp motion/path_graph.cpp motion/self_motion/on_curve.cpp)
 
 # Set a target's flags for one instruction set, those in URDF_IK_FLAGS among them.
 function(urdf_ik_compile_for level target)

@@ -1,8 +1,8 @@
 // Least-squares inverses of the Jacobians of one to seven joints, in blocks of joint vectors.
-#include "answers/blocks.hpp"
-#include "arithmetic/least_squares.hpp"
 #include "chain_arm.hpp"
+#include "families/blocks.hpp"
 #include "families/seven_joints/swivel.hpp"
+#include "numbers/least_squares.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,7 +1,7 @@
 // The table of one instruction set; see level_table.hpp.
 #include "level_table.hpp"
 
-#include "arithmetic/level.hpp"
+#include "numbers/level.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

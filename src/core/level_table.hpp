@@ -13,8 +13,8 @@
 #include "families/seven_joints/one_given_arm.hpp"
 #include "families/seven_joints/srs_arm.hpp"
 #include "motion/path_graph.hpp"
+#include "motion/self_motion/curve_arm.hpp"
 #include "motion/tracker_arm.hpp"
-#include "self_motion/curve_arm.hpp"
 
 namespace urdf_ik {
 

@@ -2,9 +2,9 @@
 // each array at its first use: making three NumPy arrays takes longer than most solvers, and few callers use all of them.
 #pragma once
 
-#include "arms/solver.hpp"
 #include "bindings/module.hpp"
 #include "bindings/python_values.hpp"
+#include "solvers/solver.hpp"
 
 namespace urdf_ik {
 

@@ -2,10 +2,10 @@
 #include <memory>
 #include <vector>
 
-#include "arms/elimination.hpp"
 #include "bindings/module.hpp"
 #include "bindings/python_values.hpp"
 #include "preparation.hpp"
+#include "solvers/elimination.hpp"
 
 namespace urdf_ik {
 

@@ -1,5 +1,5 @@
 // Bindings for the images of joint vectors inside the limits.
-#include "answers/images.hpp"
+#include "propose/images.hpp"
 
 #include <cstdint>
 #include <vector>

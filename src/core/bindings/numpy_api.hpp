@@ -12,7 +12,7 @@
 #endif
 #include <numpy/arrayobject.h>
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

@@ -3,7 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "arms/values.hpp"
+#include "solvers/values.hpp"
 
 namespace urdf_ik {
 

@@ -1,8 +1,8 @@
 // Solves a batch on several threads, part by part.
 #pragma once
 
-#include "arms/solver.hpp"
 #include "bindings/signals.hpp"
+#include "solvers/solver.hpp"
 
 namespace urdf_ik {
 

@@ -4,12 +4,12 @@
 #include <stdexcept>
 #include <vector>
 
-#include "answers/images.hpp"
-#include "arms/solver.hpp"
-#include "certificate/status.hpp"
+#include "certify/status.hpp"
 #include "library/json_values.hpp"
 #include "library/sha256.hpp"
 #include "library/urdf_ik.hpp"
+#include "propose/images.hpp"
+#include "solvers/solver.hpp"
 
 namespace urdf_ik {
 

@@ -1,8 +1,8 @@
 // The members of a JSON object as named values. null counts as missing; the words "inf", "-inf" and "nan" count as numbers.
 #pragma once
 
-#include "arms/values.hpp"
 #include "library/json.hpp"
+#include "solvers/values.hpp"
 
 namespace urdf_ik {
 

@@ -1,7 +1,7 @@
 // The graph of a path; see path_graph.hpp. A shortest path through layers, by dynamic programming (Bellman 1957).
 #include "motion/path_graph.hpp"
 
-#include "arithmetic/trig.hpp"
+#include "numbers/trig.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,9 +1,9 @@
 // The state of a tracked arm, its error to the target, and the least-squares step inside a cycle's bounds.
 #pragma once
 
-#include "answers/polish.hpp"
-#include "kinematics/target.hpp"
+#include "arm/target.hpp"
 #include "motion/tracker_arm.hpp"
+#include "propose/polish.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

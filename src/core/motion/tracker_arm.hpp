@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

@@ -2,8 +2,8 @@
 // the other joints at each.
 #pragma once
 
-#include "arithmetic/polynomials.hpp"
-#include "certificate/circle.hpp"
+#include "certify/circle.hpp"
+#include "numbers/polynomials.hpp"
 #include "referee/equations.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

@@ -7,9 +7,9 @@
 // linear in (1, cos, sin) of each. A line's numbers after each joint has turned by 0, pi or pi / 2 give their coefficients.
 #pragma once
 
-#include "arithmetic/fixed.hpp"
-#include "arithmetic/scatter.hpp"
-#include "kinematics/kinematics.hpp"
+#include "arm/kinematics.hpp"
+#include "numbers/fixed.hpp"
+#include "numbers/scatter.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

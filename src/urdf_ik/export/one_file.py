@@ -217,7 +217,7 @@ _FAMILIES = {
     "spherical middle": "SphericalMiddle<LastPair::{relation}>",
 }
 _FEW = "families/few_joints/"
-_WRAPPED = "arms/wrapped.hpp"
+_WRAPPED = "solvers/wrapped.hpp"
 # Functions that a header declares and a unit of its own defines.
 _DECLARED = re.compile(r"^(?!template|inline|extern|static|using|struct)[A-Za-z]\w* (\w+)\([^;{]*\);", re.MULTILINE)
 
@@ -358,7 +358,7 @@ def inlined(files: Iterable[str], space: str) -> str:
     return whole
 
 
-_LEVEL = "arithmetic/level.hpp"
+_LEVEL = "numbers/level.hpp"
 
 
 def macros() -> tuple[str, str]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 LARGEST = 1e15
 """Greatest valid length [m], angle [rad] or factor: beyond it a double does not resolve a millimetre or an angle, and
-products in the solvers begin to overflow. ``src/core/kinematics/arm.hpp`` has the same value."""
+products in the solvers begin to overflow. ``src/core/arm/arm.hpp`` has the same value."""
 
 STILL = 1e-17
 """A joint that mimics another with a smaller multiplier stands still: in a turn it moves less than rounding."""
@@ -12,7 +12,7 @@ STILL = 1e-17
 
 @dataclass(frozen=True)
 class SolverTolerances:
-    """Tolerances of the compiled solvers: ``Tolerances`` of src/core/kinematics/arm.hpp.
+    """Tolerances of the compiled solvers: ``Tolerances`` of src/core/arm/arm.hpp.
 
     Attributes:
         reach: position [of the arm's size] and rotation [rad] error below which a solution is verified.

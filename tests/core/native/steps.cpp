@@ -1,10 +1,10 @@
 // See steps.hpp. Compiled once for every instruction set.
 #include "steps.hpp"
 
-#include "answers/answer.hpp"
-#include "kinematics/linked_angles.hpp"
-#include "kinematics/subproblems.hpp"
-#include "kinematics/target.hpp"
+#include "arm/linked_angles.hpp"
+#include "arm/subproblems.hpp"
+#include "arm/target.hpp"
+#include "propose/answer.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,7 +1,7 @@
 // Single steps of the solvers, for tests: numbers in, numbers out, in the order of each step's arguments and results.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

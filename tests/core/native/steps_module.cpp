@@ -2,9 +2,9 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
-#include "arms/common.hpp"
 #include "bindings/python_values.hpp"
 #include "processor.hpp"
+#include "solvers/common.hpp"
 #include "steps.hpp"
 
 namespace urdf_ik {

@@ -1,10 +1,10 @@
 // A ball of a result holds the exact result of every number that the balls of its arguments hold. Oracle: long double.
-#include "arithmetic/ball.hpp"
+#include "numbers/ball.hpp"
 
 #include <random>
 
+#include "arm/subproblems.hpp"
 #include "facts.hpp"
-#include "kinematics/subproblems.hpp"
 
 using namespace urdf_ik;
 using namespace urdf_ik::URDF_IK_LEVEL;

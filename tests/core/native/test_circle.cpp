@@ -1,6 +1,6 @@
 // Zeros on the circle are counted where they are: products of sines with chosen zeros, of which some lie close together and some
 // beside the circle.
-#include "certificate/circle.hpp"
+#include "certify/circle.hpp"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // Numbers of twice the digits keep the identities of real numbers to 30 digits.
-#include "arithmetic/doubled.hpp"
+#include "numbers/doubled.hpp"
 
 #include "facts.hpp"
 

@@ -1,5 +1,5 @@
 // Known roots are found, and the polynomial vanishes at every returned root.
-#include "arithmetic/quartic.hpp"
+#include "numbers/quartic.hpp"
 
 #include "facts.hpp"
 

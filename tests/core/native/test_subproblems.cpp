@@ -1,5 +1,5 @@
 // Each subproblem's answer satisfies its equation.
-#include "kinematics/subproblems.hpp"
+#include "arm/subproblems.hpp"
 
 #include "facts.hpp"
 

@@ -1,5 +1,5 @@
 // Trigonometric functions agree with the C library, also on both sides of each change of formula.
-#include "arithmetic/trig.hpp"
+#include "numbers/trig.hpp"
 
 #include "facts.hpp"
 

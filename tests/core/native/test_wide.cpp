@@ -1,5 +1,5 @@
 // Numbers of many limbs agree with those of python-flint, computed with 2000 bits and cut off.
-#include "arithmetic/fixed.hpp"
+#include "numbers/fixed.hpp"
 
 #include "facts.hpp"
 

@@ -6,13 +6,13 @@
 
 #include <nanobind/stl/optional.h>
 
-#include "arithmetic/thresholds.hpp"
-#include "arms/common.hpp"
 #include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
 #include "bindings/python_values.hpp"
 #include "bindings/signals.hpp"
-#include "self_motion/curves.hpp"
+#include "motion/self_motion/curves.hpp"
+#include "numbers/thresholds.hpp"
+#include "solvers/common.hpp"
 
 namespace urdf_ik {
 

@@ -4,10 +4,10 @@
 #include <memory>
 #include <new>
 
-#include "arms/common.hpp"
 #include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
 #include "bindings/python_values.hpp"
+#include "solvers/common.hpp"
 
 namespace urdf_ik {
 

@@ -1,7 +1,7 @@
 // Steps for solving an arm on the chain from tip to base, compiled once for every instruction set.
 #include "families/closed_forms/reversed.hpp"
 
-#include "arithmetic/level.hpp"
+#include "numbers/level.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,7 +1,7 @@
 // Steps for solving an arm on the chain from tip to base, by pointer for each instruction set.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

@@ -9,10 +9,10 @@
 // + noflip/flip.
 #pragma once
 
-#include "answers/blocks.hpp"
+#include "arm/linked_angles.hpp"
+#include "arm/subproblems.hpp"
+#include "families/blocks.hpp"
 #include "families/closed_forms/spherical_middle_arm.hpp"
-#include "kinematics/linked_angles.hpp"
-#include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -2,9 +2,9 @@
 // joints, two wrists each. Columns: 4 front/back + 2 up/down + noflip/flip.
 #pragma once
 
-#include "answers/blocks.hpp"
-#include "arithmetic/quartic.hpp"
+#include "families/blocks.hpp"
 #include "families/closed_forms/wrist_position.hpp"
+#include "numbers/quartic.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -6,10 +6,10 @@
 // (three parallel axes). Columns: 4 front/back + 2 up/down + noflip/flip.
 #pragma once
 
-#include "answers/blocks.hpp"
+#include "arm/linked_angles.hpp"
+#include "arm/subproblems.hpp"
+#include "families/blocks.hpp"
 #include "families/closed_forms/three_parallel_arm.hpp"
-#include "kinematics/linked_angles.hpp"
-#include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

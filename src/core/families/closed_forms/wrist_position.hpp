@@ -4,8 +4,8 @@
 // wrist centre in frame 3. Sources: Pieper 1968; Craig, Introduction to Robotics, section 4.6; Elias and Wen 2022.
 #pragma once
 
-#include "answers/branch.hpp"
 #include "families/closed_forms/spherical_wrist_arm.hpp"
+#include "propose/branch.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,9 +1,9 @@
 // Solutions of a completed arm (five joints and an added one) that are also solutions of the real arm.
 #pragma once
 
-#include "answers/candidates.hpp"
+#include "arm/target.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
-#include "kinematics/target.hpp"
+#include "propose/candidates.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

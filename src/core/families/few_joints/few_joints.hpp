@@ -5,8 +5,8 @@
 // (slide_position.hpp), and these turns follow from the rotation.
 #pragma once
 
-#include "answers/candidates.hpp"
 #include "families/few_joints/slide_position.hpp"
+#include "propose/candidates.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,7 +1,7 @@
 // Arms with one to five joints, and arms of six joints with slides.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

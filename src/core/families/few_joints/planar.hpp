@@ -5,9 +5,9 @@
 // solved as for few joints. Columns: elbow left, elbow right.
 #pragma once
 
-#include "answers/blocks.hpp"
+#include "arm/subproblems.hpp"
+#include "families/blocks.hpp"
 #include "families/few_joints/few_joints.hpp"
-#include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

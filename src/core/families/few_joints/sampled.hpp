@@ -5,9 +5,9 @@
 // solved alike: the arm of the six others depends on the held value, so nothing can be prepared for it.
 #pragma once
 
-#include "answers/blocks.hpp"
-#include "answers/on_curve.hpp"
+#include "families/blocks.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
+#include "referee/on_curve.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

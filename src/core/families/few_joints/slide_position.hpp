@@ -10,9 +10,9 @@
 // lies at t = pi. Lengths are shares of the arm's size. Source: Pieper 1968, generalised to slides.
 #pragma once
 
-#include "answers/answer.hpp"
-#include "arithmetic/quartic.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
+#include "numbers/quartic.hpp"
+#include "propose/answer.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -7,8 +7,8 @@
 
 #include <initializer_list>
 
+#include "arm/subproblems.hpp"
 #include "families/few_joints/few_joints.hpp"
-#include "kinematics/subproblems.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -2,12 +2,12 @@
 // led to neither.
 #pragma once
 
-#include "answers/blocks.hpp"
-#include "answers/on_curve.hpp"
-#include "certificate/account.hpp"
-#include "certificate/circle.hpp"
-#include "certificate/precise.hpp"
+#include "certify/account.hpp"
+#include "certify/circle.hpp"
+#include "certify/precise.hpp"
+#include "families/blocks.hpp"
 #include "families/general/elimination_arm.hpp"
+#include "referee/on_curve.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,8 +1,8 @@
 // The general elimination for use by other families; see elimination.hpp.
 #pragma once
 
-#include "answers/answer.hpp"
 #include "families/general/elimination_arm.hpp"
+#include "propose/answer.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

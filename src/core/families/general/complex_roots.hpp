@@ -3,7 +3,7 @@
 // The same steps as for real roots (hidden_joint.hpp) in complex numbers. Joints are stored as z = e^(i angle).
 #pragma once
 
-#include "certificate/loop.hpp"
+#include "certify/loop.hpp"
 #include "families/general/hidden_joint.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

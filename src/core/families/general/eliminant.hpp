@@ -1,7 +1,7 @@
 // The equations of one pose, their determinant, and how many real solutions its zeros on the circle leave room for.
 #pragma once
 
-#include "certificate/circle.hpp"
+#include "certify/circle.hpp"
 #include "families/general/collecting.hpp"
 #include "families/general/hidden_joint.hpp"
 

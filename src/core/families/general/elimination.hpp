@@ -7,12 +7,12 @@
 // what this leaves open.
 #pragma once
 
-#include "answers/beside.hpp"
-#include "answers/referee.hpp"
-#include "arithmetic/scatter.hpp"
 #include "families/general/complete.hpp"
 #include "families/general/gathering.hpp"
 #include "families/general/precise_eliminant.hpp"
+#include "numbers/scatter.hpp"
+#include "propose/beside.hpp"
+#include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

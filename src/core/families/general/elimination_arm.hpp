@@ -1,8 +1,8 @@
 // An arm of six joints for the elimination.
 #pragma once
 
-#include "certificate/proof.hpp"
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
+#include "certify/proof.hpp"
 
 namespace urdf_ik {
 

@@ -13,11 +13,11 @@
 // it has the form 1, cos t, sin t up to the factor cos^2(t / 2), which cancels in homogeneous equations.
 #pragma once
 
-#include "answers/polish.hpp"
-#include "arithmetic/doubled.hpp"
-#include "arithmetic/polynomials.hpp"
-#include "certificate/loop.hpp"
+#include "certify/loop.hpp"
 #include "families/general/elimination_arm.hpp"
+#include "numbers/doubled.hpp"
+#include "numbers/polynomials.hpp"
+#include "propose/polish.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

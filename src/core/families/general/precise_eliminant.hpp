@@ -2,7 +2,7 @@
 //
 // Near a special arm the matrix all but loses ranks at every angle, and near a singularity four zeros may lie within 0.01 rad: the
 // determinant in doubles is then known to 1e-5 to 1e-10 of its size. Here it is known to their last digits. The rotations of the
-// steps and of the target are those nearest to the stored ones, as in certificate/precise.hpp.
+// steps and of the target are those nearest to the stored ones, as in certify/precise.hpp.
 #pragma once
 
 #include "families/general/eliminant.hpp"

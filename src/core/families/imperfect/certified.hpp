@@ -1,20 +1,20 @@
 // Proves the branches of an arm that is very near to a family; see imperfect.hpp.
 #pragma once
 
-#include "answers/inclusion.hpp"
-#include "certificate/single.hpp"
+#include "certify/single.hpp"
 #include "families/imperfect/starts.hpp"
+#include "families/inclusion.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// An ideal arm's closed form on balls: include() of answers/inclusion.hpp.
+// An ideal arm's closed form on balls: include() of families/inclusion.hpp.
 struct Inclusion {
     const void* arm;
     void (*include)(const void* arm, const Seen<Block>& target, const Block& turn, const Block& shift, int first, Boxes& to);
 };
 
 // Half the width [rad] of the widest box from which a root can be shown to be alone: the norm of each joint's twist is at least
-// sqrt(2), and S r in certificate/single.hpp at most LARGEST_BALL.
+// sqrt(2), and S r in certify/single.hpp at most LARGEST_BALL.
 inline constexpr double WIDEST_BOX = LARGEST_BALL / (6.0 * 1.414);
 
 // Each real solution lies in one of eight boxes, which hold the solutions of a branch for every displacement between the ideal arm

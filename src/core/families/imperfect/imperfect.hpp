@@ -15,10 +15,10 @@
 // smallest singular value: it is then hardly another branch's. This chooses columns and proves nothing.
 #pragma once
 
-#include "answers/on_curve.hpp"
-#include "answers/referee.hpp"
 #include "families/general/complete.hpp"
 #include "families/imperfect/certified.hpp"
+#include "referee/on_curve.hpp"
+#include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

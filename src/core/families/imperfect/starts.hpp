@@ -1,7 +1,7 @@
 // The ideal arm's branches as starts of Newton's method on the arm as written; see imperfect.hpp.
 #pragma once
 
-#include "answers/blocks.hpp"
+#include "families/blocks.hpp"
 #include "families/imperfect/imperfect_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

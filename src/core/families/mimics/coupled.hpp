@@ -9,9 +9,9 @@
 // and on continua this does not end, so the centres of the smallest boxes become starts.
 #pragma once
 
-#include "arithmetic/ball.hpp"
+#include "arm/target.hpp"
 #include "families/mimics/coupled_model.hpp"
-#include "kinematics/target.hpp"
+#include "numbers/ball.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -19,7 +19,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // squared [rad].
 inline constexpr long STARTS = 400;
 inline constexpr double SMALLEST = 2e-4;
-// Rounding of the error's length: of MOST_AXES axes as in certificate/loop.hpp, (14 n^2 + 62 n) 2^-53; the contraction that
+// Rounding of the error's length: of MOST_AXES axes as in certify/loop.hpp, (14 n^2 + 62 n) 2^-53; the contraction that
 // Newton's step needs.
 inline constexpr double ERROR_ROUNDING = 4e-13, CONTRACTING = 0.25;
 // A diagonal entry of the triangular factor below this share of its column: the columns depend on one another.

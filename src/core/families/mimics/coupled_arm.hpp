@@ -2,7 +2,7 @@
 // arm's size for a slide.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

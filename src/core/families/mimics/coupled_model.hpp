@@ -1,8 +1,8 @@
 // Kinematics of arms whose joints drive several axes each, for Newton's method.
 #pragma once
 
-#include "answers/candidates.hpp"
 #include "families/mimics/coupled_arm.hpp"
+#include "propose/candidates.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

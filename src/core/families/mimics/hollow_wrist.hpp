@@ -11,7 +11,7 @@
 // of the branch, where it joins another.
 #pragma once
 
-#include "answers/blocks.hpp"
+#include "families/blocks.hpp"
 #include "families/closed_forms/spherical_wrist.hpp"
 #include "families/mimics/coupled_model.hpp"
 #include "families/mimics/hollow_wrist_arm.hpp"

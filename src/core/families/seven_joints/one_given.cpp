@@ -2,7 +2,7 @@
 // form the same arm for every value; only their targets move. A free rotation of the target about an axis of the tip
 // works alike. If two neighbouring joints share an axis, the first of them may be given too: the other one compensates
 // for its value.
-#include "answers/blocks.hpp"
+#include "families/blocks.hpp"
 #include "families/seven_joints/one_given_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

@@ -2,7 +2,7 @@
 // before and after the solution of the other joints.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 

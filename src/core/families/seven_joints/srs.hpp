@@ -6,7 +6,7 @@
 // shoulder + 2 elbow + wrist.
 #pragma once
 
-#include "answers/blocks.hpp"
+#include "families/blocks.hpp"
 #include "families/seven_joints/swivel.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

@@ -1,7 +1,7 @@
 // An S-R-S arm.
 #pragma once
 
-#include "kinematics/arm.hpp"
+#include "arm/arm.hpp"
 
 namespace urdf_ik {
 
@@ -23,7 +23,7 @@ struct SrsArm {
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
     double off[7][3];     // from each axis of the arm as written to this arm's, in the joint's frame at zero [m]
-    double together;      // see Clear in answers/branch.hpp
+    double together;      // see Clear in propose/branch.hpp
     double value;         // the default swivel angle
 };
 

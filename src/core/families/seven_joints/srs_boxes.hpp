@@ -1,4 +1,4 @@
-// Interval inclusion at a swivel angle: boxes that hold every solution of an S-R-S arm, as in answers/inclusion.hpp.
+// Interval inclusion at a swivel angle: boxes that hold every solution of an S-R-S arm, as in families/inclusion.hpp.
 //
 // The ideal arm I has the axes' directions of the arm as written, W, which it leaves by e_k at axis k. At one joint vector the two
 // tips are turned alike, and I's is ahead by sum_k R_1 ... R_{k-1} (1 - R_k) e_k. So W reaches a target where I reaches the target
@@ -7,9 +7,9 @@
 // the target and the swivel angle fix.
 #pragma once
 
-#include "answers/beside.hpp"
-#include "answers/inclusion.hpp"
+#include "families/inclusion.hpp"
 #include "families/seven_joints/srs.hpp"
+#include "propose/beside.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -7,10 +7,10 @@
 // angles.
 #pragma once
 
-#include "answers/polish.hpp"
+#include "arm/subproblems.hpp"
+#include "arm/target.hpp"
 #include "families/seven_joints/srs_arm.hpp"
-#include "kinematics/subproblems.hpp"
-#include "kinematics/target.hpp"
+#include "propose/polish.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

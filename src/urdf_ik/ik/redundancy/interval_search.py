@@ -1,8 +1,8 @@
 """The intervals of the redundancy parameter in which each branch has solutions.
 
-All solutions at the values of a grid are starts; the compiled core follows the curves between them, see
-src/core/self_motion/curves.hpp: every solution at a value of the grid must be met from both sides. Curves that lie
-wholly between two values of the grid are searched for separately: from where the closed form's branches, continued
+All solutions at the values of a grid are starts; the compiled core follows the curves between them
+(src/core/motion/self_motion/curves.hpp): every solution at a value of the grid must be met from both sides. Curves that
+lie wholly between two values of the grid are searched for separately: from where the closed form's branches, continued
 beyond their ends, come nearest to the pose, and from starts all over the joints where there is no closed form.
 """
 

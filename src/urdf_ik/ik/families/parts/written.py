@@ -11,7 +11,7 @@ from urdf_ik.support.tolerances import SolverTolerances
 from urdf_ik.typing import Array
 
 POSE, POSITION, AXIS, PLANAR_POSITION, PLANAR_POSE = range(5)
-"""What the joints control of the tip, in the order of ``Task`` in src/core/kinematics/arm.hpp."""
+"""What the joints control of the tip, in the order of ``Task`` in src/core/arm/arm.hpp."""
 
 
 class Numbers(SimpleNamespace):
