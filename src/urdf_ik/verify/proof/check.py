@@ -24,6 +24,7 @@ from urdf_ik.verify.proof.elimination import zeros
 from urdf_ik.verify.proof.enclosure import between, enclosed
 from urdf_ik.verify.proof.loop import Loop, exact, largest, midpoints, residual
 
+_PRECISIONS = 2048, 4096  # bits; the first isolates the zeros of nearly every pose
 _NEAR = 1e-2  # rad; zeros so near to the circle may belong to a solution of several, and stand so far from it
 _SAME_POSE = 1e-10  # share of the arm's size, rad
 _SOLUTION = 1e-6  # rad; from a root to the solution that is it
@@ -138,7 +139,11 @@ def check_proof(
         status, looked_at = str(statuses[i]), i + 1
         if status not in ("complete", "clustered"):
             continue
-        verdict, reason = examine(Loop.of(arm.chain, T[i]), q[i, valid[i]], clustered=status == "clustered")
+        for precision in _PRECISIONS:
+            loop = Loop.of(arm.chain, T[i], precision)
+            verdict, reason = examine(loop, q[i, valid[i]], clustered=status == "clustered")
+            if verdict is not None:
+                break
         found[verdict].append(_Refusal(i, status, reason))
     unproven, answers = looked_at - sum(map(len, found.values())), (tuple(found[None]), tuple(found[False]))
     return ProofCheck(arm.name, looked_at, unproven, len(found[True]), *answers, watch.unlooked)
@@ -163,14 +168,18 @@ def examine(loop: Loop, solutions: Array, *, clustered: bool = False) -> tuple[b
         found = zeros(loop, _NEAR)
     except ArithmeticError as error:
         return None, str(error)
-    roots: list[list[acb]] = []  # of the arm as written, each enclosed
-    others: list[list[acb]] = []  # joint vectors that stand for several roots, or for none
+    roots: list[list[acb]] = []  # real ones of the arm as written, each enclosed
+    others: list[list[acb]] = []  # real parts where a solution may stand for others
+    singular: list[list[acb]] = []  # those where one has to
     for zero in found:
-        single = None if zero.off else enclosed(loop, zero.q)
-        if single is not None:
+        real = [acb(x.real) for x in zero.q]
+        single = enclosed(loop, zero.q if zero.off else real)
+        if single is not None and not zero.off:
             roots.append(single.centre)
-        elif not zero.off or _keeps_pose(loop, [acb(x.real) for x in zero.q]):
-            others.append([acb(x.real.mid()) for x in zero.q])
+        elif not zero.off or _keeps_pose(loop, real):
+            others.append(midpoints(real))
+            if single is None or not any(abs(x.imag) > single.radius for x in single.centre):
+                singular.append(others[-1])
     own: list[list[int]] = [[] for _ in roots]
     undecided = ""
     for n, q in enumerate(answer):
@@ -178,17 +187,23 @@ def examine(loop: Loop, solutions: Array, *, clustered: bool = False) -> tuple[b
         best = int(np.argmin(apart)) if apart else None
         if best is not None and (apart[best] < _SOLUTION or not clustered and _as_one(loop, roots[best], q)):
             own[best].append(n)
-        elif not any(_as_one(loop, other, q) for other in roots + others):
-            if not (clustered and _keeps_pose(loop, q)):
-                return False, f"solution {n} is near no real root"
+        elif any(_as_one(loop, other, q) for other in roots + others):
+            undecided = (
+                undecided if clustered else f"solution {n} stands for roots that are not told to be one real root"
+            )
+        elif clustered and _keeps_pose(loop, q):
             undecided = f"solution {n} keeps the pose, and is near no real root"
+        else:
+            return False, f"solution {n} is near no real root"
     answered = [root for root, by in zip(roots, own, strict=True) if by] + answer
     for root, by in zip(roots, own, strict=True):
         if len(by) > 1:
             return False, f"solutions {by[0]} and {by[1]} are one root"
         if not any(_as_one(loop, root, other) for other in answered):
             return False, f"the real root ({_text(root)}) is not among the solutions"
-    for other in others:
+        if not by and not clustered:
+            undecided = f"a solution stands for the real root ({_text(root)}) and for another"
+    for other in singular:
         if not (clustered and any(_as_one(loop, other, q) for q in answered)):
             undecided = f"there may be a solution at ({_text(other)}), which is singular"
     return (None, undecided) if undecided else (True, "")

@@ -1,4 +1,4 @@
-"""One real root of the loop equations, enclosed by a theorem that is evaluated in ball arithmetic."""
+"""One root of the loop equations, enclosed by a theorem that is evaluated in ball arithmetic."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ _LEAST, _GREATEST = arb(2) ** -48, arb(2) ** -4  # half widths of the boxes that
 
 @dataclass(frozen=True)
 class Enclosure:
-    """A box around real numbers that holds exactly one root of the loop, which is real.
+    """A box that holds exactly one root of the loop. The root is real where the centre is.
 
     Attributes:
-        centre: six angles [rad].
+        centre: six complex angles [rad].
         radius: half width of the box in every real and imaginary part [rad].
     """
 
@@ -26,14 +26,14 @@ class Enclosure:
 
 
 def enclosed(loop: Loop, start: Sequence[acb]) -> Enclosure | None:
-    """A box that holds ``start`` and exactly one root, which Newton's method from the real part of ``start`` finds.
+    """A box that holds ``start`` and exactly one root, which Newton's method from there finds; None if there is none.
 
     With C an approximate inverse of the Jacobian at the centre c, ``-C f(c) + (1 - C J(B)) (B - c)`` inside B - c
     proves that B holds exactly one root (R. Krawczyk, Computing 4, 1969). It holds for analytic functions of complex
     boxes, as J(B) encloses the mean of the Jacobian along every segment of B. The equations are real: with a root its
     conjugate is one, and in a box around real numbers they are the same.
     """
-    centre = [acb(x.real.mid()) for x in start]
+    centre = midpoints(start)
     step = arb("inf")
     try:
         for _ in range(_STEPS):
@@ -42,7 +42,7 @@ def enclosed(loop: Loop, start: Sequence[acb]) -> Enclosure | None:
             taken = largest(move)
             if not taken < step:
                 break
-            centre, step = [acb((c - d).real.mid()) for c, d in zip(centre, move, strict=True)], taken
+            centre, step = midpoints([c - d for c, d in zip(centre, move, strict=True)]), taken
         X, J = loop.jacobian(centre)
         C = acb_mat(6, 6, midpoints(J.inv().entries()))
     except ZeroDivisionError:

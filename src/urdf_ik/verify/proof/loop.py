@@ -16,7 +16,6 @@ from urdf_ik.typing import Array
 Axes = tuple[tuple[list[arb], list[arb]], ...]
 
 ORDER = (2, 1, 0, 5, 4, 3)  # in which the joints turn X
-PRECISION = 2048  # bits; they isolate the zeros of nearly every pose, where eight may be within 2^-16 of each other
 _HALF = acb("0.5")
 
 
@@ -42,7 +41,7 @@ class Loop:
         return tuple(twist(*self.axes[j]) for j in ORDER)
 
     @classmethod
-    def of(cls, chain: Chain, T: Array) -> Self:
+    def of(cls, chain: Chain, T: Array, precision: int = 2048) -> Self:
         """The loop of a chain at a pose, whose rotation is the one nearest to the matrix given.
 
         Lengths are shares of the sum of the steps between the axes.
@@ -50,10 +49,11 @@ class Loop:
         Args:
             chain: six turning joints.
             T: (4, 4) pose of the tip in the base [m].
+            precision: bits of every number from here on.
         """
         if chain.n != 6 or chain.prismatic.any() or chain.followers:
             raise UnsupportedArm("a proof is checked for six turning joints, and this chain has others")
-        ctx.prec = PRECISION
+        ctx.prec = precision
         size = arb(float(np.linalg.norm(chain.P[1:6], axis=1).sum()) or 1.0)
         at_zero = [
             [sum((arb(float(step)) for step in chain.P[: k + 1, i]), arb(0)) / size for i in range(3)] for k in range(7)
