@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How often an answer is proven, by arm and by kind of pose: the shares of each status.
 
-    python benchmarks/proven.py SET ... [--poses N] [--seed S] [--only NAME ...] [--all] [--md]
+    python benchmarks/proven.py SET ... [--poses N] [--seed S] [--only NAME ...] [--all | --check] [--md]
 
 SET is a folder with index.csv (name, base_link, tip_link) and urdf/. Arms whose six joints turn are asked; --all asks
 those of other kinds too. Kinds of pose:
@@ -11,7 +11,8 @@ those of other kinds too. Kinds of pose:
     round    each joint at a multiple of 90 degrees
     down     the tool's z axis down and its x axis along an axis of the base, where a random joint vector reaches
 
-A cell holds the per cent of complete / clustered / continuum / incomplete.
+A cell holds the per cent of complete / clustered / continuum / incomplete; with --check the answers, complete or
+clustered, that an independent check accepts / leaves open / refuses, which takes half a second a pose.
 """
 
 import argparse
@@ -23,6 +24,7 @@ from pathlib import Path
 import numpy as np
 
 import urdf_ik
+import urdf_ik.verify
 
 STATUSES = ("complete", "clustered", "continuum", "incomplete")
 KINDS = ("random", "near", "round", "down")
@@ -38,6 +40,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", help="names of arms")
     parser.add_argument("--kinds", nargs="*", default=list(KINDS), choices=KINDS)
     parser.add_argument("--all", action="store_true", help="arms of other kinds than six turning joints too")
+    parser.add_argument("--check", action="store_true", help="check the proofs (needs python-flint)")
     parser.add_argument("--md", action="store_true", help="print a table for the docs")
     options = parser.parse_args()
     bar = " | " if options.md else "  "
@@ -45,15 +48,17 @@ def main() -> None:
     print(f"{edge} {'arm':<28}{bar}{bar.join(f'{kind:<21}' for kind in options.kinds)} {edge}")
     if options.md:
         print(f"|---|{'---|' * len(options.kinds)}")
-    sums = {kind: np.zeros(len(STATUSES)) for kind in options.kinds}
+    ask = _checked if options.check else _shares
+    sums = {kind: np.zeros(3 if options.check else len(STATUSES)) for kind in options.kinds}
     for name, arm in _arms(options.sets, options.only, options.all):
         cells = []
         for kind in options.kinds:
-            shares = _shares(arm, kind, options.poses, np.random.default_rng([options.seed, KINDS.index(kind)]))
-            sums[kind] += shares
-            cells.append(_cell(shares))
+            rng = np.random.default_rng([options.seed, KINDS.index(kind)])
+            counts = ask(arm, _poses(arm, kind, options.poses, rng))
+            sums[kind] += counts
+            cells.append(_cell(counts))
         print(f"{edge} {name:<28}{bar}{bar.join(cells)} {edge}", flush=True)
-    print(f"{edge} {'all':<28}{bar}{bar.join(_cell(shares) for shares in sums.values())} {edge}")
+    print(f"{edge} {'all':<28}{bar}{bar.join(_cell(counts) for counts in sums.values())} {edge}")
 
 
 def _arms(sets: list[Path], only: list[str] | None, every: bool) -> Iterator[tuple[str, urdf_ik.Arm]]:
@@ -74,14 +79,21 @@ def _arms(sets: list[Path], only: list[str] | None, every: bool) -> Iterator[tup
                     yield row["name"], arm
 
 
-def _shares(arm: urdf_ik.Arm, kind: str, n: int, rng: np.random.Generator) -> np.ndarray:
-    """How many of n poses have each status."""
-    status = np.asarray(arm.ik(_poses(arm, kind, n, rng)).status)
+def _shares(arm: urdf_ik.Arm, T: np.ndarray) -> np.ndarray:
+    """How many poses have each status."""
+    status = np.asarray(arm.ik(T).status)
     return np.array([np.count_nonzero(status == each) for each in STATUSES], dtype=float)
 
 
+def _checked(arm: urdf_ik.Arm, T: np.ndarray) -> np.ndarray:
+    """How many claims are accepted, open and refused."""
+    report = urdf_ik.verify.check_proof(arm, arm.ik(T))
+    return np.array([report.accepted, len(report.open), len(report.refused)], dtype=float)
+
+
 def _cell(counts: np.ndarray) -> str:
-    return " / ".join(f"{100.0 * each / counts.sum():.1f}" for each in counts).ljust(21)
+    numbers = [f"{100.0 * n / counts.sum():.1f}" if len(counts) == len(STATUSES) else f"{n:.0f}" for n in counts]
+    return " / ".join(numbers).ljust(21)
 
 
 def _poses(arm: urdf_ik.Arm, kind: str, n: int, rng: np.random.Generator) -> np.ndarray:

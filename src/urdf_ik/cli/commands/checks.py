@@ -39,9 +39,9 @@ def check(
     1e-8 rad from a singularity. Every difference is printed. The status is 1 when the solver lacks a solution or
     has one that Pinocchio does not confirm.
 
-    With --proof it checks the solver's own proofs: a search for all complex roots of N poses, in ball arithmetic
-    and without code of the solver, accepts or refuses every answer whose status is complete or clustered. It takes
-    about half a second a pose and needs python-flint (the extra `proof`).
+    With --proof it checks the solver's own proofs: the zeros of a determinant, in ball arithmetic and without code of
+    the solver, accept or refuse every answer whose status is complete or clustered. It takes about half a second a
+    pose and needs python-flint (the extra `proof`).
 
     ROBOT may be a folder: every URDF in it is checked, and one table shows the result of each.
 
