@@ -351,8 +351,8 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     for (const bool slides : arm.slides) {
         if (slides) return Status::incomplete;
     }
-    // Hidden angles that the fewest solutions share come first. Where some share one, their zeros are about NUDGE from each other:
-    // few limbs do not tell them apart.
+    // Hidden angles that the fewest solutions share come first: the zeros of solutions that share one are about NUDGE from each
+    // other.
     int shared[6], many = 0;
     for (int j = 0; j < 6; ++j) shared[j] = sharing(columns, j);
     Cut cuts[ALL_CUTS];
@@ -361,13 +361,9 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
             if (shared[each.joint(5)] == most) cuts[many++] = each;
         }
     }
-    const bool crowded = shared[cuts[0].joint(5)] > 1;
-    // Where solutions have a curve, the determinant is as small as NUDGE: few limbs do not suffice.
-    const bool curve = keep_curve(arm, goal, columns);
-    Status status = Status::incomplete;
-    if (!crowded && !curve) status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1);
+    Status status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1);
     if (status == Status::incomplete) status = refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS);
-    return status == Status::incomplete && (curve || keep_curve(arm, goal, columns)) ? Status::continuum : status;
+    return status == Status::incomplete && keep_curve(arm, goal, columns) ? Status::continuum : status;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL
