@@ -141,28 +141,30 @@ PART Boxes boxes_of(const typename Family::Arm& arm, const Goal<double>& goal, c
     return out;
 }
 
-// Fills the boxes by Newton's method from the branches in `wanted`, until the boxes decide the status, which is returned.
+// Fills the boxes by Newton's method from the branches in `wanted`. Returns the status that the boxes decide.
 template <class Family>
 PART Status fill(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Quartic& roots,
                  const Reference<6>& reference, const Boxes& boxes, unsigned wanted, const Columns<6>& columns) {
     // The boxes of a quartic may be those of other branches, see rooted.hpp.
     constexpr bool rooted = has_quartic<Family>();
+    const auto propose_from = [&](Attempt attempt) {
+        return wanted ? propose<Family>(arm, goal, seen, roots, reference, attempt, wanted, columns) : Proposed{};
+    };
     if (!rooted) wanted &= ~boxes.empty;
-    unsigned fixed = 0;
-    for (int k = 0;; ++k) {
-        Proposed from = {};
-        if (wanted) from = propose<Family>(arm, goal, seen, roots, reference, k, wanted, columns);
-        const Filled filled = filled_by(arm.ideal, boxes, columns);
-        Status status = decided(arm.ideal, boxes, filled);
+    const Proposed first = propose_from(double_roots);
+    Filled filled;
+    const auto status_now = [&] {
+        filled = filled_by(arm.ideal, boxes, columns);
         // Next to a singularity a joint may only look free.
-        if (k == double_roots) fixed = from.fixed & boxes.free;
-        if (fixed && !is_settled(arm.written, goal, boxes, filled, columns)) status = Status::incomplete;
-        if (status != Status::incomplete || k == 2 * AROUND) return status;
-        const unsigned unmet = boxes.free & ~filled.met;
-        const unsigned rest = k == double_roots ? (from.merged & ~filled.owned) | unmet : unmet;
-        wanted &= rooted && rest ? 255u : rest;
-        if (!wanted) return status;
-    }
+        if (first.fixed & boxes.free && !is_settled(arm.written, goal, boxes, filled, columns)) return Status::incomplete;
+        return decided(arm.ideal, boxes, filled);
+    };
+    const Status status = status_now();
+    const unsigned rest = (first.merged & ~filled.owned) | (boxes.free & ~filled.met);
+    wanted &= rooted && rest ? 255u : rest;
+    if (status != Status::incomplete || !wanted) return status;
+    propose_from(both_roots);
+    return status_now();
 }
 
 // Whether solutions may belong to a curve that keeps the pose to the tolerance of solutions, though boxes tell them apart.

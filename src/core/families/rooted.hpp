@@ -45,9 +45,7 @@ PART Status solve_by_roots(const typename Family::Arm& arm, const Goal<double>& 
     const Quartic roots = Family::quartic(arm, seen);
     Status status = Status::incomplete;
     if (!roots.whole) {
-        for (int k = 0; k <= 2 * AROUND && !columns.count(); ++k) {
-            propose<Family>(arm, goal, seen, roots, reference, k, 255u, columns);
-        }
+        propose<Family>(arm, goal, seen, roots, reference, both_roots, 255u, columns);
     } else {
         const Boxes boxes = boxes_by_roots<Family>(arm, seen, roots);
         status = fill<Family>(arm, goal, seen, roots, reference, boxes, 255u, columns);

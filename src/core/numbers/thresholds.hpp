@@ -39,7 +39,5 @@ inline constexpr double SLACK_OF_SUMS = 1.0 + 1e-12;
 inline constexpr double NEAR = 1e-3;
 // If the Jacobian's smallest singular value is below this, a second solution may be close by.
 inline constexpr double NEAR_FOLD = 5e-3;
-// A joint that is nearly free is tried at this many values around the circle.
-inline constexpr int AROUND = 12;
 
 }  // namespace urdf_ik

@@ -25,19 +25,18 @@ template <class Family> constexpr bool has_quartic() {
 }
 template <class Family> STEP int root_of_branch(int b) { return Family::root_bit == 2 ? b >> 1 : (b >> 2) << 1 | (b & 1); }
 
-// Attempts to start Newton's method: with double roots where margins are zero to rounding, and free joints at the reference; with
-// both roots; with joints at the reference that are free to rounding; with these at other values.
-enum Attempt { double_roots, both_roots, free_to_rounding };
+// Attempts to start Newton's method, with free joints at the reference: with double roots where margins are zero to rounding, and
+// with both roots.
+enum Attempt { double_roots, both_roots };
 
-// The values of free joints in the k-th attempt, offsets included. Two joints that are free at once get different turns.
-STEP FreeJoints free_values(const IdealFrames& ideal, const Tolerances& tolerances, const Reference<6>& reference, int k) {
+// The values of free joints, offsets included.
+STEP FreeJoints free_values(const IdealFrames& ideal, const Tolerances& tolerances, const Reference<6>& reference) {
     FreeJoints out;
-    const double turn = k < free_to_rounding ? 0.0 : (k % 2 ? 1.0 : -1.0) * ((k - 1) / 2) * (PI / AROUND);
     Row<8> angles = 0.0;
-    for (int j = 0; j < 6; ++j) angles.set(j, reference.q[j] + ideal.offset[j] + (j == 5 ? 5.0 : 1.0) * turn);
+    for (int j = 0; j < 6; ++j) angles.set(j, reference.q[j] + ideal.offset[j]);
     const Turn<Row<8>> points = cos_sin_of_any(angles);
     for (int j = 0; j < 6; ++j) out.turn[j] = {points.c[j], points.s[j]};
-    out.below = k < free_to_rounding ? tolerances.continuum : VANISHING;
+    out.below = tolerances.continuum;
     return out;
 }
 
@@ -85,14 +84,14 @@ struct Proposed {
     unsigned fixed, merged;
 };
 
-// Adds what Newton's method reaches from the branches in `wanted` in the k-th attempt. roots: of families with a quartic; where it
-// may vanish, its angle is free too, but for k = 0.
+// Adds what Newton's method reaches from the branches in `wanted`. roots: of families with a quartic; where it may vanish, its
+// angle is free too in the second attempt.
 template <class Family>
 PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Quartic& roots,
-                      const Reference<6>& reference, int k, unsigned wanted, const Columns<6>& columns) {
+                      const Reference<6>& reference, Attempt attempt, unsigned wanted, const Columns<6>& columns) {
     const IdealFrames& ideal = arm.ideal;
     const Written<6>& written = arm.written;
-    const FreeJoints free = free_values(ideal, written.tolerances, reference, k);
+    const FreeJoints free = free_values(ideal, written.tolerances, reference);
     const Goal<Block> goals = spread<Block>(goal), target = spread<Block>(seen);
     Proposed out = {};
     for (int first = 0; first < 8; first += BLOCK) {
@@ -102,10 +101,10 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
         for (int l = 0; l < BLOCK; ++l) {
             if constexpr (has_quartic<Family>()) {
                 const int root = root_of_branch<Family>(first + l);
-                const bool here = root < roots.count && (roots.whole || !k);
+                const bool here = root < roots.count && (roots.whole || attempt == double_roots);
                 const Turn<double>& turn = here ? roots.root[root] : free.turn[Family::root_joint];
                 signs.root.c.set(l, turn.c), signs.root.s.set(l, turn.s);
-                if (!here && (roots.whole || !k)) continue;
+                if (!here && (roots.whole || attempt == double_roots)) continue;
             }
             moves.set(l, wanted >> (first + l) & 1u);
         }
@@ -119,7 +118,7 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
             const auto shoulder = are_double(at.shoulder, at.lever[0]), elbow = are_double(at.elbow, at.lever[1]),
                        wrist = are_double(at.wrist, at.lever[2]);
             const unsigned now = bits(shoulder) | bits(elbow) << 8 | bits(wrist) << 16;
-            if (k == both_roots || now == merged) break;
+            if (attempt == both_roots || now == merged) break;
             merged = now;
             signs.shoulder = select(shoulder, 0.0, sign(0)), signs.elbow = select(elbow, 0.0, sign(1));
             signs.wrist = select(wrist, 0.0, sign(2));
@@ -135,7 +134,7 @@ PART Proposed propose(const typename Family::Arm& arm, const Goal<double>& goal,
             if (!(reached >> l & 1)) continue;
             // `least` is a lower bound of the Jacobian's smallest singular value.
             double least = end.least[l];
-            const bool moves_freely = k < free_to_rounding && !(out.fixed >> (first + l) & 1);
+            const bool moves_freely = !(out.fixed >> (first + l) & 1);
             if (moves_freely) least = approach_reference(written, goal, reference, x);
             if (!is_new(written, goal, columns, x)) continue;
             if (!moves_freely && least < NEAR_FOLD) least = weakest_at(written, goal, x).value;

@@ -79,7 +79,9 @@ STEP bool is_certain(const Written<N>& arm, const Goal<double>& goal, const doub
     return missed_by(arm, goal, candidate) > lever * sum + POSE_MISSED;
 }
 
-// Calls f with the values of the step's joints, one that the position leaves nearly free at values around the circle.
+// A joint that the position leaves nearly free is tried at this many values around each half of the circle.
+inline constexpr int AROUND = 12;
+// Calls f with the values of the step's joints, one that the position leaves nearly free at these values.
 template <class F> STEP void at_values_around(const PlaceTried& place, const F& f) {
     for (int k = 0; k < 2; ++k) {
         for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {

@@ -87,7 +87,7 @@ template <class Family> struct Imperfect {
         if (by_quartic || off < KEEPS_CURVES) {
             Quartic roots = {};
             if constexpr (by_quartic) roots = Family::quartic(arm.family, seen);
-            propose<Family>(arm.family, goal, seen, roots, reference, 0, 255u, columns);
+            propose<Family>(arm.family, goal, seen, roots, reference, double_roots, 255u, columns);
         } else if constexpr (!by_quartic) {
             keep_reached(arm, goal, follow_branches(arm.both, seen, {&arm.family, answer}, known), columns);
         }
