@@ -102,8 +102,8 @@ template <class Model> STEP int nearest_column(const Model& arm, const Columns<M
 }
 
 // Whether q differs from every solution in the columns. Two vectors are one double root if the arm is in the pose, to rounding,
-// at their midpoint too. They are one inaccurate root if their distance is at most their errors over the Jacobian's smallest
-// singular value.
+// at their midpoint too. They are one inaccurate root if their distance is at most their errors over the Jacobians' smallest
+// singular values.
 template <class Model>
 SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                    const double (&q)[Model::joints]) {
@@ -125,7 +125,8 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
         if (apart >= NEAR) continue;
         if (missed_by(arm, goal, middle) <= arm.tolerances.fold * far) return false;
         const double left = missed_by(arm, goal, q) + missed_by(arm, goal, other);
-        if (left > FINISHED && apart * weakest_at(arm, goal, q).value <= left) return false;
+        const auto is_known_to = [&](const double (&x)[N]) { return apart * weakest_at(arm, goal, x).value <= left; };
+        if (left > FINISHED && is_known_to(q) && is_known_to(other)) return false;
     }
     return true;
 }

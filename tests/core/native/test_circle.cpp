@@ -49,7 +49,7 @@ int counted(const std::vector<Zero>& zeros, std::vector<double> known) {
 }
 
 void clusters_of_six_are_counted_with_twice_the_digits() {
-    const std::vector<Zero> zeros = {{-1.5731, 0.0}, {-1.5709, 0.0}, {-1.5706, 0.0}, {-1.5702, 0.0}, {-1.5690, 0.0}, {-1.5661, 0.0},
+    const std::vector<Zero> zeros = {{-1.5931, 0.0}, {-1.5721, 0.0}, {-1.5688, 0.0}, {-1.5645, 0.0}, {-1.5520, 0.0}, {-1.5231, 0.0},
                                      {0.3, 0.0},     {2.9, 0.0},     {-0.2, 4.0},    {1.0, 0.5},     {-2.0, 0.02},   {2.0, 1e-3}};
     std::vector<double> known;
     for (const Zero& each : zeros) {

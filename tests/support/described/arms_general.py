@@ -156,6 +156,21 @@ def rounded_ur(decimals: int = 4) -> DescribedArm:
     return _along_z("rounded_ur", "2||3||4, 1x2, 5x6", origins)
 
 
+def rounded_offset_wrist() -> DescribedArm:
+    """Three parallel axes, an offset wrist and quarter turns as 1.5708: the lengths are those of a Dobot ME6."""
+    quarter = 1.5708
+    origins = [
+        ((0, 0, 0.1268), (0, 0, 0)),
+        ((-0.046, 0, 0.04), (quarter, 0, -quarter)),
+        ((0, 0.18906, 0.003), (0, 0, 0)),
+        ((0, 0.16, 0.005), (0, 0, 0)),
+        ((0, 0.067, 0.032), (-quarter, quarter, 0)),
+        ((-0.047, 0, 0.034), (quarter, 0, -quarter)),
+        ((0, 0, 0), (0, 0, 0)),
+    ]
+    return _along_z("rounded_offset_wrist", "2||3||4, 1x2, 5x6", origins)
+
+
 def ur_with_right_angles(quarter: float) -> DescribedArm:
     """An arm like a UR, exact, in which a right angle is written with some digits [rad]."""
     places = ((0, 0, 0.13), (0, 0, 0), (-0.11, 0, 0), (-0.096, 0, 0.0634), (0, -0.075, 0), (0, 0.0456, 0), (0, 0, 0))

@@ -71,8 +71,13 @@ template <class Family> struct Imperfect {
             if (!((own ? known.found : known.reached & ~known.found) >> b & 1)) continue;
             double q[6];
             for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
-            if (own) keep(columns, b, q, 0);
-            else if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
+            if (own) {
+                keep(columns, b, q, 0);
+                continue;
+            }
+            if (missed_by(written, goal, q) > CONVERGED)
+                polish_one<true>(written, goal, q, {ROUNDS_FROM_BRANCH, FINISHED, PATIENCE});
+            if (is_new(written, goal, columns, q)) keep(columns, b, q, singular_marks(written, goal, q, 0));
         }
     }
 

@@ -23,8 +23,9 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& st
     for (int l = 0; l < BLOCK; ++l) chosen.set(l, open >> l & 1);
     const Polished<Block> end = polish_block<false>(arm.written, goal, q, FROM_BRANCHES, chosen > Block(0.5));
     for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - from[j])));
-    const unsigned reached = open & bits(end.error <= Block(CONVERGED));
-    const unsigned found = reached & bits((moved <= 0.5 * end.least) & (end.least >= Block(arm.written.tolerances.singular)));
+    const unsigned reached = open & bits(end.error <= Block(arm.written.tolerances.reach));
+    const unsigned found = open & bits((end.error <= Block(CONVERGED)) & (moved <= 0.5 * end.least) &
+                                       (end.least >= Block(arm.written.tolerances.singular)));
     known.reached |= reached << first, known.found |= found << first, known.open &= ~(found << first);
     for (int l = 0; l < BLOCK; ++l) {
         for (int j = 0; j < 6 && reached >> l & 1; ++j) known.angle[j][first + l] = q[j][l];
