@@ -24,7 +24,7 @@ from urdf_ik.verify.proof.elimination import zeros
 from urdf_ik.verify.proof.enclosure import between, enclosed
 from urdf_ik.verify.proof.loop import Loop, exact, largest, midpoints, residual
 
-_PRECISIONS = 2048, 4096  # bits; the first isolates the zeros of nearly every pose
+_PRECISIONS = 2048, 8192  # bits; the first isolates the zeros of nearly every pose
 _NEAR = 1e-2  # rad; zeros so near to the circle may belong to a solution of several, and stand so far from it
 _SAME_POSE = 1e-10  # share of the arm's size, rad
 _SOLUTION = 1e-6  # rad; from a root to the solution that is it
