@@ -46,10 +46,10 @@ class Zero:
 
 
 def zeros(loop: Loop, near: float) -> list[Zero]:
-    """The zeros on and near the circle, for the arm whose axes are moved by 2^-128.
+    """The zeros on and near the circle, for the arm whose axes are moved by 2^-96.
 
-    A solution of the arm as written with the smallest singular value s, far above 2^-64, has one of the moved arm
-    within about 2^-128 / s.
+    A solution of the arm as written with the smallest singular value s, well above 2^-48, has one of the moved arm
+    within about 2^-96 / s.
 
     Args:
         loop: the loop equations of a pose.
