@@ -48,7 +48,7 @@ inline constexpr double WIDEST_ARC = 0.6;
 // Arcs overlap by this [rad], and end no narrower. Descartes' rule counts the zeros in Obreshkoff's lens about the arc, which meets
 // the arc's ends under an angle of pi / 18: all zeros within 8 % of this from the circle are counted, as a change of the pose by
 // its tolerance may bring them onto it.
-inline constexpr double OVERLAP = 1e-3;
+inline constexpr double OVERLAP = 3e-4;
 // An arc is cut beside the middle of its widest gap without a known zero: in the middle itself may be another one.
 inline constexpr double CUT = 0.07;
 // Known zeros nearer than this [rad] are looked at together first.
