@@ -14,7 +14,7 @@ struct Answers {
 struct Known {
     unsigned open = 255;   // not proven to be empty, and without a certified solution
     unsigned found = 0;    // has its own solution: certified by its box, or found by Newton's method nearby
-    unsigned reached = 0;  // Newton's method led from it to a solution
+    unsigned reached = 0;  // led to a vector that keeps the pose to the tolerance
     double angle[6][8];    // of the solutions, offsets included
 };
 // An ideal arm's closed form for a block of branches from `first` on.
