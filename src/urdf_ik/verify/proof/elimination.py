@@ -122,7 +122,10 @@ class _Elimination:
         for axis, (c, s) in zip(self._axes, (first, second), strict=False):
             line = _turned(line, axis, (c, -s))
         third = (_dot(across, line[0]) / _dot(across, across), _dot(_cross(h, across), line[0]) / _dot(across, across))
-        return [_angle(turn) for turn in (first, second, third, fourth, fifth, sixth)]
+        turns = (first, second, third, fourth, fifth, sixth)
+        if not all(x.is_finite() for turn in turns for x in turn):
+            raise ArithmeticError("the joints at a zero are not told")
+        return [_angle(turn) for turn in turns]
 
 
 def _beside(v: Sequence[arb], by: Sequence[float]) -> list[arb]:
