@@ -97,7 +97,7 @@ template <class S> PART Block zeros_on(const OnCircle<S>& p, const Block& centre
         const V re = 2.0 * (power.c * p.re[k] - power.s * p.im[k]), im = 2.0 * (power.c * p.im[k] + power.s * p.re[k]);
         size += 2.0 * (abs(leading(p.re[k])) + abs(leading(p.im[k])));
         const V part[4] = {re, -im, -re, im};
-        for (int j = 0; j <= n; ++j) m[j] += KRAWTCHOUK.at[8 + k][j] * part[j % 4];
+        for (int j = 0; j <= n; ++j) add_product(m[j], V(KRAWTCHOUK.at[8 + k][j]), part[j % 4]);
     }
     V scale = 1.0;
     for (int j = 0; j <= n; ++j) {
@@ -105,7 +105,7 @@ template <class S> PART Block zeros_on(const OnCircle<S>& p, const Block& centre
     }
     for (int i = 0; i <= n; ++i) {
         b[i] = 0.0;
-        for (int j = 0; j <= n; ++j) b[i] += KRAWTCHOUK.at[i][j] * m[j];
+        for (int j = 0; j <= n; ++j) add_product(b[i], V(KRAWTCHOUK.at[i][j]), m[j]);
     }
     Block wide = 1.0 + tau * tau, lost = 1.0 + tau;
     for (int k = 0; k < 3; ++k) wide = wide * wide;

@@ -59,6 +59,11 @@ template <class V> struct DoubledOf {
         const DoubledOf rest = left - second * b;
         return first + second + DoubledOf(rest.hi / b.hi, V(0.0));
     }
+    // In place, and off by less than DOUBLED_UNIT of the number before and of the product: where these cancel, of more than the sum.
+    STEP void add_product(const DoubledOf& a, const DoubledOf& b) {
+        const DoubledOf p = product(a.hi, b.hi), s = sum(hi, p.hi);
+        *this = quick_sum(s.hi, s.lo + (lo + (p.lo + (a.hi * b.lo + a.lo * b.hi))));
+    }
     STEP DoubledOf& operator+=(const DoubledOf& b) { return *this = *this + b; }
     STEP DoubledOf& operator-=(const DoubledOf& b) { return *this = *this - b; }
 };
@@ -69,6 +74,10 @@ STEP void store(const DoubledBlock& a, Doubled* to) {
     for (int l = 0; l < BLOCK; ++l) to[l] = {a.hi[l], a.lo[l]};
 }
 template <class V> inline constexpr bool IS_CALLED<DoubledOf<V>> = true;
+
+// to + a b.
+template <class V> STEP void add_product(V& to, const V& a, const V& b) { to += a * b; }
+template <class V> STEP void add_product(DoubledOf<V>& to, const DoubledOf<V>& a, const DoubledOf<V>& b) { to.add_product(a, b); }
 
 // A number to the digits of a double.
 STEP double leading(double a) { return a; }

@@ -5,9 +5,9 @@
 // fourteen equations of Raghavan and Roth (1990), without coordinates. Joints a and a + 1 are removed by the six left null
 // vectors of their constant matrix (15 x 9). Multiplying the six equations left by cos and sin of half of joint a + 4's
 // angle makes them square (Manocha and Canny 1994 have half-angle tangents instead, and their poles): 12 x 12 in the
-// products of (1, cos, sin) of joint a + 3 and (cos, sin) of once and three times the half angle. The determinant is a
-// trigonometric polynomial of degree eight in the hidden joint a + 5; it is sampled, and its 16 roots are found in the
-// complex plane.
+// products of (1, cos, sin) of joint a + 3 and the four of degree three of the cosine and the sine of the half angle. The
+// determinant is a trigonometric polynomial of degree eight in the hidden joint a + 5; it is sampled, and its 16 roots are
+// found in the complex plane.
 //
 // A joint that slides by d takes part as an angle t with d = tan(t / 2). Its action on lines is of degree two in d, so
 // it has the form 1, cos t, sin t up to the factor cos^2(t / 2), which cancels in homogeneous equations.
@@ -92,33 +92,40 @@ PART void equations(const EliminationVariant& v, const Frame<double>& G, Equatio
 
 // ---- the matrix ----------------------------------------------------------------------------------------------------
 
-// The matrix at the hidden angles (c, s), column by column: joint a + 3's product, slowest, then the halves.
+// The matrix at the hidden angles (c, s), column by column. In the cosine C and the sine S of half of joint a + 4 each equation is
+// (f + g) C^2 + 2 h C S + (f - g) S^2; C times the equations are rows 0 to 2 and 9 to 11, S times the equations the others. Columns:
+// C^3, S^3, C^2 S and C S^2, each times (1, cos, sin) of joint a + 3. So each row has zeros in three of the first six.
 template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
 #pragma GCC unroll 1
     for (int e = 0; e < 6; ++e) {
         const auto& a = A.a[e];
+        const int row = e < 3 ? e : 6 + e;
         for (int j = 0; j < 3; ++j) {
             const V f = a[0][j] + c * a[1][j] + s * a[2][j];
-            const V g = 0.5 * (a[0][3 + j] + c * a[1][3 + j] + s * a[2][3 + j]);
+            const V g = a[0][3 + j] + c * a[1][3 + j] + s * a[2][3 + j];
             const V h = 0.5 * (a[0][6 + j] + c * a[1][6 + j] + s * a[2][6 + j]);
-            M[4 * j][e] = f + g, M[4 * j][6 + e] = h;
-            M[4 * j + 1][e] = h, M[4 * j + 1][6 + e] = f - g;
-            M[4 * j + 2][e] = g, M[4 * j + 2][6 + e] = -h;
-            M[4 * j + 3][e] = h, M[4 * j + 3][6 + e] = g;
+            const V sum = 0.25 * (f + g), difference = 0.25 * (f - g);
+            M[j][row] = sum + sum, M[6 + j][row] = h, M[9 + j][row] = difference;
+            M[6 + j][3 + e] = sum, M[9 + j][3 + e] = h, M[3 + j][3 + e] = difference + difference;
+            if (e < 3) M[3 + j][e] = 0.0;
         }
     }
 }
+// The rows that reflection I turns: the others have zeros in its column.
+STEP int turned_rows(int I) { return (I < 3 ? 6 : I < 6 ? 9 : SIZE) - I; }
+STEP int turned_row(int I, int r) { return I < 3 && I + r > 2 ? I + r + 6 : I + r; }
 
 // A Householder reflection 1 - w v v*: makes column I zero below its diagonal. Its head becomes alpha, the column's length with the
 // opposite sign or phase, so that v - alpha e has no cancellation.
 template <class V> STEP void reflect(V (&M)[SIZE][SIZE], int I) {
     // So many sums do not wait for each other.
     constexpr int SUMS = IS_CALLED<V> ? 4 : 2;
-    const int N = SIZE - I;
+    const int N = turned_rows(I);
+    const auto row = [I](int r) IN_PLACE { return turned_row(I, r); };
     V v[SIZE], alpha;
     decltype(square(alpha)) all = TINY, w;
 #pragma GCC unroll 12
-    for (int r = 0; r < N; ++r) v[r] = M[I][I + r], all += square(v[r]);
+    for (int r = 0; r < N; ++r) v[r] = M[I][row(r)], all += square(v[r]);
     if constexpr (!std::is_same_v<V, CBlock>) {
         alpha = -copysign(sqrt(all), v[0]), w = 1.0 / (all - alpha * v[0]);
     } else {
@@ -129,14 +136,15 @@ template <class V> STEP void reflect(V (&M)[SIZE][SIZE], int I) {
     v[0] = v[0] - alpha;
 #pragma GCC unroll 1
     for (int j = I + 1; j < SIZE; ++j) {
+        if (I < 3 && j / 3 == 1) continue;
         V sum[SUMS];
         for (V& each : sum) each = 0.0;
 #pragma GCC unroll 12
-        for (int r = 0; r < N; ++r) sum[r % SUMS] += conj(v[r]) * M[j][I + r];
+        for (int r = 0; r < N; ++r) add_product(sum[r % SUMS], conj(v[r]), M[j][row(r)]);
         for (int k = 1; k < SUMS; ++k) sum[0] += sum[k];
-        const V f = scaled(w, sum[0]);
+        const V f = -scaled(w, sum[0]);
 #pragma GCC unroll 12
-        for (int r = 0; r < N; ++r) M[j][I + r] -= f * v[r];
+        for (int r = 0; r < N; ++r) add_product(M[j][row(r)], f, v[r]);
     }
 }
 
@@ -209,7 +217,7 @@ template <class V> STEP void add_column_of_inverse(int k, const V (&R)[SIZE][SIZ
     for (int i = k - 1; i >= 0; --i) {
         x[i] = over[i] * x[i], square += leading(x[i]) * leading(x[i]);
 #pragma GCC unroll 12
-        for (int j = 0; j < i; ++j) x[j] = x[j] - R[i][j] * x[i];
+        for (int j = 0; j < i; ++j) add_product(x[j], -R[i][j], x[i]);
     }
 }
 
@@ -291,9 +299,10 @@ STEP double harmonics(const double (&D)[SAMPLES], Complex (&c)[2 * DEGREE + 1]) 
 
 STEP Block inverse(const Block& a) { return 1.0 / a; }
 
-// Unit vectors that are nearly null vectors of the matrices at the hidden turns t: inverse iteration on R* R.
-template <class V> PART void null_vectors(const Equations& A, const Turn<V>& t, V (&x)[SIZE]) {
-    V M[1][SIZE][SIZE], w[SIZE];
+// Nearly null vectors of the matrices at the hidden turns t: inverse iteration on R* R. halves: (1, cos, sin) of joint a + 3,
+// slowest, times the cosine and the sine of half of joint a + 4 and of three halves.
+template <class V> PART void null_vectors(const Equations& A, const Turn<V>& t, V (&halves)[SIZE]) {
+    V M[1][SIZE][SIZE], w[SIZE], x[SIZE];
     Block longest = 0.0;
     matrix_at(A, t.c, t.s, M[0]);
     make_triangular(M);
@@ -317,6 +326,12 @@ template <class V> PART void null_vectors(const Equations& A, const Turn<V>& t, 
         }
         const Block length = 1.0 / sqrt(all);
         for (auto& each : x) each = scaled(length, each);
+    }
+    // C = C^3 + C S^2 and S = S^3 + C^2 S; the cosine and the sine of three halves are C^3 - 3 C S^2 and 3 C^2 S - S^3.
+    for (int j = 0; j < 3; ++j) {
+        const V cosine = x[j] + x[j], sine = x[3 + j] + x[3 + j];
+        halves[4 * j] = cosine + x[9 + j], halves[4 * j + 1] = sine + x[6 + j];
+        halves[4 * j + 2] = cosine - 3.0 * x[9 + j], halves[4 * j + 3] = 3.0 * x[6 + j] - sine;
     }
 }
 

@@ -45,8 +45,8 @@ PART void equations(const EliminationVariant& v, const PreciseFactors& rest, con
                 DoubledBlock sum = 0.0;
 #pragma GCC unroll 1
                 for (int i = 0; i < LINE; ++i) {
-                    const Doubled factor = {moved[i].hi[c - from], moved[i].lo[c - from]};
-                    sum += load_doubled(v.left[i] + r, rest.left[i] + r) * factor;
+                    const DoubledBlock factor = Doubled(moved[i].hi[c - from], moved[i].lo[c - from]);
+                    sum.add_product(load_doubled(v.left[i] + r, rest.left[i] + r), factor);
                 }
                 for (int l = 0; l < BLOCK && r + l < rows; ++l) a[(r + l) * columns + c] = {sum.hi[l], sum.lo[l]};
             }
