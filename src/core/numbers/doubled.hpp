@@ -59,7 +59,8 @@ template <class V> struct DoubledOf {
         const DoubledOf rest = left - second * b;
         return first + second + DoubledOf(rest.hi / b.hi, V(0.0));
     }
-    // In place, and off by less than DOUBLED_UNIT of the number before and of the product: where these cancel, of more than the sum.
+    // In place, and off by less than DOUBLED_UNIT of the number before and of the product: where these cancel, of more than the
+    // sum.
     STEP void add_product(const DoubledOf& a, const DoubledOf& b) {
         const DoubledOf p = product(a.hi, b.hi), s = sum(hi, p.hi);
         *this = quick_sum(s.hi, s.lo + (lo + (p.lo + (a.hi * b.lo + a.lo * b.hi))));

@@ -93,8 +93,8 @@ PART void equations(const EliminationVariant& v, const Frame<double>& G, Equatio
 // ---- the matrix ----------------------------------------------------------------------------------------------------
 
 // The matrix at the hidden angles (c, s), column by column. In the cosine C and the sine S of half of joint a + 4 each equation is
-// (f + g) C^2 + 2 h C S + (f - g) S^2; C times the equations are rows 0 to 2 and 9 to 11, S times the equations the others. Columns:
-// C^3, S^3, C^2 S and C S^2, each times (1, cos, sin) of joint a + 3. So each row has zeros in three of the first six.
+// (f + g) C^2 + 2 h C S + (f - g) S^2; C times the equations are rows 0 to 2 and 9 to 11, S times the equations the others.
+// Columns: C^3, S^3, C^2 S and C S^2, each times (1, cos, sin) of joint a + 3. So each row has zeros in three of the first six.
 template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
 #pragma GCC unroll 1
     for (int e = 0; e < 6; ++e) {
