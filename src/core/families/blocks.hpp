@@ -194,7 +194,7 @@ PART Status solve_by_signs(const typename Family::Arm& arm, const double (&T)[16
     const Goal<double> goal = goal_of(proper);
     const Boxes boxes = boxes_of<Family>(arm, goal, arm.ideal.signs);
     Status status = fill<Family>(arm, goal, to_frame_1(goal, arm.ideal), {}, reference, boxes, wanted, columns);
-    if (may_be_joined(boxes, status) && keep_curve(arm.written, goal, columns)) return Status::continuum;
+    if (may_be_joined(boxes, status) && any_is_on_curve(arm.written, goal, columns)) return Status::continuum;
     if (status == Status::incomplete) status = decided_closely<Family>(arm, goal, boxes, columns);
     return status == Status::incomplete ? refer(arm.written, goal, columns) : status;
 }

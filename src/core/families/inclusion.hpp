@@ -178,7 +178,7 @@ STEP bool may_be_joined(const Boxes& boxes, Status status) {
 template <class Family>
 PART Status decided_closely(const typename Family::Arm& arm, const Goal<double>& goal, const Boxes& boxes,
                             const Columns<6>& columns) {
-    if (keep_curve(arm.written, goal, columns)) return Status::continuum;
+    if (any_is_on_curve(arm.written, goal, columns)) return Status::continuum;
     double signs[3][8];
     for (int k = 0; k < 3; ++k) {
         for (int b = 0; b < 8; ++b) signs[k][b] = boxes.open[k] >> b & 1u ? 0.0 : arm.ideal.signs[k][b];

@@ -52,7 +52,7 @@ PART Status solve_by_roots(const typename Family::Arm& arm, const Goal<double>& 
         // Wide discs leave joints free that the pose does not.
         if (boxes.free & boxes.open[Family::root_bit == 2 ? 1 : 2] & ~boxes.empty) status = Status::incomplete;
     }
-    if (status == Status::incomplete && keep_curve(arm.written, goal, columns)) return Status::continuum;
+    if (status == Status::incomplete && any_is_on_curve(arm.written, goal, columns)) return Status::continuum;
     return status == Status::incomplete ? refer(arm.written, goal, columns) : status;
 }
 

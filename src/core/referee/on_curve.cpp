@@ -154,7 +154,7 @@ bool is_on_curve(const Written<6>& arm, const Goal<double>& goal, const double (
     return false;
 }
 
-bool keep_curve(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
+bool any_is_on_curve(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
         if (columns.valid(b) && columns.flags[b] & SINGULAR && is_on_curve(arm, goal, columns.row(b))) return true;
     }

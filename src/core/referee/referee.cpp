@@ -316,7 +316,7 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
     }
     Status status = clustered ? Status::clustered : Status::complete;
     if (!clustered && settle_far_zeros(arm, goal, zeros, columns, status)) return Status::complete;
-    return keep_curve(arm, goal, columns) ? Status::continuum : status;
+    return any_is_on_curve(arm, goal, columns) ? Status::continuum : status;
 }
 
 // How many of the solutions share one angle of the joint, at most.
@@ -363,7 +363,7 @@ Status refer(const Written<6>& arm, const Goal<double>& goal, const Columns<6>& 
     }
     Status status = refer_with<FEW_LIMBS>(arm, goal, columns, cuts, 1);
     if (status == Status::incomplete) status = refer_with<MANY_LIMBS>(arm, goal, columns, cuts, ALL_CUTS);
-    return status == Status::incomplete && keep_curve(arm, goal, columns) ? Status::continuum : status;
+    return status == Status::incomplete && any_is_on_curve(arm, goal, columns) ? Status::continuum : status;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

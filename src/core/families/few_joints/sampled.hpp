@@ -76,7 +76,7 @@ struct Sampled {
         }
         sort(columns);
         // A search cannot prove that its result is complete.
-        set_status(columns.flags[0], keep_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
+        set_status(columns.flags[0], any_is_on_curve(arm, goal, columns) ? Status::continuum : Status::incomplete);
     }
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
