@@ -11,7 +11,7 @@
 #include "families/general/gathering.hpp"
 #include "families/general/precise_eliminant.hpp"
 #include "numbers/scatter.hpp"
-#include "propose/beside.hpp"
+#include "propose/candidates.hpp"
 #include "referee/referee.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -97,7 +97,6 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     if (arm.any_slide) {
         const double enough = columns.count() ? search.enough : arm.written.tolerances.reach;
         search_all_over(arm.written, goal, Origin::doubtful, enough, columns);
-        search_beside_folds(arm.written, goal, columns);
     }
     return Status::incomplete;
 }

@@ -9,7 +9,6 @@
 
 #include "families/inclusion.hpp"
 #include "families/seven_joints/srs.hpp"
-#include "propose/beside.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -175,7 +174,10 @@ inline Status Srs::status(const SrsArm& arm, const Goal<double>& goal, const See
     const bool exact = arm.imperfection == 0.0;
     double least[8] = {};
     for (int first = 0; first < 8 && !exact; first += BLOCK) {
-        store(least_bounds(at_swivel(arm, swivel), spread<Block>(goal), columns, first), least + first);
+        Block q[7];
+        const unsigned lanes = solutions_in(columns, first, q);
+        const Block bound = polish_block<true>(at_swivel(arm, swivel), spread<Block>(goal), q, {0, 0.0, 0}).least;
+        store(select(mask_of(lanes), bound, Block(0.0)), least + first);
     }
     SrsBoxes boxes;
     Status status = Status::incomplete;
