@@ -5,6 +5,7 @@
 // would have N + 1 roots.
 #pragma once
 
+#include "certify/circle.hpp"
 #include "certify/proof.hpp"
 #include "certify/single.hpp"
 #include "certify/status.hpp"
@@ -63,11 +64,14 @@ STEP bool add_real(Account& account, const RealRoot& root) {
     account.real[account.reals++] = root;
     return true;
 }
-// The same for a root that is not real: the imaginary part of a joint exceeds its ball.
+// The same for a root that is not real: the imaginary part of a joint exceeds its ball. A pair that is as near to real as those
+// that circle.hpp counts is left to the referee.
 STEP bool add_pair(Account& account, const PairOfRoots& root) {
     if (account.pairs == Account::most / 2) return false;
-    double conjugated[6][2];
+    double conjugated[6][2], far = 0.0;
     conjugate(root.z, conjugated);
+    for (int k = 0; k < 6; ++k) far = max(far, abs(root.z[k][0] * root.z[k][0] + root.z[k][1] * root.z[k][1] - 1.0));
+    if (far < 0.16 * OVERLAP) return false;
     for (int i = 0; i < account.pairs; ++i) {
         const PairOfRoots& other = account.pair[i];
         const double sum = root.inner + other.inner;

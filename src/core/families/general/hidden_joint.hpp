@@ -93,39 +93,37 @@ PART void equations(const EliminationVariant& v, const Frame<double>& G, Equatio
 // ---- the matrix ----------------------------------------------------------------------------------------------------
 
 // The matrix at the hidden angles (c, s), column by column. In the cosine C and the sine S of half of joint a + 4 each equation is
-// (f + g) C^2 + 2 h C S + (f - g) S^2; C times the equations are rows 0 to 2 and 9 to 11, S times the equations the others.
-// Columns: C^3, S^3, C^2 S and C S^2, each times (1, cos, sin) of joint a + 3. So each row has zeros in three of the first six.
+// (f + g) C^2 + 2 h C S + (f - g) S^2; rows: C times the equations, then S times these. Columns: C^3, S^3, C^2 S and C S^2, each
+// times (1, cos, sin) of joint a + 3. So each row has zeros in three of the first six.
 template <class V, class E> STEP void matrix_at(const E& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
 #pragma GCC unroll 1
     for (int e = 0; e < 6; ++e) {
         const auto& a = A.a[e];
-        const int row = e < 3 ? e : 6 + e;
         for (int j = 0; j < 3; ++j) {
             const V f = a[0][j] + c * a[1][j] + s * a[2][j];
             const V g = a[0][3 + j] + c * a[1][3 + j] + s * a[2][3 + j];
             const V h = 0.5 * (a[0][6 + j] + c * a[1][6 + j] + s * a[2][6 + j]);
             const V sum = 0.25 * (f + g), difference = 0.25 * (f - g);
-            M[j][row] = sum + sum, M[6 + j][row] = h, M[9 + j][row] = difference;
-            M[6 + j][3 + e] = sum, M[9 + j][3 + e] = h, M[3 + j][3 + e] = difference + difference;
-            if (e < 3) M[3 + j][e] = 0.0;
+            M[j][e] = sum + sum, M[3 + j][e] = 0.0, M[6 + j][e] = h, M[9 + j][e] = difference;
+            M[6 + j][6 + e] = sum, M[9 + j][6 + e] = h, M[3 + j][6 + e] = difference + difference;
         }
     }
 }
-// The rows that reflection I turns: the others have zeros in its column.
-STEP int turned_rows(int I) { return (I < 3 ? 6 : I < 6 ? 9 : SIZE) - I; }
-STEP int turned_row(int I, int r) { return I < 3 && I + r > 2 ? I + r + 6 : I + r; }
 
 // A Householder reflection 1 - w v v*: makes column I zero below its diagonal. Its head becomes alpha, the column's length with the
 // opposite sign or phase, so that v - alpha e has no cancellation.
 template <class V> STEP void reflect(V (&M)[SIZE][SIZE], int I) {
     // So many sums do not wait for each other.
     constexpr int SUMS = IS_CALLED<V> ? 4 : 2;
-    const int N = turned_rows(I);
-    const auto row = [I](int r) IN_PLACE { return turned_row(I, r); };
+    // The other rows have zeros in the column: first those of S, then those of C that the first three reflections have left.
+    const int N = (I < 3 ? 6 : I < 6 ? 9 : SIZE) - I;
+    for (int j = 3; j < SIZE && I == 3; ++j) {
+        for (int r = 3; r < 6; ++r) exchange(M[j][r], M[j][6 + r]);
+    }
     V v[SIZE], alpha;
     decltype(square(alpha)) all = TINY, w;
 #pragma GCC unroll 12
-    for (int r = 0; r < N; ++r) v[r] = M[I][row(r)], all += square(v[r]);
+    for (int r = 0; r < N; ++r) v[r] = M[I][I + r], all += square(v[r]);
     if constexpr (!std::is_same_v<V, CBlock>) {
         alpha = -copysign(sqrt(all), v[0]), w = 1.0 / (all - alpha * v[0]);
     } else {
@@ -140,11 +138,11 @@ template <class V> STEP void reflect(V (&M)[SIZE][SIZE], int I) {
         V sum[SUMS];
         for (V& each : sum) each = 0.0;
 #pragma GCC unroll 12
-        for (int r = 0; r < N; ++r) add_product(sum[r % SUMS], conj(v[r]), M[j][row(r)]);
+        for (int r = 0; r < N; ++r) add_product(sum[r % SUMS], conj(v[r]), M[j][I + r]);
         for (int k = 1; k < SUMS; ++k) sum[0] += sum[k];
         const V f = -scaled(w, sum[0]);
 #pragma GCC unroll 12
-        for (int r = 0; r < N; ++r) add_product(M[j][row(r)], f, v[r]);
+        for (int r = 0; r < N; ++r) add_product(M[j][I + r], f, v[r]);
     }
 }
 
