@@ -11,6 +11,7 @@ from arms import DescribedArm, Y, Z, from_screws
 from arms_general import crx_like, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
 from cases import Case, assert_exact, closest_pair, described, nearest, rows, thinned
 from numpy.typing import NDArray
+from searches import folds
 
 from urdf_ik import _core
 from urdf_ik.ik.families.parts.elimination import elimination_arm
@@ -135,3 +136,18 @@ def test_parallel_axes_2_3_4_and_5_6_lose_no_planted_vector() -> None:
     solutions = case.arm.ik(case.oracle.poses(Q))
     for i, q in enumerate(Q):
         assert nearest(rows(solutions[i]), q) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["jaco", "irb140"])
+def test_a_pair_that_the_tolerance_may_make_real_is_in_each_certain_answer(name: str) -> None:
+    """At a fold whose target lies 1e-12 beyond: no solution is real there, and the fold still keeps the pose."""
+    arm = named(name).arm
+    for q in folds(arm, 100, np.random.default_rng(0)):
+        U, _, V = np.linalg.svd(arm.jacobian(q))
+        slope = U[:, -1] @ (arm.jacobian(q + 1e-4 * V[-1]) - arm.jacobian(q - 1e-4 * V[-1])) @ V[-1] / 2e-4
+        target = arm.fk(q)
+        target[:3, 3] -= 1e-12 * np.sign(slope) * U[:3, -1]
+        turn = -1e-12 * np.sign(slope) * U[3:, -1]
+        target[:3, :3] += np.cross(turn, target[:3, :3], axisb=0, axisc=0)
+        answer = arm.ik(target)
+        assert abs(slope) < 0.01 or not answer.certain or nearest(rows(answer), q) < 1e-4, (q.tolist(), answer.status)
