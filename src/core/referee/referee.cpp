@@ -315,7 +315,10 @@ PART Status status_of_zeros(const Written<6>& arm, const Goal<double>& goal, con
         clustered = true;
     }
     Status status = clustered ? Status::clustered : Status::complete;
-    if (!clustered && settle_far_zeros(arm, goal, zeros, columns, status)) return Status::complete;
+    // Where no zero is real, rounding of the pose may have made a curve's members complex: the other zeros lead to them.
+    bool real = false;
+    for (int i = 0; i < zeros.many; ++i) real |= zeros.at[i].real;
+    if (!(clustered && real) && settle_far_zeros(arm, goal, zeros, columns, status) && !clustered) return Status::complete;
     return any_is_on_curve(arm, goal, columns) ? Status::continuum : status;
 }
 
