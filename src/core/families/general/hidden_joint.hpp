@@ -134,7 +134,7 @@ template <class V> STEP void reflect(V (&M)[SIZE][SIZE], int I) {
     v[0] = v[0] - alpha;
 #pragma GCC unroll 1
     for (int j = I + 1; j < SIZE; ++j) {
-        if (I < 3 && j / 3 == 1) continue;
+        if (I < 3 && j / 3 == 1) continue;  // S^3, with zeros in these rows
         V sum[SUMS];
         for (V& each : sum) each = 0.0;
 #pragma GCC unroll 12
